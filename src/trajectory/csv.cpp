@@ -1,0 +1,274 @@
+#include "jaculus/trajectory/csv.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <optional>
+#include <set>
+#include <string_view>
+#include <system_error>
+
+#include "jaculus/core/error.h"
+#include "jaculus/core/yaml.h"
+
+namespace jaculus {
+namespace {
+
+using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+std::string_view trim(std::string_view text) {
+  const auto first = text.find_first_not_of(" \t");
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(" \t") - first + 1);
+}
+
+/// Text as it may stand in a message: short, and printable whatever the file holds.
+std::string shown(std::string_view text) {
+  constexpr std::size_t kLongest = 40;
+  std::string out;
+  for (const char c : text.substr(0, kLongest)) out += static_cast<unsigned char>(c) < 0x20 || c == 0x7f ? '?' : c;
+  return text.size() > kLongest ? out + "..." : out;
+}
+
+class Parser {
+ public:
+  Parser(std::string_view text, std::string name) : rest_(text), name_(std::move(name)) {
+    if (rest_.starts_with("\xEF\xBB\xBF")) rest_.remove_prefix(3);
+    while (!rest_.empty() && std::string_view(" \t\r\n").find(rest_.back()) != std::string_view::npos)
+      rest_.remove_suffix(1);
+  }
+
+  Table parse() {
+    if (rest_.empty())
+      throw InputError(fmt::format("{}: the file is empty; a header line and rows are expected", name_));
+    header();
+    if (rest_.empty()) throw error("there is a header but no row");
+    cells_.reserve(rest_.size() / 8);
+    while (!rest_.empty()) row();
+    const auto columns = static_cast<Eigen::Index>(table_.columns.size());
+    table_.values =
+        Eigen::Map<const RowMajor>(cells_.data(), static_cast<Eigen::Index>(cells_.size()) / columns, columns);
+    return std::move(table_);
+  }
+
+ private:
+  [[nodiscard]] InputError error(const std::string& what) const {
+    return InputError(fmt::format("{}:{}: {}", name_, line_, what));
+  }
+
+  std::string_view next_line() {
+    const auto end = rest_.find('\n');
+    std::string_view line = rest_.substr(0, end);
+    rest_.remove_prefix(end == std::string_view::npos ? rest_.size() : end + 1);
+    if (line.ends_with('\r')) line.remove_suffix(1);
+    ++line_;
+    return line;
+  }
+
+  /// Takes the next cell off `line`; `more` tells whether a comma followed. Quoted text with doubled quotes goes
+  /// through unquoted_.
+  std::string_view next_cell(std::string_view& line, bool& more) {
+    const auto start = line.find_first_not_of(" \t");
+    if (start != std::string_view::npos && line[start] == '"') return quoted_cell(line, start + 1, more);
+    const auto end = line.find(',');
+    const std::string_view cell = line.substr(0, end);
+    more = end != std::string_view::npos;
+    line.remove_prefix(more ? end + 1 : line.size());
+    return trim(cell);
+  }
+
+  std::string_view quoted_cell(std::string_view& line, std::size_t at, bool& more) {
+    unquoted_.clear();
+    for (;; ++at) {
+      if (at >= line.size()) throw error("a quoted cell has no closing quote on its line");
+      if (line[at] != '"') {
+        unquoted_ += line[at];
+      } else if (at + 1 < line.size() && line[at + 1] == '"') {
+        unquoted_ += line[at++];
+      } else {
+        break;
+      }
+    }
+    line.remove_prefix(at + 1);
+    const auto end = line.find(',');
+    if (!trim(line.substr(0, end)).empty())
+      throw error(fmt::format("'{}' stands behind a closing quote", shown(trim(line.substr(0, end)))));
+    more = end != std::string_view::npos;
+    line.remove_prefix(more ? end + 1 : line.size());
+    return trim(unquoted_);
+  }
+
+  void header() {
+    std::string_view line = next_line();
+    if (line.find(',') == std::string_view::npos && line.find(';') != std::string_view::npos)
+      throw error("the header has semicolons but no comma; cells are to be separated by commas");
+    std::set<std::string> seen;
+    for (bool more = true; more;) {
+      const Column column = parse_column(next_cell(line, more));
+      if (!seen.insert(column.name).second) throw error(fmt::format("column '{}' stands twice", shown(column.name)));
+      if (column.name == "phase" && column.unit.empty()) {
+        phase_column_ = columns_;
+      } else {
+        table_.columns.push_back(column);
+      }
+      ++columns_;
+    }
+    if (table_.columns.empty()) throw error("there is no column of numbers");
+  }
+
+  [[nodiscard]] Column parse_column(std::string_view cell) const {
+    const auto bracket = cell.find('[');
+    const std::string_view name = trim(cell.substr(0, bracket));
+    if (name.empty()) throw error("a column has no name; 'name [unit]' is expected");
+    if (double number = 0.0; parse_number(name, number))
+      throw error(
+          fmt::format("'{}' stands where a column name is expected; the first line is to be a header", shown(name)));
+    if (bracket == std::string_view::npos) return {std::string(name), ""};
+    if (!cell.ends_with(']') || cell.find_first_of("[]", bracket + 1) != cell.size() - 1)
+      throw error(fmt::format("column '{}': 'name [unit]' is expected", shown(cell)));
+    const std::string_view unit = trim(cell.substr(bracket + 1, cell.size() - bracket - 2));
+    if (unit.empty())
+      throw error(fmt::format("column '{}': the brackets hold no unit; '[-]' stands for none", shown(cell)));
+    return {std::string(name), std::string(unit)};
+  }
+
+  static bool parse_number(std::string_view cell, double& value) {
+    if (cell.starts_with('+') && !cell.starts_with("+-")) cell.remove_prefix(1);
+    const auto [end, status] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
+    return status == std::errc() && end == cell.data() + cell.size() && std::isfinite(value);
+  }
+
+  void row() {
+    std::string_view line = next_line();
+    if (trim(line).empty()) throw error("a blank line stands between the rows");
+    int cells = 0;
+    std::size_t numbers = 0;
+    for (bool more = true; more; ++cells) {
+      const std::string_view cell = next_cell(line, more);
+      if (cells >= columns_) continue;  // counted, to say how many there are
+      if (cells == phase_column_) {
+        table_.phase.emplace_back(cell);
+        continue;
+      }
+      double value = kNaN;
+      if (!cell.empty() && !parse_number(cell, value))
+        throw error(
+            fmt::format("column '{}': '{}' is not a number; a finite number, or an empty cell for a gap, is expected",
+                        table_.columns[numbers].name, shown(cell)));
+      cells_.push_back(value);
+      ++numbers;
+    }
+    if (cells != columns_)
+      throw error(fmt::format("the row has {} cell{}; the header has {}", cells, cells == 1 ? "" : "s", columns_));
+  }
+
+  std::string_view rest_;
+  std::string name_;
+  int line_ = 0;
+  int columns_ = 0;        ///< of the file, the phase's among them
+  int phase_column_ = -1;  ///< its place in the file
+  std::string unquoted_;   ///< the text of the last quoted cell
+  std::vector<double> cells_;
+  Table table_;
+};
+
+void append_text(std::string& out, const std::string& text) {
+  // An empty text needs its quotes where it would be all that stands on a line; elsewhere they do no harm.
+  if (!text.empty() && text.find_first_of(",\"") == std::string::npos && trim(text).size() == text.size()) {
+    out += text;
+    return;
+  }
+  out += '"';
+  for (const char c : text) out.append(c == '"' ? 2 : 1, c);
+  out += '"';
+}
+
+std::string header_of(const Column& column) {
+  return column.unit.empty() ? column.name : column.name + " [" + column.unit + "]";
+}
+
+}  // namespace
+
+int Table::column(const std::string& name) const {
+  for (std::size_t i = 0; i < columns.size(); ++i)
+    if (columns[i].name == name) return static_cast<int>(i);
+  return -1;
+}
+
+Table parse_csv(std::string_view text, const std::string& name) { return Parser(text, name).parse(); }
+
+Table read_csv(const std::filesystem::path& file) {
+  std::error_code code;
+  if (!std::filesystem::exists(file, code)) throw InputError(fmt::format("{}: there is no such file", file.string()));
+  if (std::filesystem::is_directory(file, code))
+    throw InputError(fmt::format("{}: a folder; a CSV file is expected", file.string()));
+  std::ifstream stream(file, std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(stream), {}};
+  if (!stream) throw InputError(fmt::format("{}: can't be read", file.string()));
+  return parse_csv(text, file.string());
+}
+
+Vector quantity(const Table& table, const std::string& name, const Dimension& dimension,
+                const std::filesystem::path& file) {
+  const int index = table.column(name);
+  if (index < 0) {
+    std::vector<std::string> names;
+    for (const Column& column : table.columns) names.push_back(column.name);
+    const std::optional<std::string> near = yaml::nearest_name(name, names);
+    throw InputError(fmt::format("{}:1: column '{} [{}]' is missing{}", file.string(), name, unit_name(dimension),
+                                 near ? fmt::format("; did you mean '{}'?", *near) : ""));
+  }
+  const std::string& unit = table.columns[static_cast<std::size_t>(index)].unit;
+  double factor = 1.0;
+  if (unit.empty() || unit == "-") {
+    if (dimension != dimension::none)
+      throw InputError(fmt::format("{}:1: column '{}' has no unit; '{} [{}]' is expected", file.string(), name, name,
+                                   unit_name(dimension)));
+  } else {
+    try {
+      factor = parse_quantity("1 " + unit, dimension);
+    } catch (const InputError& error) {
+      throw InputError(fmt::format("{}:1: column '{} [{}]': {}", file.string(), name, unit, error.what()));
+    }
+  }
+  return factor * table.values.col(index);
+}
+
+std::string format_csv(const Table& table) {
+  const Eigen::Index rows = table.values.rows();
+  std::string out;
+  out.reserve(static_cast<std::size_t>(20 * table.values.size()) + 1024);
+  const auto line = [&](const auto& number, const std::string* phase) {
+    for (std::size_t i = 0; i < table.columns.size(); ++i) {
+      if (i > 0) out += ',';
+      number(i);
+      if (i == 0 && phase != nullptr) {
+        out += ',';
+        append_text(out, *phase);
+      }
+    }
+    out += '\n';
+  };
+  const std::string phase_header = "phase";
+  line([&](std::size_t i) { append_text(out, header_of(table.columns[i])); },
+       table.phase.empty() ? nullptr : &phase_header);
+  for (Eigen::Index row = 0; row < rows; ++row) {
+    const auto number = [&](std::size_t i) {
+      const double value = table.values(row, static_cast<Eigen::Index>(i));
+      if (!std::isnan(value)) {
+        fmt::format_to(std::back_inserter(out), "{}", value);
+      } else if (table.columns.size() == 1) {
+        out += "\"\"";  // a blank line at the end would not count as a row
+      }
+    };
+    line(number, table.phase.empty() ? nullptr : &table.phase[static_cast<std::size_t>(row)]);
+  }
+  return out;
+}
+
+void write_csv(const Table& table, const std::filesystem::path& file) { write_file(file, format_csv(table)); }
+
+}  // namespace jaculus
