@@ -58,6 +58,7 @@ constexpr std::array kUnits = {
     Unit{"A", 1.0, dimension::current},
     Unit{"mA", 1e-3, dimension::current},
     Unit{"V", 1.0, dimension::voltage},
+    Unit{"kV", 1e3, dimension::voltage},
     Unit{"mV", 1e-3, dimension::voltage},
     Unit{"ohm", 1.0, dimension::resistance},
     Unit{"mohm", 1e-3, dimension::resistance},

@@ -148,11 +148,21 @@ class Builder : public YAML::EventHandler {
       fail(name_, top.tree->line, "more than a million values with aliases written out; allowed: fewer");
     }
     if (top.tree->kind == Tree::Kind::map) {
-      top.tree->entries.push_back({top.key, top.key_line, tree});
+      std::shared_ptr<const Tree> value = tree;
+      if (tree->kind == Tree::Kind::null) value = null_at(top.key_line);
+      top.tree->entries.push_back({top.key, top.key_line, value});
       top.has_key = false;
     } else {
       top.tree->items.push_back(tree);
     }
+  }
+
+  /// A key without a value: its line is the key's, not that of whatever comes next.
+  static std::shared_ptr<const Tree> null_at(int line) {
+    auto tree = std::make_shared<Tree>();
+    tree->line = line;
+    tree->complete = true;
+    return tree;
   }
 
   void take_key(const YAML::Mark& mark, const Tree& tree) {
@@ -207,10 +217,11 @@ void emit(YAML::Emitter& out, const Tree& tree) {
 std::shared_ptr<const Tree> parse_tree(const std::string& text, const std::string& name) {
   check_text(text, name);
   try {
-    std::istringstream stream(text);
+    // The end marker makes the parser notice a quote that is never closed; without it the rest of the file would be swallowed.
+    std::istringstream stream(text + (text.ends_with('\n') ? "...\n" : "\n...\n"));
     YAML::Parser parser(stream);
     Builder builder(name);
-    if (!parser.HandleNextDocument(builder) || !builder.root()) {
+    if (!parser.HandleNextDocument(builder) || !builder.root() || builder.root()->kind == Tree::Kind::null) {
       fail(name, 1, "the file holds no value; allowed: a YAML document");
     }
     Builder second(name);
@@ -219,7 +230,10 @@ std::shared_ptr<const Tree> parse_tree(const std::string& text, const std::strin
     }
     return builder.root();
   } catch (const YAML::Exception& e) {
-    fail(name, e.mark.line + 1, fmt::format("not valid YAML: {}; allowed: a YAML document", e.msg));
+    const bool open_quote = e.msg.find("document indicator") != std::string::npos;
+    fail(name, e.mark.line + 1,
+         open_quote ? "not valid YAML: a quote is not closed; allowed: a YAML document"
+                    : fmt::format("not valid YAML: {}; allowed: a YAML document", e.msg));
   }
 }
 
