@@ -1,0 +1,83 @@
+#pragma once
+// The physics: equations of motion of a planar robot with feet in stance, motors and tail drag, with exact first and second
+// derivatives. Everything that plans or simulates calls these.
+//
+// Unknown are the generalised acceleration a (n), and the forces on the feet f (2 a foot); loop forces l are eliminated.
+// In absolute coordinates (kinematics.h), with A = G a + gamma, the residual of all bodies is
+//     r = sum_b [m J^T (pdd - g) + I alpha] - J_f^T f - C^T l - Q_drag,
+// and the system, G^T C^T = 0 having removed l, is
+//     [ M  -J^T ] [a]   [ B u - G^T r(A = gamma, f = l = 0) ]        M = G^T M_abs G + armature,
+//     [ J    0  ] [f] = [ -(J_f gamma + V^T d2p V)          ]        J = J_f G.
+// u (n_u) is one motor's torque at the joint; B counts left and right.
+//
+// First derivatives differentiate the whole system, loop forces and dependent joints included; second derivatives use the adjoint
+//     K^T (nu, kappa) = mu   =>   d2(mu . (a, f)) = -d2(nu . r + kappa . pdd_f + kappa_l . cdd + chi_1 . cd + chi_0 . c),
+// where kappa_l, chi_1, chi_0 make the sum stationary in the dependent joints' accelerations, rates and values.
+
+#include <Eigen/LU>
+#include <vector>
+
+#include "jaculus/components/tail_drag.h"
+#include "jaculus/dynamics/loop_closure.h"
+
+namespace jaculus {
+
+/// Scratch and results of one evaluation; sized once for a contact set, reused without allocation.
+struct EquationsPoint;
+
+/// The equations of one robot. Immutable.
+class Equations {
+ public:
+  /// `smoothing` [m/s]: |u| in the drag law is sqrt(u^2 + smoothing^2) (tail_drag.h states the error).
+  explicit Equations(const PlanarModel& model, double smoothing = 0.02);
+
+  [[nodiscard]] const AbsoluteTree& tree() const { return tree_; }
+  [[nodiscard]] const PlanarModel& model() const { return model_; }
+  [[nodiscard]] int size() const { return tree_.n; }
+  [[nodiscard]] int inputs() const { return static_cast<int>(tree_.input_map.cols()); }
+
+  /// Solves for p.a (n) and p.force (2 a foot in contact: x, z [N]). False where loops or stance are singular.
+  bool evaluate(const Eigen::Ref<const Vector>& q, const Eigen::Ref<const Vector>& v, const Eigen::Ref<const Vector>& u,
+                EquationsPoint& p) const;
+  /// Fills p.Z = d(a, force)/d(q, v, u), (n + 2 feet) x (2 n + n_u). After evaluate().
+  void differentiate(EquationsPoint& p) const;
+  /// Adds d2(mu . (a, force))/d(q, v, u)^2 to H, (2 n + n_u)^2. After differentiate().
+  void add_hessian(const Eigen::Ref<const Vector>& mu, EquationsPoint& p, Matrix& H) const;
+
+  /// Force of the drag on the robot, world frame [N], and its power [W] (negative: taken from the robot). After evaluate().
+  [[nodiscard]] Vec2 drag_force(const EquationsPoint& p) const;
+  [[nodiscard]] double drag_power(const EquationsPoint& p) const;
+  /// Moment of the drag about the world origin, turning about +y [N m]. After evaluate().
+  [[nodiscard]] double drag_moment(const EquationsPoint& p) const;
+
+ private:
+  void add_drag(EquationsPoint& p) const;
+  void add_drag_derivatives(EquationsPoint& p) const;
+  void add_drag_hessian(EquationsPoint& p) const;
+  [[nodiscard]] Vec2 drag_normal(const PlanarDrag& drag, const EquationsPoint& p, Vec2& along) const;
+
+  PlanarModel model_;
+  AbsoluteTree tree_;
+  double smoothing_;
+};
+
+struct EquationsPoint {
+  EquationsPoint(const Equations& equations, const std::vector<int>& feet_in_contact);
+
+  std::vector<int> feet;  ///< indices of the feet in contact
+  Motion motion;
+  Vector q, v;
+  Vector a;      ///< n
+  Vector force;  ///< 2 a foot in contact: x, z [N]
+  Matrix Z;      ///< see differentiate()
+  // Scratch.
+  Vector A, r, loop_force;
+  Matrix M, J_f, Res_Y, Res_V, F_Y, F_V, L_Y, L_V;
+  Matrix K, rhs, Gamma, dA, d_loop_force;
+  Vector rhs0, nu, kappa_l, chi_0, chi_1, g_Y, g_V, chi_scratch, adjoint;
+  Matrix YY, YV, VV, YA, S_Y, NN1, NN2, Nn, Nn2, Nw, nw, qq, qv;
+  Eigen::PartialPivLU<Matrix> lu;
+  PointColumns J, PY, PV, Dnu;
+};
+
+}  // namespace jaculus

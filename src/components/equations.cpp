@@ -1,0 +1,366 @@
+#include "jaculus/components/equations.h"
+
+#include <cmath>
+
+namespace jaculus {
+
+namespace {
+
+/// out += scale * a^T b over the sparse columns of two points.
+void add_outer(const PointColumns& a, const PointColumns& b, double scale, Matrix& out) {
+  for (int j = 0; j < b.count; ++j) {
+    const double bx = scale * b.x[j], bz = scale * b.z[j];
+    double* column = out.col(b.index[j]).data();
+    for (int i = 0; i < a.count; ++i) column[a.index[i]] += a.x[i] * bx + a.z[i] * bz;
+  }
+}
+
+void copy_pattern(const PointColumns& from, PointColumns& to) {
+  to.count = from.count;
+  for (int k = 0; k < from.count; ++k) {
+    to.index[k] = from.index[k];
+    to.x[k] = to.z[k] = 0.0;
+  }
+}
+
+void put_rows(const PointColumns& c, int row, Matrix& out) {
+  for (int k = 0; k < c.count; ++k) {
+    out(row, c.index[k]) += c.x[k];
+    out(row + 1, c.index[k]) += c.z[k];
+  }
+}
+
+/// Columns of d(pdd)/dY = D(A) + E(V) and d(pdd)/dV = 2 D(V).
+void acceleration_columns(const Path& path, EquationsPoint& p) {
+  copy_pattern(p.J, p.PY);
+  copy_pattern(p.J, p.PV);
+  add_D(path, p.motion.pose, p.A, 1.0, p.PY);
+  add_E(path, p.motion.pose, p.motion.V, 1.0, p.PY);
+  add_D(path, p.motion.pose, p.motion.V, 2.0, p.PV);
+}
+
+Vec2 acceleration(const Path& path, const EquationsPoint& p, const Vector& A) {
+  return p.J.times(A) + quadratic(path, p.motion.pose, p.motion.V);
+}
+
+/// Mass matrix and residual of the bodies at A = gamma.
+void add_bodies(const AbsoluteTree& tree, EquationsPoint& p) {
+  for (size_t b = 0; b < tree.com.size(); ++b) {
+    const int phi = AbsoluteTree::angle_index(static_cast<int>(b));
+    p.M(phi, phi) += tree.inertia[b];
+    p.r[phi] += tree.inertia[b] * p.motion.gamma[phi];
+    if (tree.mass[b] == 0.0) continue;
+    jacobian_columns(tree.com[b], p.motion.pose, p.J);
+    add_outer(p.J, p.J, tree.mass[b], p.M);
+    const Vec2 weight = acceleration(tree.com[b], p, p.motion.gamma) + Vec2(0.0, tree.gravity);
+    p.J.add_transposed(weight, tree.mass[b], p.r);
+  }
+}
+
+void assemble(const AbsoluteTree& tree, const Eigen::Ref<const Vector>& u, EquationsPoint& p) {
+  const int n = tree.n, m = static_cast<int>(p.force.size());
+  const Matrix& G = p.motion.G;
+  p.J_f.setZero();
+  for (int k = 0; k < m / 2; ++k) {
+    const Path& path = tree.feet[static_cast<size_t>(p.feet[static_cast<size_t>(k)])];
+    jacobian_columns(path, p.motion.pose, p.J);
+    put_rows(p.J, 2 * k, p.J_f);
+    p.rhs0.segment<2>(n + 2 * k) = -acceleration(path, p, p.motion.gamma);
+  }
+  p.Nn = p.M.lazyProduct(G);
+  p.K.topLeftCorner(n, n) = G.transpose().lazyProduct(p.Nn);
+  p.K.topLeftCorner(n, n) += tree.armature;
+  p.K.bottomLeftCorner(m, n) = p.J_f.lazyProduct(G);
+  p.K.topRightCorner(n, m) = -p.K.bottomLeftCorner(m, n).transpose();
+  p.K.bottomRightCorner(m, m).setZero();
+  p.rhs0.head(n) = tree.input_map.lazyProduct(u);
+  p.rhs0.head(n) -= G.transpose().lazyProduct(p.r);
+}
+
+}  // namespace
+
+Equations::Equations(const PlanarModel& model, double smoothing) : model_(model), tree_(model), smoothing_(smoothing) {}
+
+EquationsPoint::EquationsPoint(const Equations& equations, const std::vector<int>& feet_in_contact)
+    : feet(feet_in_contact), motion(equations.tree()) {
+  const AbsoluteTree& tree = equations.tree();
+  const int N = tree.N, n = tree.n, nd = tree.nd, nu_in = equations.inputs();
+  const int m = 2 * static_cast<int>(feet.size()), w = 2 * n + nu_in;
+  q = v = a = Vector::Zero(n);
+  force = Vector::Zero(m);
+  Z = rhs = Matrix::Zero(n + m, w);
+  A = r = nu = g_Y = g_V = chi_scratch = Vector::Zero(N);
+  loop_force = kappa_l = chi_0 = chi_1 = Vector::Zero(nd);
+  M = Res_Y = Res_V = YY = YV = VV = YA = NN1 = NN2 = Matrix::Zero(N, N);
+  J_f = F_Y = F_V = Matrix::Zero(m, N);
+  L_Y = L_V = Matrix::Zero(nd, N);
+  K = Matrix::Zero(n + m, n + m);
+  Gamma = dA = S_Y = Nw = Matrix::Zero(N, w);
+  d_loop_force = Matrix::Zero(nd, w);
+  rhs0 = adjoint = Vector::Zero(n + m);
+  Nn = Nn2 = Matrix::Zero(N, n);
+  nw = Matrix::Zero(n, w);
+  qq = qv = Matrix::Zero(n, n);
+  lu = Eigen::PartialPivLU<Matrix>(n + m);
+}
+
+bool Equations::evaluate(const Eigen::Ref<const Vector>& q, const Eigen::Ref<const Vector>& v,
+                         const Eigen::Ref<const Vector>& u, EquationsPoint& p) const {
+  if (!set_configuration(tree_, q, p.motion)) return false;
+  p.q = q;
+  p.v = v;
+  set_rates(tree_, v, p.motion);
+  p.M.setZero();
+  p.r.setZero();
+  add_bodies(tree_, p);
+  add_drag(p);
+  assemble(tree_, u, p);
+  p.lu.compute(p.K);
+  p.adjoint = p.lu.solve(p.rhs0);
+  if (!p.adjoint.allFinite()) return false;
+  p.a = p.adjoint.head(tree_.n);
+  p.force = p.adjoint.tail(p.force.size());
+  p.A = p.motion.G.lazyProduct(p.a);
+  p.A += p.motion.gamma;
+  return true;
+}
+
+namespace {
+
+/// Derivatives of the residual r and of the feet's acceleration by Y and V, at the solution.
+void residual_derivatives(const AbsoluteTree& tree, EquationsPoint& p) {
+  for (size_t b = 0; b < tree.com.size(); ++b) {
+    if (tree.mass[b] == 0.0) continue;
+    const Path& path = tree.com[b];
+    jacobian_columns(path, p.motion.pose, p.J);
+    acceleration_columns(path, p);
+    add_outer(p.J, p.PY, tree.mass[b], p.Res_Y);
+    add_outer(p.J, p.PV, tree.mass[b], p.Res_V);
+    const Vec2 weight = acceleration(path, p, p.A) + Vec2(0.0, tree.gravity);
+    add_H(path, p.motion.pose, tree.mass[b] * weight, p.Res_Y);
+  }
+  for (size_t k = 0; k < p.feet.size(); ++k) {
+    const Path& path = tree.feet[static_cast<size_t>(p.feet[k])];
+    const int row = 2 * static_cast<int>(k);
+    jacobian_columns(path, p.motion.pose, p.J);
+    acceleration_columns(path, p);
+    put_rows(p.PY, row, p.F_Y);
+    put_rows(p.PV, row, p.F_V);
+    add_H(path, p.motion.pose, -p.force.segment<2>(row), p.Res_Y);
+  }
+}
+
+/// Loop forces from the balance of the dependent joints, and what they add to dr/dY.
+void add_loop_forces(const AbsoluteTree& tree, EquationsPoint& p) {
+  if (tree.nd == 0) return;
+  // r at A: r(gamma) + M (A - gamma) - J_f^T f.
+  p.g_Y = p.A - p.motion.gamma;
+  p.g_V = p.M.lazyProduct(p.g_Y);
+  p.g_V += p.r;
+  p.g_V -= p.J_f.transpose().lazyProduct(p.force);
+  p.kappa_l = tree.P_d.transpose().lazyProduct(p.g_V);
+  p.loop_force = p.motion.C_d_inverse.transpose().lazyProduct(p.kappa_l);
+  for (size_t l = 0; l < tree.loops.size(); ++l) {
+    const Vec2 force = p.loop_force.segment<2>(2 * static_cast<int>(l));
+    add_H(tree.loops[l].a, p.motion.pose, -force, p.Res_Y);
+    add_H(tree.loops[l].b, p.motion.pose, force, p.Res_Y);
+  }
+}
+
+/// out = (first_Y G + first_V X | first_V G | 0) over (q, v, u).
+void chain_to_state(const EquationsPoint& p, const Matrix& first_Y, const Matrix& first_V, Eigen::Ref<Matrix> out) {
+  const int n = static_cast<int>(p.a.size());
+  out.leftCols(n) = first_Y.lazyProduct(p.motion.G);
+  out.leftCols(n) += first_V.lazyProduct(p.motion.X);
+  out.middleCols(n, n) = first_V.lazyProduct(p.motion.G);
+  out.rightCols(out.cols() - 2 * n).setZero();
+}
+
+}  // namespace
+
+void Equations::differentiate(EquationsPoint& p) const {
+  const int n = tree_.n, m = static_cast<int>(p.force.size());
+  set_rate_sensitivity(tree_, p.motion);
+  p.Res_Y.setZero();
+  p.Res_V.setZero();
+  p.F_Y.setZero();
+  p.F_V.setZero();
+  residual_derivatives(tree_, p);
+  add_drag_derivatives(p);
+  add_loop_forces(tree_, p);
+
+  p.Gamma.setZero();
+  if (tree_.nd > 0) {
+    loop_acceleration_derivatives(tree_, p.motion, p.A, p.L_Y, p.L_V);
+    chain_to_state(p, p.L_Y, p.L_V, p.d_loop_force);
+    for (int k = 0; k < tree_.nd; ++k) {
+      for (int r = 0; r < tree_.nd; ++r) {
+        const double f = p.motion.C_d_inverse(k, r);
+        if (f != 0.0) p.Gamma -= (f * tree_.P_d.col(k)) * p.d_loop_force.row(r);
+      }
+    }
+  }
+  chain_to_state(p, p.Res_Y, p.Res_V, p.Nw);
+  p.Nw += p.M.lazyProduct(p.Gamma);
+  p.rhs.topRows(n) = -p.motion.G.transpose().lazyProduct(p.Nw);
+  p.rhs.topRows(n).rightCols(inputs()) += tree_.input_map;
+  if (m > 0) {
+    chain_to_state(p, p.F_Y, p.F_V, p.rhs.bottomRows(m));
+    p.rhs.bottomRows(m) += p.J_f.lazyProduct(p.Gamma);
+    p.rhs.bottomRows(m) *= -1.0;
+  }
+  p.Z = p.lu.solve(p.rhs);
+
+  p.dA = p.Gamma;
+  p.dA += p.motion.G.lazyProduct(p.Z.topRows(n));
+  if (tree_.nd > 0) {
+    // Balance of the dependent joints: C_d^T dl = P_d^T (M dA - J_f^T df + R dw).
+    chain_to_state(p, p.Res_Y, p.Res_V, p.Nw);
+    p.Nw += p.M.lazyProduct(p.dA);
+    if (m > 0) p.Nw -= p.J_f.transpose().lazyProduct(p.Z.bottomRows(m));
+    p.S_Y.topRows(tree_.nd) = tree_.P_d.transpose().lazyProduct(p.Nw);
+    p.d_loop_force = p.motion.C_d_inverse.transpose().lazyProduct(p.S_Y.topRows(tree_.nd));
+  }
+}
+
+namespace {
+
+/// Second derivatives of nu . (body terms).
+void add_body_hessian(const AbsoluteTree& tree, EquationsPoint& p) {
+  const Pose& pose = p.motion.pose;
+  const Vector& V = p.motion.V;
+  for (size_t b = 0; b < tree.com.size(); ++b) {
+    const double mass = tree.mass[b];
+    if (mass == 0.0) continue;
+    const Path& path = tree.com[b];
+    jacobian_columns(path, pose, p.J);
+    acceleration_columns(path, p);
+    copy_pattern(p.J, p.Dnu);
+    add_D(path, pose, p.nu, 1.0, p.Dnu);
+    const Vec2 weight = mass * (acceleration(path, p, p.A) + Vec2(0.0, tree.gravity));
+    const Vec2 shift = mass * p.J.times(p.nu);
+    add_outer(p.PY, p.Dnu, mass, p.YY);
+    add_outer(p.Dnu, p.PY, mass, p.YY);
+    add_T(path, pose, weight, p.nu, p.YY);
+    add_T(path, pose, shift, p.A, p.YY);
+    add_F(path, pose, shift, V, p.YY);
+    add_outer(p.Dnu, p.PV, mass, p.YV);
+    add_T(path, pose, 2.0 * shift, V, p.YV);
+    add_H(path, pose, 2.0 * shift, p.VV);
+    add_outer(p.Dnu, p.J, mass, p.YA);
+    add_H(path, pose, shift, p.YA);
+  }
+}
+
+/// Second derivatives of kappa . (point's acceleration) - force . (virtual displacement), and d(force) . D(nu) into S_Y.
+void add_constraint_hessian(const Path& path, const Vec2& force, const Vec2& kappa, double sign, const Matrix& d_force,
+                            int row, EquationsPoint& p) {
+  const Pose& pose = p.motion.pose;
+  const Vec2 k = sign * kappa;
+  add_T(path, pose, -sign * force, p.nu, p.YY);
+  add_T(path, pose, k, p.A, p.YY);
+  add_F(path, pose, k, p.motion.V, p.YY);
+  add_T(path, pose, 2.0 * k, p.motion.V, p.YV);
+  add_H(path, pose, 2.0 * k, p.VV);
+  add_H(path, pose, k, p.YA);
+  jacobian_columns(path, pose, p.J);
+  copy_pattern(p.J, p.Dnu);
+  add_D(path, pose, p.nu, -sign, p.Dnu);
+  for (int c = 0; c < p.Dnu.count; ++c) {
+    p.S_Y.row(p.Dnu.index[c]) += p.Dnu.x[c] * d_force.row(row) + p.Dnu.z[c] * d_force.row(row + 1);
+  }
+}
+
+/// Multipliers that make the sum stationary in the dependent joints' rates and values, and their curvature.
+void add_dependent_curvature(const AbsoluteTree& tree, EquationsPoint& p) {
+  Motion& m = p.motion;
+  p.chi_0 = tree.P_d.transpose().lazyProduct(p.g_V);
+  p.chi_1 = -m.C_d_inverse.transpose().lazyProduct(p.chi_0);
+  for (size_t l = 0; l < tree.loops.size(); ++l) {
+    const Vec2 chi = p.chi_1.segment<2>(2 * static_cast<int>(l));
+    for (int side = 0; side < 2; ++side) {
+      const Path& path = side == 0 ? tree.loops[l].a : tree.loops[l].b;
+      const Vec2 w = side == 0 ? chi : Vec2(-chi);
+      jacobian_columns(path, m.pose, p.J);
+      copy_pattern(p.J, p.Dnu);
+      add_D(path, m.pose, m.V, 1.0, p.Dnu);
+      p.Dnu.add_transposed(w, 1.0, p.g_Y);
+      add_T(path, m.pose, w, m.V, p.YY);
+      add_H(path, m.pose, w, p.YV);
+    }
+  }
+  p.kappa_l = tree.P_d.transpose().lazyProduct(p.g_Y);
+  p.chi_0 = -m.C_d_inverse.transpose().lazyProduct(p.kappa_l);
+  for (size_t l = 0; l < tree.loops.size(); ++l) {
+    const Vec2 chi = p.chi_0.segment<2>(2 * static_cast<int>(l));
+    add_H(tree.loops[l].a, m.pose, chi, p.YY);
+    add_H(tree.loops[l].b, m.pose, -chi, p.YY);
+  }
+}
+
+/// Subtracts the second derivatives, chained to (q, v, u), from H.
+void subtract_chained(const AbsoluteTree& tree, EquationsPoint& p, Matrix& H) {
+  const int n = tree.n;
+  const Matrix &G = p.motion.G, &X = p.motion.X;
+  p.Nn = p.YY.lazyProduct(G);
+  p.Nn += p.YV.lazyProduct(X);
+  p.qq = G.transpose().lazyProduct(p.Nn);
+  p.Nn2 = p.VV.lazyProduct(X);
+  p.Nn2 += p.YV.transpose().lazyProduct(G);
+  p.qq += X.transpose().lazyProduct(p.Nn2);
+  p.qv = p.Nn2.transpose().lazyProduct(G);
+  p.Nn = p.VV.lazyProduct(G);
+  H.topLeftCorner(n, n) -= p.qq;
+  H.block(0, n, n, n) -= p.qv;
+  H.block(n, 0, n, n) -= p.qv.transpose();
+  H.block(n, n, n, n) -= G.transpose().lazyProduct(p.Nn);
+  p.S_Y += p.YA.lazyProduct(p.dA);
+  p.nw = G.transpose().lazyProduct(p.S_Y);
+  H.topRows(n) -= p.nw;
+  H.leftCols(n) -= p.nw.transpose();
+}
+
+}  // namespace
+
+void Equations::add_hessian(const Eigen::Ref<const Vector>& mu, EquationsPoint& p, Matrix& H) const {
+  const int n = tree_.n, m = static_cast<int>(p.force.size());
+  p.rhs0 = mu;
+  p.adjoint = p.lu.transpose().solve(p.rhs0);
+  p.nu = p.motion.G.lazyProduct(p.adjoint.head(n));
+  p.YY.setZero();
+  p.YV.setZero();
+  p.VV.setZero();
+  p.YA.setZero();
+  p.S_Y.setZero();
+  add_body_hessian(tree_, p);
+  add_drag_hessian(p);
+  for (size_t k = 0; k < p.feet.size(); ++k) {
+    const int row = 2 * static_cast<int>(k);
+    add_constraint_hessian(tree_.feet[static_cast<size_t>(p.feet[k])], p.force.segment<2>(row),
+                           p.adjoint.segment<2>(n + row), 1.0, p.Z, n + row, p);
+  }
+  if (tree_.nd > 0) {
+    p.g_V = p.M.lazyProduct(p.nu);
+    if (m > 0) p.g_V += p.J_f.transpose().lazyProduct(p.adjoint.tail(m));
+    p.chi_0 = tree_.P_d.transpose().lazyProduct(p.g_V);
+    p.kappa_l = -p.motion.C_d_inverse.transpose().lazyProduct(p.chi_0);
+    p.g_Y = p.Res_Y.transpose().lazyProduct(p.nu);
+    p.g_Y += p.L_Y.transpose().lazyProduct(p.kappa_l);
+    p.g_V = p.Res_V.transpose().lazyProduct(p.nu);
+    p.g_V += p.L_V.transpose().lazyProduct(p.kappa_l);
+    if (m > 0) {
+      p.g_Y += p.F_Y.transpose().lazyProduct(p.adjoint.tail(m));
+      p.g_V += p.F_V.transpose().lazyProduct(p.adjoint.tail(m));
+    }
+    for (size_t l = 0; l < tree_.loops.size(); ++l) {
+      const int row = 2 * static_cast<int>(l);
+      const Vec2 force = p.loop_force.segment<2>(row), kappa = p.kappa_l.segment<2>(row);
+      add_constraint_hessian(tree_.loops[l].a, force, kappa, 1.0, p.d_loop_force, row, p);
+      add_constraint_hessian(tree_.loops[l].b, force, kappa, -1.0, p.d_loop_force, row, p);
+    }
+    add_dependent_curvature(tree_, p);
+  }
+  subtract_chained(tree_, p, H);
+}
+
+}  // namespace jaculus
