@@ -1,0 +1,194 @@
+#include "jaculus/components/tail_drag.h"
+
+#include <array>
+#include <boost/math/quadrature/gauss.hpp>
+#include <cassert>
+#include <cmath>
+
+namespace jaculus {
+namespace {
+
+// Integrals over a strip of l^j times the law g(u) and its derivatives by u.
+struct Moments {
+  std::array<double, 2> g{};   // l^0, l^1
+  std::array<double, 3> g1{};  // l^0 .. l^2
+  std::array<double, 4> g2{};  // l^0 .. l^3
+};
+
+// The law g(u) = u sqrt(u^2 + eps^2) with its derivatives.
+struct Law {
+  double u, r, g, g1, g2;
+  Law(double speed, double eps2) : u(speed), r(std::sqrt(speed * speed + eps2)) {
+    g = u * r;
+    if (r > 0.0) {
+      const double c = u / r;
+      g1 = r + u * c;
+      g2 = c * (3.0 - c * c);
+    } else {
+      g1 = g2 = 0.0;
+    }
+  }
+  // First and second antiderivative of g.
+  [[nodiscard]] double first() const { return r * r * r / 3.0; }
+  [[nodiscard]] double second(double eps2) const {
+    return (u * r * r * r / 4.0 + 0.375 * eps2 * (u * r + eps2 * std::asinh(u / std::sqrt(eps2)))) / 3.0;
+  }
+};
+
+DragLoad load_from(const Moments& m, double k) {
+  DragLoad load;
+  load.force = -k * m.g[0];
+  load.moment = -k * m.g[1];
+  load.d << -k * m.g1[0], -k * m.g1[1], -k * m.g1[1], -k * m.g1[2];
+  load.force_dd << -k * m.g2[0], -k * m.g2[1], -k * m.g2[1], -k * m.g2[2];
+  load.moment_dd << -k * m.g2[1], -k * m.g2[2], -k * m.g2[2], -k * m.g2[3];
+  return load;
+}
+
+// Adds sign * Int_a^b of the polynomials that u|u| and its derivatives are where u keeps one sign.
+void add_one_signed(double a, double b, double s, double omega, double sign, Moments& m) {
+  std::array<double, 4> p{};  // Int_a^b l^j dl = (b^(j+1) - a^(j+1)) / (j+1)
+  double pa = a, pb = b;
+  for (std::size_t j = 0; j < 4; ++j, pa *= a, pb *= b) p[j] = (pb - pa) / static_cast<double>(j + 1);
+  m.g[0] += sign * (s * s * p[0] + 2.0 * s * omega * p[1] + omega * omega * p[2]);
+  m.g[1] += sign * (s * s * p[1] + 2.0 * s * omega * p[2] + omega * omega * p[3]);
+  for (std::size_t j = 0; j < 3; ++j) m.g1[j] += 2.0 * sign * (s * p[j] + omega * p[j + 1]);
+  for (std::size_t j = 0; j < 4; ++j) m.g2[j] += 2.0 * sign * p[j];
+}
+
+// Equation 8, signed, in closed form.
+Moments exact_moments(double a, double b, double s, double omega) {
+  Moments m;
+  const auto sign_on = [&](double l) {
+    const double u = s + omega * l;
+    return u > 0.0 ? 1.0 : (u < 0.0 ? -1.0 : 0.0);
+  };
+  const double turn = omega != 0.0 ? -s / omega : a;
+  if (turn > a && turn < b) {
+    add_one_signed(a, turn, s, omega, omega > 0.0 ? -1.0 : 1.0, m);
+    add_one_signed(turn, b, s, omega, omega > 0.0 ? 1.0 : -1.0, m);
+  } else {
+    add_one_signed(a, b, s, omega, sign_on(0.5 * (a + b)), m);
+  }
+  return m;
+}
+
+// The same integrals of the smoothed law over xi in [-1, 1], u = c + delta xi, with xi^j in place of l^j.
+Moments quadrature_moments(double c, double delta, double eps2) {
+  using Rule = boost::math::quadrature::gauss<double, 15>;
+  Moments m;
+  const auto add = [&](double xi, double weight) {
+    const Law law(c + delta * xi, eps2);
+    double w = weight;
+    for (std::size_t j = 0; j < 4; ++j, w *= xi) {
+      if (j < 2) m.g[j] += w * law.g;
+      if (j < 3) m.g1[j] += w * law.g1;
+      m.g2[j] += w * law.g2;
+    }
+  };
+  add(0.0, Rule::weights()[0]);
+  for (std::size_t i = 1; i < Rule::abscissa().size(); ++i) {
+    add(Rule::abscissa()[i], Rule::weights()[i]);
+    add(-Rule::abscissa()[i], Rule::weights()[i]);
+  }
+  return m;
+}
+
+// By parts: Int xi^n f' = [xi^n f]/delta - n/delta Int xi^(n-1) f, going down to the antiderivatives of g.
+Moments elementary_moments(double c, double delta, double eps2) {
+  const Law p(c + delta, eps2);
+  const Law q(c - delta, eps2);
+  const double inv = 1.0 / delta;
+  Moments m;
+  m.g[0] = (p.first() - q.first()) * inv;
+  m.g[1] = (p.first() + q.first() - (p.second(eps2) - q.second(eps2)) * inv) * inv;
+  m.g1[0] = (p.g - q.g) * inv;
+  m.g1[1] = (p.g + q.g - m.g[0]) * inv;
+  m.g1[2] = (p.g - q.g - 2.0 * m.g[1]) * inv;
+  m.g2[0] = (p.g1 - q.g1) * inv;
+  m.g2[1] = (p.g1 + q.g1 - m.g1[0]) * inv;
+  m.g2[2] = (p.g1 - q.g1 - 2.0 * m.g1[1]) * inv;
+  m.g2[3] = (p.g1 + q.g1 - 3.0 * m.g1[2]) * inv;
+  return m;
+}
+
+// From powers of xi to powers of l = mid + half xi, times dl = half dxi.
+template <std::size_t N>
+std::array<double, N> shifted(const std::array<double, N>& x, double mid, double half) {
+  std::array<double, N> y{};
+  y[0] = x[0];
+  y[1] = mid * x[0] + half * x[1];
+  if constexpr (N > 2) y[2] = mid * mid * x[0] + 2.0 * mid * half * x[1] + half * half * x[2];
+  if constexpr (N > 3) {
+    y[3] = mid * mid * mid * x[0] + 3.0 * mid * mid * half * x[1] + 3.0 * mid * half * half * x[2] +
+           half * half * half * x[3];
+  }
+  for (double& v : y) v *= half;
+  return y;
+}
+
+Moments smoothed_moments(double a, double b, double s, double omega, double eps) {
+  const double mid = 0.5 * (a + b);
+  const double half = 0.5 * (b - a);
+  const double c = s + omega * mid;
+  const double delta = omega * half;
+  // The law's branch points lie at xi = (-c +- i eps)/delta. At a distance of 2 or more the rule's error falls by
+  // (2 + sqrt 3)^2 a point; nearer, delta is large enough for the closed form not to cancel.
+  const bool slow_variation = c * c + eps * eps >= 4.0 * delta * delta;
+  const Moments xi = slow_variation ? quadrature_moments(c, delta, eps * eps) : elementary_moments(c, delta, eps * eps);
+  return {shifted(xi.g, mid, half), shifted(xi.g1, mid, half), shifted(xi.g2, mid, half)};
+}
+
+Moments point_moments(double distance, double s, double omega, double eps) {
+  const Law law(s + omega * distance, eps * eps);
+  const double d = distance;
+  return {{law.g, d * law.g},
+          {law.g1, d * law.g1, d * d * law.g1},
+          {law.g2, d * law.g2, d * d * law.g2, d * d * d * law.g2}};
+}
+
+DragLoad rotation_load(const PlanarDrag& drag, double omega, double eps) {
+  const double b = rotation_drag_factor(drag.density, drag.coefficient, drag.width, drag.start, drag.end);
+  const double eps_omega = eps / drag.end;
+  const Law law(omega, eps_omega * eps_omega);
+  DragLoad load;
+  load.moment = -b * law.g;
+  load.d(1, 1) = -b * law.g1;
+  load.moment_dd(1, 1) = -b * law.g2;
+  return load;
+}
+
+}  // namespace
+
+Vec2 drag_normal(const PlanarDrag& drag, double phi) {
+  const double c = std::cos(phi);
+  const double s = std::sin(phi);
+  return {-s * drag.direction.x() + c * drag.direction.y(), -c * drag.direction.x() - s * drag.direction.y()};
+}
+
+double rotation_drag_factor(double density, double coefficient, double width, double start, double end) {
+  // end^4 - start^4 in factors, so that a short strip far out does not cancel.
+  const double fourth = (end - start) * (end + start) * (end * end + start * start);
+  return 0.125 * density * coefficient * width * fourth;
+}
+
+DragLoad drag_load(const PlanarDrag& drag, double s, double omega, double smoothing) {
+  assert(smoothing >= 0.0);
+  const double k = 0.5 * drag.density * drag.coefficient;
+  switch (drag.kind) {
+    case DragKind::none:
+      return {};
+    case DragKind::rotation:
+      return rotation_load(drag, omega, smoothing);
+    case DragKind::point:
+      return load_from(point_moments(drag.point_distance, s, omega, smoothing), k * drag.point_area);
+    case DragKind::distributed:
+      break;
+  }
+  if (drag.end <= drag.start) return {};
+  return load_from(smoothing > 0.0 ? smoothed_moments(drag.start, drag.end, s, omega, smoothing)
+                                   : exact_moments(drag.start, drag.end, s, omega),
+                   k * drag.width);
+}
+
+}  // namespace jaculus
