@@ -1,0 +1,77 @@
+# Shared by the scripts beside it: what jaculus needs on Debian, and how it is built. Sourced by POSIX sh; sets `root`.
+
+root=$(CDPATH='' cd -- "$(dirname -- "$0")/.." && pwd)
+
+# package - why
+build_packages='
+g++ - compiles C++20
+cmake - configures the build
+ninja-build - runs the build
+pkg-config - finds Ipopt
+libeigen3-dev - matrices and vectors
+coinor-libipopt-dev - the interior-point solver, with MUMPS
+liburdfdom-dev - reads robots from URDF
+libyaml-cpp-dev - reads problem and robot files
+libcli11-dev - the command line
+libfmt-dev - text and numbers that read back exactly
+nlohmann-json3-dev - JSON results
+libtbb-dev - runs independent solves on all cores
+libboost-dev - the independent integrator that verifies plans (odeint)
+'
+test_packages='
+libgtest-dev - the tests
+'
+format_packages='
+clang-format - the one formatting of the code
+'
+tidy_packages='
+clang-tidy - static checks
+'
+benchmark_packages='
+libbenchmark-dev - the benchmarks
+'
+
+say() { printf '%s\n' "$*" >&2; }
+fail() { say "$*"; exit 1; }
+
+# ensure_packages TABLE...: installs what is missing of the tables, having said what and why; one quick query where nothing is.
+ensure_packages() {
+  table=$(printf '%s\n' "$@" | sed '/^$/d')
+  wanted=$(printf '%s\n' "$table" | sed 's/ - .*//')
+  if ! command -v apt-get >/dev/null 2>&1 || ! command -v dpkg-query >/dev/null 2>&1; then
+    say "This is no Debian: nothing is installed. Needed are the counterparts of:" $wanted
+    return 0
+  fi
+  present=$(dpkg-query -W -f '${db:Status-Status} ${Package}\n' $wanted 2>/dev/null | sed -n 's/^installed //p')
+  missing=
+  for package in $wanted; do
+    printf '%s\n' "$present" | grep -qxF "$package" || missing="$missing $package"
+  done
+  [ -n "$missing" ] || return 0
+  say "These packages are missing and will be installed with apt:"
+  for package in $missing; do printf '%s\n' "$table" | grep -F "$package - " | grep "^$package - " | sed 's/^/  /' >&2; done
+  install_packages $missing
+}
+
+install_packages() {
+  as_root=
+  if [ "$(id -u)" -ne 0 ]; then
+    command -v sudo >/dev/null 2>&1 || fail "Neither root nor sudo is at hand. Have an administrator run: apt-get install $*"
+    as_root='sudo'
+  fi
+  apt="$as_root env DEBIAN_FRONTEND=noninteractive apt-get -q -o DPkg::Lock::Timeout=300"
+  # The package lists are fetched only where they lack a package or turn out to be stale.
+  if apt-cache show $* >/dev/null 2>&1 && $apt install -y --no-install-recommends "$@" >&2; then return 0; fi
+  $apt update >&2 || fail "apt-get update failed: is there a network, and a mirror in the apt sources?"
+  $apt install -y --no-install-recommends "$@" >&2 || fail "apt-get could not install: $*"
+}
+
+# build FOLDER [CMAKE_OPTION...]: configures and builds everything into FOLDER with ninja.
+build() {
+  folder=$1
+  shift
+  cmake -S "$root" -B "$folder" -G Ninja "$@" >"$folder.log" 2>&1 || { cat "$folder.log" >&2; fail "the configuration failed"; }
+  ninja -C "$folder" >&2 || fail "the build failed"
+}
+
+cores() { nproc 2>/dev/null || echo 1; }
