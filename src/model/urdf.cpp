@@ -1,0 +1,249 @@
+#include "jaculus/model/urdf.h"
+
+#include <console_bridge/console.h>
+#include <fmt/format.h>
+#include <urdf_model/model.h>
+#include <urdf_parser/urdf_parser.h>
+
+#include <Eigen/Dense>
+#include <fstream>
+#include <map>
+#include <sstream>
+
+#include "model/urdf_check.h"
+
+namespace jaculus {
+namespace {
+
+constexpr std::uintmax_t kMaxBytes = 10'000'000;
+
+/// Keeps what urdfdom would print, so that a fault is one message and nothing else.
+class Capture : public console_bridge::OutputHandler {
+ public:
+  Capture() { console_bridge::useOutputHandler(this); }
+  ~Capture() override { console_bridge::restorePreviousOutputHandler(); }
+  Capture(const Capture&) = delete;
+  Capture& operator=(const Capture&) = delete;
+
+  void log(const std::string& text, console_bridge::LogLevel level, const char* /*file*/, int /*line*/) override {
+    if (level >= console_bridge::CONSOLE_BRIDGE_LOG_ERROR && text_.empty()) text_ = text;
+  }
+  [[nodiscard]] const std::string& text() const { return text_; }
+
+ private:
+  std::string text_;
+};
+
+Vec3 vector(const urdf::Vector3& v) { return {v.x, v.y, v.z}; }
+
+Mat3 matrix(const urdf::Rotation& r) { return Eigen::Quaterniond(r.w, r.x, r.y, r.z).normalized().toRotationMatrix(); }
+
+/// A body's inertia is that of a mass distribution: positive definite, and no principal moment above the sum of the others.
+void check_inertia(const SpatialLink& link, const std::filesystem::path& file) {
+  const auto refuse = [&](const std::string& what) {
+    return urdf_error(file, link.line, "link '" + link.name + "': " + what);
+  };
+  if (!(link.mass > 0.0)) throw refuse(fmt::format("mass {:.10g} kg given; allowed: more than 0", link.mass));
+  const Vec3 moments = Eigen::SelfAdjointEigenSolver<Mat3>(link.inertia, Eigen::EigenvaluesOnly).eigenvalues();
+  const std::string shown = fmt::format("{:.6g}, {:.6g}, {:.6g} kg m^2", moments[0], moments[1], moments[2]);
+  if (!(moments[0] > 0.0)) {
+    throw refuse(fmt::format("inertia with principal moments {} given; allowed: all above 0", shown));
+  }
+  // Files are rounded to a few digits, thin rods and plates sit on the limit.
+  constexpr double kRounding = 1e-3;
+  if (moments[2] > (moments[0] + moments[1]) * (1.0 + kRounding)) {
+    throw refuse(
+        fmt::format("inertia with principal moments {} given, which no body can have; allowed: the largest at "
+                    "most the sum of the other two",
+                    shown));
+  }
+}
+
+SpatialLink read_link(const urdf::Link& source, int line, const std::filesystem::path& file) {
+  SpatialLink link;
+  link.name = source.name;
+  link.line = line;
+  if (!source.inertial) return link;
+  const urdf::Inertial& inertial = *source.inertial;
+  const Mat3 R_LI = matrix(inertial.origin.rotation);
+  Mat3 inertia;
+  inertia << inertial.ixx, inertial.ixy, inertial.ixz, inertial.ixy, inertial.iyy, inertial.iyz, inertial.ixz,
+      inertial.iyz, inertial.izz;
+  link.mass = inertial.mass;
+  link.com = vector(inertial.origin.position);
+  link.inertia = R_LI * inertia * R_LI.transpose();
+  check_inertia(link, file);
+  return link;
+}
+
+SpatialJoint read_joint(const urdf::Joint& source, const SpatialTree& tree, int line) {
+  SpatialJoint joint;
+  joint.name = source.name;
+  joint.line = line;
+  joint.parent = tree.link_index(source.parent_link_name);
+  joint.child = tree.link_index(source.child_link_name);
+  joint.origin = vector(source.parent_to_joint_origin_transform.position);
+  joint.rotation = matrix(source.parent_to_joint_origin_transform.rotation);
+  if (source.type == urdf::Joint::FIXED) return joint;
+  joint.kind = source.type == urdf::Joint::PRISMATIC ? SpatialJointKind::prismatic : SpatialJointKind::revolute;
+  joint.axis = vector(source.axis);
+  if (!(joint.axis.norm() > 1e-6)) {
+    throw urdf_error(tree.file, line,
+                     fmt::format("joint '{}': axis of length 0 given; allowed: a direction", joint.name));
+  }
+  joint.axis.normalize();
+  if (source.type == urdf::Joint::CONTINUOUS) return joint;
+  joint.range = {source.limits->lower, source.limits->upper};
+  if (joint.range.lower > joint.range.upper) {
+    throw urdf_error(
+        tree.file, line,
+        fmt::format("joint '{}': lower limit {:.10g} is above upper limit {:.10g}; allowed: lower <= upper", joint.name,
+                    joint.range.lower, joint.range.upper));
+  }
+  return joint;
+}
+
+/// One root, one parent a link, no cycle. urdfdom would say so without a line.
+void connect(SpatialTree& tree) {
+  for (int j = 0; j < static_cast<int>(tree.joints.size()); ++j) {
+    const SpatialJoint& joint = tree.joints[static_cast<std::size_t>(j)];
+    SpatialLink& child = tree.links[static_cast<std::size_t>(joint.child)];
+    if (joint.child == joint.parent) {
+      throw urdf_error(tree.file, joint.line,
+                       fmt::format("joint '{}' connects link '{}' with itself", joint.name, child.name));
+    }
+    if (child.joint >= 0) {
+      throw urdf_error(
+          tree.file, joint.line,
+          fmt::format("link '{}' is the child of both joint '{}' and joint '{}'; allowed: one (loops are closed "
+                      "in robot.yaml)",
+                      child.name, tree.joints[static_cast<std::size_t>(child.joint)].name, joint.name));
+    }
+    child.joint = j;
+  }
+  int roots = 0;
+  for (int l = 0; l < static_cast<int>(tree.links.size()); ++l) {
+    const SpatialLink& link = tree.links[static_cast<std::size_t>(l)];
+    if (link.joint >= 0) continue;
+    if (++roots == 2) {
+      throw urdf_error(
+          tree.file, link.line,
+          fmt::format("links '{}' and '{}' both have no parent; allowed: one root, all others connected to it",
+                      tree.links[static_cast<std::size_t>(tree.root)].name, link.name));
+    }
+    tree.root = l;
+  }
+  if (roots == 0) {
+    throw urdf_error(tree.file, tree.joints.front().line,
+                     "every link has a parent (the joints form a cycle); allowed: one root");
+  }
+}
+
+/// Poses at joint zero, walking outwards; links that the walk never reaches hang in a cycle.
+void place(SpatialTree& tree) {
+  std::vector<bool> reached(tree.links.size(), false);
+  reached[static_cast<std::size_t>(tree.root)] = true;
+  for (bool moved = true; moved;) {
+    moved = false;
+    for (const SpatialJoint& joint : tree.joints) {
+      if (!reached[static_cast<std::size_t>(joint.parent)] || reached[static_cast<std::size_t>(joint.child)]) continue;
+      const SpatialLink& parent = tree.links[static_cast<std::size_t>(joint.parent)];
+      SpatialLink& child = tree.links[static_cast<std::size_t>(joint.child)];
+      child.R_BL = parent.R_BL * joint.rotation;
+      child.p_BL = parent.p_BL + parent.R_BL * joint.origin;
+      reached[static_cast<std::size_t>(joint.child)] = true;
+      moved = true;
+    }
+  }
+  for (std::size_t l = 0; l < tree.links.size(); ++l) {
+    if (reached[l]) continue;
+    throw urdf_error(
+        tree.file, tree.links[l].line,
+        fmt::format("link '{}' is not connected to the root '{}' (its joints form a cycle); allowed: one tree",
+                    tree.links[l].name, tree.links[static_cast<std::size_t>(tree.root)].name));
+  }
+}
+
+/// The structure without values, checked with lines; urdfdom refuses a broken tree without saying where.
+SpatialTree skeleton(const UrdfOutline& outline, const std::filesystem::path& file) {
+  SpatialTree tree;
+  tree.file = file;
+  tree.notes = outline.notes;
+  for (const UrdfOutline::Link& source : outline.links) {
+    SpatialLink link;
+    link.name = source.name;
+    link.line = source.line;
+    tree.links.push_back(link);
+  }
+  if (tree.links.empty()) throw urdf_error(file, 1, "no <link> given; allowed: at least one");
+  for (const UrdfOutline::Joint& source : outline.joints) {
+    SpatialJoint joint;
+    joint.name = source.name;
+    joint.line = source.line;
+    joint.parent = tree.link_index(source.parent);
+    joint.child = tree.link_index(source.child);
+    tree.joints.push_back(joint);
+  }
+  connect(tree);
+  place(tree);
+  return tree;
+}
+
+}  // namespace
+
+int SpatialTree::link_index(const std::string& link) const {
+  for (std::size_t i = 0; i < links.size(); ++i) {
+    if (links[i].name == link) return static_cast<int>(i);
+  }
+  return -1;
+}
+
+int SpatialTree::joint_index(const std::string& joint) const {
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    if (joints[i].name == joint) return static_cast<int>(i);
+  }
+  return -1;
+}
+
+SpatialTree parse_urdf(const std::string& text, const std::filesystem::path& file) {
+  SpatialTree tree = skeleton(check_urdf_text(text, file), file);
+  Capture capture;
+  urdf::ModelInterfaceSharedPtr model;
+  try {
+    model = urdf::parseURDF(text);
+  } catch (const std::exception& e) {
+    throw urdf_error(file, 1, fmt::format("urdfdom refuses the file: {}; allowed: a URDF file", e.what()));
+  }
+  if (!model) {
+    throw urdf_error(file, 1, fmt::format("urdfdom refuses the file: {}; allowed: a URDF file", capture.text()));
+  }
+  tree.name = model->getName();
+  for (SpatialLink& link : tree.links) {
+    const int joint = link.joint;
+    link = read_link(*model->getLink(link.name), link.line, file);
+    link.joint = joint;
+  }
+  for (SpatialJoint& joint : tree.joints) joint = read_joint(*model->getJoint(joint.name), tree, joint.line);
+  place(tree);
+  return tree;
+}
+
+SpatialTree read_urdf(const std::filesystem::path& file) {
+  const auto refuse = [&file](const std::string& what) {
+    return InputError(fmt::format("{}: {}", file.string(), what));
+  };
+  std::error_code code;
+  const std::filesystem::file_status status = std::filesystem::status(file, code);
+  if (!std::filesystem::exists(status)) throw refuse("file not found; allowed: a URDF file");
+  if (!std::filesystem::is_regular_file(status)) throw refuse("is no regular file; allowed: a URDF file");
+  const std::uintmax_t size = std::filesystem::file_size(file, code);
+  if (code) throw refuse("can't be read: " + code.message());
+  if (size > kMaxBytes) throw refuse(fmt::format("holds {} bytes; allowed: at most {}", size, kMaxBytes));
+  std::ifstream stream(file, std::ios::binary);
+  std::stringstream text;
+  if (size > 0) text << stream.rdbuf();
+  if (!stream || !text) throw refuse("can't be read; allowed: a readable URDF file");
+  return parse_urdf(text.str(), file);
+}
+
+}  // namespace jaculus
