@@ -139,8 +139,49 @@ void connect(SpatialTree& tree) {
   }
 }
 
+/// The structure without values, checked with lines; urdfdom refuses a broken tree without saying where.
+SpatialTree skeleton(const UrdfOutline& outline, const std::filesystem::path& file) {
+  SpatialTree tree;
+  tree.file = file;
+  tree.notes = outline.notes;
+  for (const UrdfOutline::Link& source : outline.links) {
+    SpatialLink link;
+    link.name = source.name;
+    link.line = source.line;
+    tree.links.push_back(link);
+  }
+  if (tree.links.empty()) throw urdf_error(file, 1, "no <link> given; allowed: at least one");
+  for (const UrdfOutline::Joint& source : outline.joints) {
+    SpatialJoint joint;
+    joint.name = source.name;
+    joint.line = source.line;
+    joint.parent = tree.link_index(source.parent);
+    joint.child = tree.link_index(source.child);
+    tree.joints.push_back(joint);
+  }
+  connect(tree);
+  place_links(tree);
+  return tree;
+}
+
+}  // namespace
+
+int SpatialTree::link_index(const std::string& link) const {
+  for (std::size_t i = 0; i < links.size(); ++i) {
+    if (links[i].name == link) return static_cast<int>(i);
+  }
+  return -1;
+}
+
+int SpatialTree::joint_index(const std::string& joint) const {
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    if (joints[i].name == joint) return static_cast<int>(i);
+  }
+  return -1;
+}
+
 /// Poses at joint zero, walking outwards; links that the walk never reaches hang in a cycle.
-void place(SpatialTree& tree) {
+void place_links(SpatialTree& tree) {
   std::vector<bool> reached(tree.links.size(), false);
   reached[static_cast<std::size_t>(tree.root)] = true;
   for (bool moved = true; moved;) {
@@ -164,47 +205,6 @@ void place(SpatialTree& tree) {
   }
 }
 
-/// The structure without values, checked with lines; urdfdom refuses a broken tree without saying where.
-SpatialTree skeleton(const UrdfOutline& outline, const std::filesystem::path& file) {
-  SpatialTree tree;
-  tree.file = file;
-  tree.notes = outline.notes;
-  for (const UrdfOutline::Link& source : outline.links) {
-    SpatialLink link;
-    link.name = source.name;
-    link.line = source.line;
-    tree.links.push_back(link);
-  }
-  if (tree.links.empty()) throw urdf_error(file, 1, "no <link> given; allowed: at least one");
-  for (const UrdfOutline::Joint& source : outline.joints) {
-    SpatialJoint joint;
-    joint.name = source.name;
-    joint.line = source.line;
-    joint.parent = tree.link_index(source.parent);
-    joint.child = tree.link_index(source.child);
-    tree.joints.push_back(joint);
-  }
-  connect(tree);
-  place(tree);
-  return tree;
-}
-
-}  // namespace
-
-int SpatialTree::link_index(const std::string& link) const {
-  for (std::size_t i = 0; i < links.size(); ++i) {
-    if (links[i].name == link) return static_cast<int>(i);
-  }
-  return -1;
-}
-
-int SpatialTree::joint_index(const std::string& joint) const {
-  for (std::size_t i = 0; i < joints.size(); ++i) {
-    if (joints[i].name == joint) return static_cast<int>(i);
-  }
-  return -1;
-}
-
 SpatialTree parse_urdf(const std::string& text, const std::filesystem::path& file) {
   SpatialTree tree = skeleton(check_urdf_text(text, file), file);
   Capture capture;
@@ -224,7 +224,7 @@ SpatialTree parse_urdf(const std::string& text, const std::filesystem::path& fil
     link.joint = joint;
   }
   for (SpatialJoint& joint : tree.joints) joint = read_joint(*model->getJoint(joint.name), tree, joint.line);
-  place(tree);
+  place_links(tree);
   return tree;
 }
 

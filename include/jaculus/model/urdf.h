@@ -57,4 +57,7 @@ SpatialTree read_urdf(const std::filesystem::path& file);
 /// The same from text; `file` stands in messages.
 SpatialTree parse_urdf(const std::string& text, const std::filesystem::path& file);
 
+/// Sets R_BL and p_BL of every link from its joints; a link that the root does not reach is InputError.
+void place_links(SpatialTree& tree);
+
 }  // namespace jaculus

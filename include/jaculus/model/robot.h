@@ -1,0 +1,37 @@
+#pragma once
+// The Robot value: URDF (bodies and joints in space) plus robot.yaml (what URDF can't say), reduced to the sagittal plane.
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "jaculus/core/yaml.h"
+#include "jaculus/model/planar.h"
+
+namespace jaculus {
+
+/// A robot as read from models/<name>/{robot.urdf,robot.yaml}.
+struct Robot {
+  std::string name;
+  std::filesystem::path folder;
+  PlanarModel planar;
+  std::vector<std::string> notes;  ///< what was merged, dropped or assumed on the way, one sentence each
+};
+
+/// One override of a model value by its path, as in `override: {tail.drag.coefficient: 2.0}`.
+struct Override {
+  std::string path;  ///< "tail.drag.coefficient", "motors.tail.resistance", "bodies.base.mass", ...
+  yaml::Node value;  ///< read with the dimension of what it replaces
+};
+
+/// Finds a robot: a folder as given, relative to `relative_to` (the file that names it), or a name under models/ (looked up in
+/// JACULUS_MODELS, the source tree and the installed share folder). Throws InputError naming the known robots.
+std::filesystem::path find_robot(const std::string& name, const std::filesystem::path& relative_to);
+
+/// Reads, checks and reduces a robot. Every fault of the files is an InputError with file:line.
+Robot read_robot(const std::filesystem::path& folder, const std::vector<Override>& overrides = {});
+
+/// Every path that an override may name, with its present value and unit ("tail.drag.coefficient = 2 [-]").
+std::vector<std::string> override_paths(const std::filesystem::path& folder);
+
+}  // namespace jaculus

@@ -1,0 +1,53 @@
+#pragma once
+// From the spatial tree to planar bodies: fixed joints are merged, pairs lumped, everything is projected on the sagittal plane.
+//
+//   mass     m = sum m_i                      over the links that move together, left and right
+//   com      c = sum m_i c_i / m              x and z; y is dropped
+//   inertia  I = sum I_i,yy + m_i |c_i - c|^2 with I_i about the link's own centre of mass, along the root's axes
+//
+// Valid where every moving joint turns about y or slides in x-z, so that links stay parallel to the sagittal plane.
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "jaculus/core/yaml.h"
+#include "jaculus/model/planar.h"
+#include "jaculus/model/urdf.h"
+
+namespace jaculus {
+
+/// Two spatial joints (or links) that are one planar one.
+struct PairSpec {
+  std::string name;
+  std::string left;
+  std::string right;
+  yaml::Node node;  ///< its place in robot.yaml
+};
+
+/// A spatial joint held at a value.
+struct HeldJoint {
+  std::string joint;
+  double value = 0.0;  ///< [rad or m]
+};
+
+/// Where a link sits on its planar body.
+struct LinkPlace {
+  int body = 0;
+  bool in_plane = true;          ///< its x-z plane is the sagittal plane
+  double angle = 0.0;            ///< to the body's frame [rad]
+  Vec2 position = Vec2::Zero();  ///< of its origin in the body's frame [m]
+};
+
+struct Reduction {
+  std::vector<PlanarBody> bodies;
+  std::vector<Bounds> ranges;              ///< of each body's joint [rad or m]; infinite for the base
+  std::map<std::string, LinkPlace> links;  ///< by spatial name, and by planar name where lumped
+  std::vector<std::string> notes;
+};
+
+/// `joints`, `links`: the pairs. A joint out of the plane, a pair that differs, a moving body without mass: InputError.
+Reduction reduce(const SpatialTree& spatial, const std::vector<PairSpec>& joints, const std::vector<PairSpec>& links,
+                 const std::vector<HeldJoint>& held);
+
+}  // namespace jaculus
