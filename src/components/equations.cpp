@@ -30,17 +30,19 @@ void put_rows(const PointColumns& c, int row, Matrix& out) {
   }
 }
 
-/// Columns of d(pdd)/dY = D(A) + E(V) and d(pdd)/dV = 2 D(V).
-void acceleration_columns(const Path& path, EquationsPoint& p) {
+/// Columns of d(pdd)/dY = D(A) + E(V) and d(pdd)/dV = 2 D(V); an impact has no terms in the rates.
+void acceleration_columns(const Path& path, const Vector& A, EquationsPoint& p) {
   copy_pattern(p.J, p.PY);
   copy_pattern(p.J, p.PV);
-  add_D(path, p.motion.pose, p.A, 1.0, p.PY);
+  add_D(path, p.motion.pose, A, 1.0, p.PY);
+  if (p.impact) return;
   add_E(path, p.motion.pose, p.motion.V, 1.0, p.PY);
   add_D(path, p.motion.pose, p.motion.V, 2.0, p.PV);
 }
 
 Vec2 acceleration(const Path& path, const EquationsPoint& p, const Vector& A) {
-  return p.J.times(A) + quadratic(path, p.motion.pose, p.motion.V);
+  const Vec2 linear = p.J.times(A);
+  return p.impact ? linear : Vec2(linear + quadratic(path, p.motion.pose, p.motion.V));
 }
 
 /// Mass matrix and residual of the bodies at A = gamma.
@@ -52,12 +54,13 @@ void add_bodies(const AbsoluteTree& tree, EquationsPoint& p) {
     if (tree.mass[b] == 0.0) continue;
     jacobian_columns(tree.com[b], p.motion.pose, p.J);
     add_outer(p.J, p.J, tree.mass[b], p.M);
-    const Vec2 weight = acceleration(tree.com[b], p, p.motion.gamma) + Vec2(0.0, tree.gravity);
+    const Vec2 weight = acceleration(tree.com[b], p, p.motion.gamma) + Vec2(0.0, p.impact ? 0.0 : tree.gravity);
     p.J.add_transposed(weight, tree.mass[b], p.r);
   }
 }
 
-void assemble(const AbsoluteTree& tree, const Eigen::Ref<const Vector>& u, EquationsPoint& p) {
+/// The system of the accelerations, its right-hand side without the inputs.
+void assemble(const AbsoluteTree& tree, EquationsPoint& p) {
   const int n = tree.n, m = static_cast<int>(p.force.size());
   const Matrix& G = p.motion.G;
   p.J_f.setZero();
@@ -65,7 +68,7 @@ void assemble(const AbsoluteTree& tree, const Eigen::Ref<const Vector>& u, Equat
     const Path& path = tree.feet[static_cast<size_t>(p.feet[static_cast<size_t>(k)])];
     jacobian_columns(path, p.motion.pose, p.J);
     put_rows(p.J, 2 * k, p.J_f);
-    p.rhs0.segment<2>(n + 2 * k) = -acceleration(path, p, p.motion.gamma);
+    p.rhs0.segment<2>(n + 2 * k) = -acceleration(path, p, p.impact ? p.motion.V : p.motion.gamma);
   }
   p.Nn = p.M.lazyProduct(G);
   p.K.topLeftCorner(n, n) = G.transpose().lazyProduct(p.Nn);
@@ -73,8 +76,7 @@ void assemble(const AbsoluteTree& tree, const Eigen::Ref<const Vector>& u, Equat
   p.K.bottomLeftCorner(m, n) = p.J_f.lazyProduct(G);
   p.K.topRightCorner(n, m) = -p.K.bottomLeftCorner(m, n).transpose();
   p.K.bottomRightCorner(m, m).setZero();
-  p.rhs0.head(n) = tree.input_map.lazyProduct(u);
-  p.rhs0.head(n) -= G.transpose().lazyProduct(p.r);
+  p.rhs0.head(n) = -G.transpose().lazyProduct(p.r);
 }
 
 }  // namespace
@@ -89,7 +91,7 @@ EquationsPoint::EquationsPoint(const Equations& equations, const std::vector<int
   q = v = a = Vector::Zero(n);
   force = Vector::Zero(m);
   Z = rhs = Matrix::Zero(n + m, w);
-  A = r = nu = g_Y = g_V = chi_scratch = Vector::Zero(N);
+  A = A_feet = r = nu = g_Y = g_V = chi_scratch = Vector::Zero(N);
   loop_force = kappa_l = chi_0 = chi_1 = Vector::Zero(nd);
   M = Res_Y = Res_V = YY = YV = VV = YA = NN1 = NN2 = Matrix::Zero(N, N);
   J_f = F_Y = F_V = Matrix::Zero(m, N);
@@ -109,12 +111,37 @@ bool Equations::evaluate(const Eigen::Ref<const Vector>& q, const Eigen::Ref<con
   if (!set_configuration(tree_, q, p.motion)) return false;
   p.q = q;
   p.v = v;
+  p.impact = false;
   set_rates(tree_, v, p.motion);
   p.M.setZero();
   p.r.setZero();
   add_bodies(tree_, p);
   add_drag(p);
-  assemble(tree_, u, p);
+  assemble(tree_, p);
+  p.rhs0.head(tree_.n) += tree_.input_map.lazyProduct(u);
+  if (!solve_system(p)) return false;
+  p.A_feet = p.A;
+  return true;
+}
+
+bool Equations::evaluate_impact(const Eigen::Ref<const Vector>& q, const Eigen::Ref<const Vector>& v,
+                                EquationsPoint& p) const {
+  if (!set_configuration(tree_, q, p.motion)) return false;
+  p.q = q;
+  p.v = v;
+  p.impact = true;
+  p.motion.V = p.motion.G.lazyProduct(v);
+  p.motion.gamma.setZero();
+  p.M.setZero();
+  p.r.setZero();
+  add_bodies(tree_, p);
+  assemble(tree_, p);
+  if (!solve_system(p)) return false;
+  p.A_feet = p.A + p.motion.V;
+  return true;
+}
+
+bool Equations::solve_system(EquationsPoint& p) const {
   p.lu.compute(p.K);
   p.adjoint = p.lu.solve(p.rhs0);
   if (!p.adjoint.allFinite()) return false;
@@ -133,19 +160,19 @@ void residual_derivatives(const AbsoluteTree& tree, EquationsPoint& p) {
     if (tree.mass[b] == 0.0) continue;
     const Path& path = tree.com[b];
     jacobian_columns(path, p.motion.pose, p.J);
-    acceleration_columns(path, p);
+    acceleration_columns(path, p.A, p);
     add_outer(p.J, p.PY, tree.mass[b], p.Res_Y);
     add_outer(p.J, p.PV, tree.mass[b], p.Res_V);
-    const Vec2 weight = acceleration(path, p, p.A) + Vec2(0.0, tree.gravity);
+    const Vec2 weight = acceleration(path, p, p.A) + Vec2(0.0, p.impact ? 0.0 : tree.gravity);
     add_H(path, p.motion.pose, tree.mass[b] * weight, p.Res_Y);
   }
   for (size_t k = 0; k < p.feet.size(); ++k) {
     const Path& path = tree.feet[static_cast<size_t>(p.feet[k])];
     const int row = 2 * static_cast<int>(k);
     jacobian_columns(path, p.motion.pose, p.J);
-    acceleration_columns(path, p);
+    acceleration_columns(path, p.A_feet, p);
     put_rows(p.PY, row, p.F_Y);
-    put_rows(p.PV, row, p.F_V);
+    put_rows(p.impact ? p.J : p.PV, row, p.F_V);
     add_H(path, p.motion.pose, -p.force.segment<2>(row), p.Res_Y);
   }
 }
@@ -186,12 +213,12 @@ void Equations::differentiate(EquationsPoint& p) const {
   p.F_Y.setZero();
   p.F_V.setZero();
   residual_derivatives(tree_, p);
-  add_drag_derivatives(p);
+  if (!p.impact) add_drag_derivatives(p);
   add_loop_forces(tree_, p);
 
   p.Gamma.setZero();
   if (tree_.nd > 0) {
-    loop_acceleration_derivatives(tree_, p.motion, p.A, p.L_Y, p.L_V);
+    loop_acceleration_derivatives(tree_, p.motion, p.A, p.impact, p.L_Y, p.L_V);
     chain_to_state(p, p.L_Y, p.L_V, p.d_loop_force);
     for (int k = 0; k < tree_.nd; ++k) {
       for (int r = 0; r < tree_.nd; ++r) {
@@ -203,7 +230,7 @@ void Equations::differentiate(EquationsPoint& p) const {
   chain_to_state(p, p.Res_Y, p.Res_V, p.Nw);
   p.Nw += p.M.lazyProduct(p.Gamma);
   p.rhs.topRows(n) = -p.motion.G.transpose().lazyProduct(p.Nw);
-  p.rhs.topRows(n).rightCols(inputs()) += tree_.input_map;
+  if (!p.impact) p.rhs.topRows(n).rightCols(inputs()) += tree_.input_map;
   if (m > 0) {
     chain_to_state(p, p.F_Y, p.F_V, p.rhs.bottomRows(m));
     p.rhs.bottomRows(m) += p.J_f.lazyProduct(p.Gamma);
@@ -234,35 +261,40 @@ void add_body_hessian(const AbsoluteTree& tree, EquationsPoint& p) {
     if (mass == 0.0) continue;
     const Path& path = tree.com[b];
     jacobian_columns(path, pose, p.J);
-    acceleration_columns(path, p);
+    acceleration_columns(path, p.A, p);
     copy_pattern(p.J, p.Dnu);
     add_D(path, pose, p.nu, 1.0, p.Dnu);
-    const Vec2 weight = mass * (acceleration(path, p, p.A) + Vec2(0.0, tree.gravity));
+    const Vec2 weight = mass * (acceleration(path, p, p.A) + Vec2(0.0, p.impact ? 0.0 : tree.gravity));
     const Vec2 shift = mass * p.J.times(p.nu);
     add_outer(p.PY, p.Dnu, mass, p.YY);
     add_outer(p.Dnu, p.PY, mass, p.YY);
     add_T(path, pose, weight, p.nu, p.YY);
     add_T(path, pose, shift, p.A, p.YY);
+    add_outer(p.Dnu, p.J, mass, p.YA);
+    add_H(path, pose, shift, p.YA);
+    if (p.impact) continue;
     add_F(path, pose, shift, V, p.YY);
     add_outer(p.Dnu, p.PV, mass, p.YV);
     add_T(path, pose, 2.0 * shift, V, p.YV);
     add_H(path, pose, 2.0 * shift, p.VV);
-    add_outer(p.Dnu, p.J, mass, p.YA);
-    add_H(path, pose, shift, p.YA);
   }
 }
 
-/// Second derivatives of kappa . (point's acceleration) - force . (virtual displacement), and d(force) . D(nu) into S_Y.
-void add_constraint_hessian(const Path& path, const Vec2& force, const Vec2& kappa, double sign, const Matrix& d_force,
-                            int row, EquationsPoint& p) {
+/// Second derivatives of kappa . (point's acceleration at A) - force . (virtual displacement), and d(force) . D(nu) into S_Y.
+/// `jump`: kappa . J A alone, where A holds the rates before an impact as well.
+void add_constraint_hessian(const Path& path, const Vec2& force, const Vec2& kappa, double sign, const Vector& A,
+                            bool jump, const Matrix& d_force, int row, EquationsPoint& p) {
   const Pose& pose = p.motion.pose;
   const Vec2 k = sign * kappa;
   add_T(path, pose, -sign * force, p.nu, p.YY);
-  add_T(path, pose, k, p.A, p.YY);
-  add_F(path, pose, k, p.motion.V, p.YY);
-  add_T(path, pose, 2.0 * k, p.motion.V, p.YV);
-  add_H(path, pose, 2.0 * k, p.VV);
+  add_T(path, pose, k, A, p.YY);
   add_H(path, pose, k, p.YA);
+  if (jump) add_H(path, pose, k, p.YV);
+  if (!p.impact) {
+    add_F(path, pose, k, p.motion.V, p.YY);
+    add_T(path, pose, 2.0 * k, p.motion.V, p.YV);
+    add_H(path, pose, 2.0 * k, p.VV);
+  }
   jacobian_columns(path, pose, p.J);
   copy_pattern(p.J, p.Dnu);
   add_D(path, pose, p.nu, -sign, p.Dnu);
@@ -333,11 +365,11 @@ void Equations::add_hessian(const Eigen::Ref<const Vector>& mu, EquationsPoint& 
   p.YA.setZero();
   p.S_Y.setZero();
   add_body_hessian(tree_, p);
-  add_drag_hessian(p);
+  if (!p.impact) add_drag_hessian(p);
   for (size_t k = 0; k < p.feet.size(); ++k) {
     const int row = 2 * static_cast<int>(k);
     add_constraint_hessian(tree_.feet[static_cast<size_t>(p.feet[k])], p.force.segment<2>(row),
-                           p.adjoint.segment<2>(n + row), 1.0, p.Z, n + row, p);
+                           p.adjoint.segment<2>(n + row), 1.0, p.A_feet, p.impact, p.Z, n + row, p);
   }
   if (tree_.nd > 0) {
     p.g_V = p.M.lazyProduct(p.nu);
@@ -355,8 +387,8 @@ void Equations::add_hessian(const Eigen::Ref<const Vector>& mu, EquationsPoint& 
     for (size_t l = 0; l < tree_.loops.size(); ++l) {
       const int row = 2 * static_cast<int>(l);
       const Vec2 force = p.loop_force.segment<2>(row), kappa = p.kappa_l.segment<2>(row);
-      add_constraint_hessian(tree_.loops[l].a, force, kappa, 1.0, p.d_loop_force, row, p);
-      add_constraint_hessian(tree_.loops[l].b, force, kappa, -1.0, p.d_loop_force, row, p);
+      add_constraint_hessian(tree_.loops[l].a, force, kappa, 1.0, p.A, false, p.d_loop_force, row, p);
+      add_constraint_hessian(tree_.loops[l].b, force, kappa, -1.0, p.A, false, p.d_loop_force, row, p);
     }
     add_dependent_curvature(tree_, p);
   }

@@ -142,7 +142,8 @@ void set_rate_sensitivity(const AbsoluteTree& tree, Motion& m) {
   }
 }
 
-void loop_acceleration_derivatives(const AbsoluteTree& tree, Motion& m, const Vector& A, Matrix& dY, Matrix& dV) {
+void loop_acceleration_derivatives(const AbsoluteTree& tree, Motion& m, const Vector& A, bool at_rest, Matrix& dY,
+                                   Matrix& dV) {
   dY.setZero();
   dV.setZero();
   for (size_t l = 0; l < tree.loops.size(); ++l) {
@@ -151,12 +152,14 @@ void loop_acceleration_derivatives(const AbsoluteTree& tree, Motion& m, const Ve
     for (int side = 0; side < 2; ++side) {
       const double sign = side == 0 ? 1.0 : -1.0;
       jacobian_columns(*sides[side], m.pose, m.columns);
-      zero_vectors(m.columns);
-      add_D(*sides[side], m.pose, m.V, 2.0, m.columns);
-      add_rows(m.columns, sign, row, dV);
+      if (!at_rest) {
+        zero_vectors(m.columns);
+        add_D(*sides[side], m.pose, m.V, 2.0, m.columns);
+        add_rows(m.columns, sign, row, dV);
+      }
       zero_vectors(m.columns);
       add_D(*sides[side], m.pose, A, 1.0, m.columns);
-      add_E(*sides[side], m.pose, m.V, 1.0, m.columns);
+      if (!at_rest) add_E(*sides[side], m.pose, m.V, 1.0, m.columns);
       add_rows(m.columns, sign, row, dY);
     }
   }

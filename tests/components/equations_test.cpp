@@ -37,7 +37,44 @@ Vector solve(const Equations& eq, const Vector& w, EquationsPoint& p) {
   return z;
 }
 
+/// (jump of the rates, impulses) at (q, v), inputs ignored.
+Vector jump(const Equations& eq, const Vector& w, EquationsPoint& p) {
+  const int n = eq.size();
+  EXPECT_TRUE(eq.evaluate_impact(w.head(n), w.segment(n, n), p));
+  Vector z(n + p.force.size());
+  z << p.a, p.force;
+  return z;
+}
+
+using Solution = Vector (*)(const Equations&, const Vector&, EquationsPoint&);
+
 class EquationsDerivatives : public ::testing::TestWithParam<test_support::NamedModel> {};
+
+/// Central differences of the solution and of its gradient contracted with mu, column by column.
+void check_derivatives(const Equations& eq, const Vector& w, Solution solution, EquationsPoint& p,
+                       EquationsPoint& other) {
+  const Vector z = solution(eq, w, p);
+  p.Z.setConstant(kNaN);
+  eq.differentiate(p);
+  const Vector mu = Vector::Random(z.size());
+  Matrix H = Matrix::Zero(w.size(), w.size());
+  eq.add_hessian(mu, p, H);
+  const double h = 1e-6, scale_Z = 1.0 + p.Z.cwiseAbs().maxCoeff(), scale_H = 1.0 + H.cwiseAbs().maxCoeff();
+  for (int j = 0; j < w.size(); ++j) {
+    Vector z_at[2], gradient[2];
+    for (int side = 0; side < 2; ++side) {
+      Vector moved = w;
+      moved[j] += side == 0 ? -h : h;
+      z_at[side] = solution(eq, moved, other);
+      eq.differentiate(other);
+      gradient[side] = other.Z.transpose() * mu;
+    }
+    EXPECT_LT((p.Z.col(j) - (z_at[1] - z_at[0]) / (2 * h)).cwiseAbs().maxCoeff(), 1e-7 * scale_Z) << "column " << j;
+    EXPECT_LT((H.col(j) - (gradient[1] - gradient[0]) / (2 * h)).cwiseAbs().maxCoeff(), 1e-7 * scale_H)
+        << "column " << j;
+  }
+  EXPECT_LT((H - H.transpose()).cwiseAbs().maxCoeff(), 1e-10 * scale_H);
+}
 
 TEST_P(EquationsDerivatives, FirstAndSecondMatchCentralDifferences) {
   const PlanarModel& model = GetParam().model;
@@ -49,32 +86,25 @@ TEST_P(EquationsDerivatives, FirstAndSecondMatchCentralDifferences) {
       if (trial % 3 == 0 || (trial % 3 == 1 && f > 0)) feet.push_back(f);
     EquationsPoint p(eq, feet), other(eq, feet);
     const Sample s = random_sample(model, eq.inputs(), rng);
-    const int n = eq.size(), w_size = 2 * n + eq.inputs();
-    Vector w(w_size);
+    Vector w(2 * eq.size() + eq.inputs());
     w << s.q, s.v, s.u;
-    const Vector z = solve(eq, w, p);
-    p.Z.setConstant(kNaN);
-    eq.differentiate(p);
-    Vector mu = Vector::Random(z.size());
-    Matrix H = Matrix::Zero(w_size, w_size);
-    eq.add_hessian(mu, p, H);
-    const double h = 1e-5;
-    const double scale_Z = 1.0 + p.Z.cwiseAbs().maxCoeff(), scale_H = 1.0 + H.cwiseAbs().maxCoeff();
-    for (int j = 0; j < w_size; ++j) {
-      Vector plus = w, minus = w;
-      plus[j] += h;
-      minus[j] -= h;
-      const Vector zp = solve(eq, plus, other);
-      eq.differentiate(other);
-      const Vector gp = other.Z.transpose() * mu;
-      const Vector zm = solve(eq, minus, other);
-      eq.differentiate(other);
-      const Vector gm = other.Z.transpose() * mu;
-      EXPECT_LT((p.Z.col(j) - (zp - zm) / (2 * h)).cwiseAbs().maxCoeff(), 1e-7 * scale_Z) << "column " << j;
-      EXPECT_LT((H.col(j) - (gp - gm) / (2 * h)).cwiseAbs().maxCoeff(), 1e-7 * scale_H) << "column " << j;
-    }
-    EXPECT_LT((H - H.transpose()).cwiseAbs().maxCoeff(), 1e-10 * scale_H);
+    check_derivatives(eq, w, solve, p, other);
+    check_derivatives(eq, w, jump, p, other);
   }
+}
+
+TEST(EquationsImpact, StopsTheFeetAndLosesEnergy) {
+  const PlanarModel model = test_support::sample_models()[2].model;
+  const Equations eq(model);
+  std::mt19937 rng(3);
+  EquationsPoint p(eq, {0, 1});
+  const Sample s = random_sample(model, eq.inputs(), rng);
+  ASSERT_TRUE(eq.evaluate_impact(s.q, s.v, p));
+  const Matrix M = p.K.topLeftCorner(eq.size(), eq.size());
+  const Vector after = s.v + p.a;
+  EXPECT_LT((p.J_f * p.motion.G * after).norm(), 1e-12);
+  EXPECT_LT(after.dot(M * after), s.v.dot(M * s.v));
+  EXPECT_NEAR(after.dot(M * p.a), 0.0, 1e-10);  // the impulses do no work on the motion after
 }
 
 INSTANTIATE_TEST_SUITE_P(Models, EquationsDerivatives, ::testing::ValuesIn(test_support::sample_models()),

@@ -13,6 +13,9 @@
 // First derivatives differentiate the whole system, loop forces and dependent joints included; second derivatives use the adjoint
 //     K^T (nu, kappa) = mu   =>   d2(mu . (a, f)) = -d2(nu . r + kappa . pdd_f + kappa_l . cdd + chi_1 . cd + chi_0 . c),
 // where kappa_l, chi_1, chi_0 make the sum stationary in the dependent joints' accelerations, rates and values.
+//
+// Plastic impact (feet stop dead, joints stay closed, motors, gravity and drag give no impulse) is the same system with the jump of
+// the rates in place of a and impulses in place of forces: M dv - J^T p = 0, J (v + dv) = 0.
 
 #include <Eigen/LU>
 #include <vector>
@@ -39,6 +42,8 @@ class Equations {
   /// Solves for p.a (n) and p.force (2 a foot in contact: x, z [N]). False where loops or stance are singular.
   bool evaluate(const Eigen::Ref<const Vector>& q, const Eigen::Ref<const Vector>& v, const Eigen::Ref<const Vector>& u,
                 EquationsPoint& p) const;
+  /// The same for a plastic impact at rates v before it: p.a is the jump dv of the rates, p.force the impulses [N s].
+  bool evaluate_impact(const Eigen::Ref<const Vector>& q, const Eigen::Ref<const Vector>& v, EquationsPoint& p) const;
   /// Fills p.Z = d(a, force)/d(q, v, u), (n + 2 feet) x (2 n + n_u). After evaluate().
   void differentiate(EquationsPoint& p) const;
   /// Adds d2(mu . (a, force))/d(q, v, u)^2 to H, (2 n + n_u)^2. After differentiate().
@@ -51,6 +56,7 @@ class Equations {
   [[nodiscard]] double drag_moment(const EquationsPoint& p) const;
 
  private:
+  bool solve_system(EquationsPoint& p) const;
   void add_drag(EquationsPoint& p) const;
   void add_drag_derivatives(EquationsPoint& p) const;
   void add_drag_hessian(EquationsPoint& p) const;
@@ -67,11 +73,12 @@ struct EquationsPoint {
   std::vector<int> feet;  ///< indices of the feet in contact
   Motion motion;
   Vector q, v;
-  Vector a;      ///< n
-  Vector force;  ///< 2 a foot in contact: x, z [N]
-  Matrix Z;      ///< see differentiate()
+  Vector a;             ///< n
+  Vector force;         ///< 2 a foot in contact: x, z [N]
+  Matrix Z;             ///< see differentiate()
+  bool impact = false;  ///< whether the last evaluation was of an impact
   // Scratch.
-  Vector A, r, loop_force;
+  Vector A, r, loop_force, A_feet;
   Matrix M, J_f, Res_Y, Res_V, F_Y, F_V, L_Y, L_V;
   Matrix K, rhs, Gamma, dA, d_loop_force;
   Vector rhs0, nu, kappa_l, chi_0, chi_1, g_Y, g_V, chi_scratch, adjoint;

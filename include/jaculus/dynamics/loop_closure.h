@@ -37,8 +37,9 @@ bool set_configuration(const AbsoluteTree& tree, const Eigen::Ref<const Vector>&
 void set_rates(const AbsoluteTree& tree, const Eigen::Ref<const Vector>& v, Motion& motion);
 /// Sets X; the rates must be set.
 void set_rate_sensitivity(const AbsoluteTree& tree, Motion& motion);
-/// d(V^T d2c V + C A)/dY and /dV of the loops: (2 rows a loop) x N each.
-void loop_acceleration_derivatives(const AbsoluteTree& tree, Motion& motion, const Vector& A, Matrix& dY, Matrix& dV);
+/// d(V^T d2c V + C A)/dY and /dV of the loops: (2 rows a loop) x N each; `at_rest` leaves V out, as an impact does.
+void loop_acceleration_derivatives(const AbsoluteTree& tree, Motion& motion, const Vector& A, bool at_rest, Matrix& dY,
+                                   Matrix& dV);
 
 /// Absolute coordinates as joint values: all bodies' joints, the base's entry zero [rad or m].
 Vector joint_positions(const AbsoluteTree& tree, const Eigen::Ref<const Vector>& q, const Motion& motion);
