@@ -54,4 +54,56 @@ void add_point_gradient(const AbsoluteTree& tree, const Motion& motion, const Po
 void add_point_hessian(const AbsoluteTree& tree, const Motion& motion, const PointSum& point, const Vec2& w_position,
                        const Vec2& w_velocity, MatrixRef hessian, PointScratch& scratch);
 
+// Dynamics. All take a motion whose configuration is set (and whose rates are, where marked "rates") and return values.
+
+/// Adds sum_b m_b J_b^T J_b + I_b e_b e_b^T to `mass` (N x N) and sum_b m_b J_b^T (J_b A + V^T d2p_b V - g) + I_b A_b e_b to
+/// `residual` (N): the bodies' share of the equations of motion in absolute coordinates. No allocation. Rates.
+void add_bodies(const AbsoluteTree& tree, const Motion& motion, const Vector& A, Matrix& mass, Vector& residual,
+                PointColumns& scratch);
+
+/// M (n x n), symmetric positive definite, reflected rotor inertia included [kg, kg m, kg m^2].
+Matrix mass_matrix(const AbsoluteTree& tree, const Motion& motion);
+/// h (n): the generalised force that keeps the generalised acceleration zero [N, N m]. Rates.
+Vector bias(const AbsoluteTree& tree, const Motion& motion);
+/// d(foot positions)/dq, (2 feet) x n, rows x and z of each foot in the order given.
+Matrix foot_jacobian(const AbsoluteTree& tree, const Motion& motion, const std::vector<int>& feet);
+
+Vec2 foot_position(const AbsoluteTree& tree, const Motion& motion, int foot);  ///< world [m]
+Vec2 foot_velocity(const AbsoluteTree& tree, const Motion& motion, int foot);  ///< world [m/s]. Rates.
+/// World acceleration of a point at generalised acceleration a (n) [m/s^2]. Rates.
+Vec2 point_acceleration(const PointSum& point, const Motion& motion, const Vector& a);
+
+/// Q = M a + h - J_f^T f (n): the generalised force of motors and drag that goes with acceleration a (n) and foot forces f
+/// (2 a foot: x, z; on the robot, left and right summed [N]). Rates.
+Vector inverse_dynamics(const AbsoluteTree& tree, const Motion& motion, const Vector& a, const std::vector<int>& feet,
+                        const Vector& force);
+
+/// Outcome of forward_dynamics and plastic_impact; `ok` is false, and the rest empty, where M and the feet's Jacobian make a
+/// singular system (feet that hold each other, a leg stretched out).
+struct ContactSolution {
+  bool ok = false;
+  Vector motion;  ///< n: generalised acceleration, or rate after the impact
+  Vector force;   ///< 2 a foot: x, z [N], or impulse [N s], on the robot
+};
+
+/// Solves M a + h = Q + J_f^T f with the acceleration of `feet` zero (held both ways: a pull is for the caller to judge). Rates.
+ContactSolution forward_dynamics(const AbsoluteTree& tree, const Motion& motion, const Vector& generalised_force,
+                                 const std::vector<int>& feet);
+/// Solves M (v_plus - v) = J_f^T impulse, J_f v_plus = 0: `feet` hit the floor at once and stay. v is the rate before (n).
+ContactSolution plastic_impact(const AbsoluteTree& tree, const Motion& motion, const Vector& v,
+                               const std::vector<int>& feet);
+
+Vec2 centre_of_mass(const AbsoluteTree& tree, const Motion& motion);           ///< world [m]
+Vec2 centre_of_mass_velocity(const AbsoluteTree& tree, const Motion& motion);  ///< world [m/s]. Rates.
+Vec2 linear_momentum(const AbsoluteTree& tree, const Motion& motion);          ///< world [kg m/s]. Rates.
+/// sum_b m_b (r_z v_x - r_x v_z) + I_b dphi_b/dt with r from `about`, a world point at rest; turns about +y [kg m^2/s].
+/// Rotors whose inertia is `armature` carry none: in that model they turn with nothing but their joint. Rates.
+double angular_momentum(const AbsoluteTree& tree, const Motion& motion, const Vec2& about);
+/// The same about the moving centre of mass. Rates.
+double angular_momentum(const AbsoluteTree& tree, const Motion& motion);
+/// 1/2 v^T M v [J], rotors included, summed body by body. v (n) is what set_rates was given. Rates.
+double kinetic_energy(const AbsoluteTree& tree, const Motion& motion, const Vector& v);
+/// sum_b m_b g z_b [J], zero at world z = 0.
+double potential_energy(const AbsoluteTree& tree, const Motion& motion);
+
 }  // namespace jaculus
