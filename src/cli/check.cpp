@@ -1,0 +1,100 @@
+// jaculus check: what was understood of problems and robots.
+
+#include <fmt/format.h>
+
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "cli/command.h"
+#include "jaculus/core/error.h"
+#include "jaculus/report/summary.h"
+
+namespace jaculus::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+struct Options {
+  Common common;
+  std::vector<std::string> files;
+  bool explain = false;
+};
+
+/// A folder with a robot.yaml, or a name that no file has: robots are looked up by name.
+bool names_robot(const fs::path& path) {
+  if (path.filename() == "robot.yaml" || path.filename() == "robot.urdf") return true;
+  return fs::is_directory(path) || (!fs::exists(path) && !path.has_extension() && !path.has_parent_path());
+}
+
+Json check_robot(const fs::path& path, std::string& text) {
+  const bool file = path.filename() == "robot.yaml" || path.filename() == "robot.urdf";
+  fs::path folder = file ? path.parent_path() : path;
+  if (folder.empty()) folder = ".";
+  if (!fs::is_directory(folder)) folder = find_robot(path.string(), fs::current_path() / "robot");
+  const Robot robot = read_robot(folder);
+  const PlanarModel& m = robot.planar;
+  const std::vector<std::string> paths = override_paths(folder);
+  text += fmt::format("{}: {} planar bodies, {:.4g} kg, {} coordinates, {} motors, {} loops\n", robot.name,
+                      m.bodies.size(), m.total_mass(), m.size(), m.motors.size(), m.loops.size());
+  for (const std::string& note : robot.notes) text += "  " + note + "\n";
+  text += "values that a problem may override\n";
+  for (const std::string& line : paths) text += "  " + line + "\n";
+  Json json = {{"robot", robot.name}, {"mass_kg", m.total_mass()}, {"coordinates", Json::array()}};
+  for (const Coordinate& coordinate : m.coordinates) json["coordinates"].push_back(coordinate.name);
+  json["notes"] = robot.notes;
+  json["override_paths"] = paths;
+  return json;
+}
+
+Json check_problem_file(const fs::path& file, const Common& common, std::string& text) {
+  const Loaded loaded = load(file, common);
+  const PlanarModel model = planning_model(loaded.problem, loaded.robot.planar);
+  text += describe_problem_text(loaded.problem, loaded.robot);
+  int intervals = 0;
+  for (const PhaseSpec& phase : loaded.problem.phases) intervals += phase.intervals;
+  text += fmt::format("  size          {} coordinates and {} motors to plan, {} intervals in {} phases\n", model.size(),
+                      model.motors.size(), intervals, loaded.problem.phases.size());
+  for (const std::string& note : loaded.robot.notes) text += "  robot: " + note + "\n";
+  Json json = describe_problem(loaded.problem);
+  json["robot_notes"] = loaded.robot.notes;
+  json["size"] = {{"coordinates", model.size()}, {"motors", model.motors.size()}, {"intervals", intervals}};
+  return json;
+}
+
+int run(const Options& options) {
+  if (options.explain) {
+    print(options.common.json ? Json{{"explanation", explain_problem()}}.dump(1) + "\n" : explain_problem());
+    if (options.files.empty()) return kDone;
+  }
+  if (options.files.empty()) throw InputError("check: no file given; allowed: problem files and robots, or --explain");
+  Json json = Json::array();
+  std::string text;
+  for (const std::string& file : options.files) {
+    json.push_back(names_robot(file) ? check_robot(file, text) : check_problem_file(file, options.common, text));
+    json.back()["file"] = file;
+  }
+  if (options.common.json) {
+    print(json.dump(1) + "\n");
+  } else if (!options.common.quiet) {
+    print(text);
+  }
+  return kDone;
+}
+
+}  // namespace
+
+void add_check(CLI::App& app, Action& chosen) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command =
+      app.add_subcommand("check", "Validates problems and robots; prints what was understood, with sizes.");
+  command->footer("Example:\n  jaculus check problems/leap_tail.yaml minitaur_tail");
+  command->add_option("files", options->files, "problem files, robot folders or robot names");
+  command->add_flag("--explain", options->explain,
+                    "print every key of a problem file with its meaning, unit and default");
+  command->add_flag("--json", options->common.json, "machine-readable result on standard output, nothing else there");
+  command->add_flag("--quiet", options->common.quiet, "print nothing but errors");
+  command->callback([options, &chosen] { chosen = [options] { return run(*options); }; });
+}
+
+}  // namespace jaculus::cli

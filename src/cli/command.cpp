@@ -1,0 +1,60 @@
+#include "cli/command.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <system_error>
+
+#include "jaculus/core/error.h"
+#include "jaculus/trajectory/csv.h"
+
+namespace jaculus::cli {
+
+void add_common(CLI::App& command, Common& common, const std::string& out_help) {
+  command.add_option("--out", common.out, out_help);
+  command.add_option("--seed", common.seed, "seed of everything random, instead of the problem's")
+      ->check(CLI::Range(0, 2147483647));
+  command.add_option("--jobs", common.jobs, "processes at a time")->check(CLI::Range(1, 1024));
+  command.add_flag("--quiet", common.quiet, "print nothing but errors");
+  command.add_flag("--json", common.json, "machine-readable result on standard output, nothing else there");
+}
+
+Loaded load(const std::filesystem::path& file, const Common& common) {
+  Loaded loaded;
+  loaded.problem = read_problem(file);
+  if (common.seed) loaded.problem.solver.seed = *common.seed;
+  loaded.robot = read_robot(loaded.problem.robot_folder, loaded.problem.overrides);
+  check_problem(loaded.problem, loaded.robot.planar);
+  return loaded;
+}
+
+void prepare_folder(const std::filesystem::path& folder) {
+  std::error_code code;
+  if (std::filesystem::exists(folder, code) && !std::filesystem::is_directory(folder, code)) {
+    throw InputError(fmt::format("--out {}: is a file; allowed: a folder", folder.string()));
+  }
+  std::filesystem::create_directories(folder, code);
+  if (code) {
+    throw InputError(fmt::format("--out {}: can't be made ({}); allowed: a folder that can be written", folder.string(),
+                                 code.message()));
+  }
+  if (::access(folder.c_str(), W_OK | X_OK) != 0) {
+    throw InputError(fmt::format("--out {}: can't be written; allowed: a folder that can be written", folder.string()));
+  }
+}
+
+bool colours() {
+  const char* off = std::getenv("NO_COLOR");
+  return ::isatty(STDOUT_FILENO) == 1 && (off == nullptr || *off == '\0');
+}
+
+bool shows_progress(const Common& common) { return !common.quiet && ::isatty(STDERR_FILENO) == 1; }
+
+void print(const std::string& text) {
+  std::fwrite(text.data(), 1, text.size(), stdout);
+  std::fflush(stdout);
+}
+
+}  // namespace jaculus::cli

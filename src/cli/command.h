@@ -1,0 +1,56 @@
+#pragma once
+// What all commands share: common flags, output, and how a command hangs into the program.
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "jaculus/model/robot.h"
+#include "jaculus/transcription/problem.h"
+
+namespace jaculus::cli {
+
+// Exit codes, see INTERFACES in the README.
+inline constexpr int kDone = 0;
+inline constexpr int kNotSolved = 1;
+inline constexpr int kBadInput = 2;
+
+/// Flags that every command has.
+struct Common {
+  std::string out;          ///< folder (or file, for export); empty where not given
+  std::optional<int> seed;  ///< replaces the problem's
+  int jobs = 1;
+  bool quiet = false;
+  bool json = false;
+};
+
+/// The action of the command that the user chose; set by parsing.
+using Action = std::function<int()>;
+
+void add_common(CLI::App& command, Common& common, const std::string& out_help);
+
+// One function a command, each in the file of its name.
+void add_check(CLI::App& app, Action& chosen);
+void add_export(CLI::App& app, Action& chosen);
+
+/// A problem with its robot, everything checked that can be checked before a solve.
+struct Loaded {
+  Problem problem;
+  Robot robot;  ///< overrides applied, nothing locked
+};
+Loaded load(const std::filesystem::path& file, const Common& common);
+
+/// Makes the folder and proves that files can be written into it; InputError otherwise.
+void prepare_folder(const std::filesystem::path& folder);
+
+/// Whether text on standard output may have colours: a terminal, and no NO_COLOR.
+bool colours();
+/// Whether progress is to be shown on standard error.
+bool shows_progress(const Common& common);
+
+/// Prints on standard output at once.
+void print(const std::string& text);
+
+}  // namespace jaculus::cli

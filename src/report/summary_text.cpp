@@ -1,0 +1,113 @@
+// What `jaculus solve` prints.
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "jaculus/report/summary.h"
+#include "jaculus/report/text_table.h"
+
+namespace jaculus {
+namespace {
+
+std::string beside(const Summary& s, const char* key, int digits) {
+  const auto found = s.reference.find(key);
+  return found == s.reference.end() ? "" : fmt::format("   (published: {})", fixed(found->second, digits));
+}
+
+std::string head(const Summary& s, bool colour) {
+  std::string text = coloured(s.name, Colour::bold, colour);
+  if (!s.caption.empty()) text += ": " + s.caption;
+  text += fmt::format("\n  status        {}, {} iterations",
+                      s.converged ? coloured(s.status, Colour::green, colour) : coloured(s.status, Colour::red, colour),
+                      s.iterations);
+  if (!s.message.empty()) text += fmt::format(" ({})", s.message);
+  text += fmt::format("\n  size          {} variables, {} rows, {} Jacobian and {} Hessian entries\n", s.size.variables,
+                      s.size.constraints, s.size.jacobian_nonzeros, s.size.hessian_nonzeros);
+  if (!s.converged) text += "  not a solution: the figures below are those of the last iterate\n";
+  return text;
+}
+
+std::string figures(const Summary& s) {
+  std::string text = fmt::format("  objective     {:.6g}\n", s.objective);
+  text += fmt::format("  v/T base      {} m/s^2{}\n", fixed(s.average_acceleration, 3),
+                      beside(s, "average_acceleration_m_s2", 3));
+  text += fmt::format("  v/T com       {} m/s^2{}\n", fixed(s.average_acceleration_com, 3),
+                      beside(s, "average_acceleration_com_m_s2", 3));
+  text += fmt::format("  v at the end  {} m/s, com {} m/s\n", fixed(s.liftoff_velocity, 3),
+                      fixed(s.liftoff_velocity_com, 3));
+  text += fmt::format("  duration      {} s{}\n", fixed(s.duration, 5), beside(s, "duration_s", 5));
+  for (const PhaseFigures& p : s.phases) {
+    text += fmt::format("    {:<18} {} s{}\n", p.name, fixed(p.duration, 5), p.at_bound ? ", at its bound" : "");
+  }
+  if (!std::isnan(s.tail_momentum_share)) {
+    text += fmt::format("  drag's share of momentum {:.1f} %\n", 100.0 * s.tail_momentum_share);
+  }
+  return text;
+}
+
+std::string motors(const Summary& s) {
+  if (s.motors.empty()) return "";
+  TextTable table({"  motor", "joint torque [N m]", "motor torque [N m]", "current [A]", "voltage [V]"});
+  const auto of = [](double peak, double limit) {
+    return std::isfinite(limit) ? fmt::format("{} of {:g}", fixed(peak, 2), limit) : fixed(peak, 2);
+  };
+  for (const MotorFigures& m : s.motors) {
+    table.row({fmt::format("  {}{}", m.motor, m.count > 1 ? fmt::format(" (x{})", m.count) : ""),
+               fixed(m.joint_torque, 2), of(m.motor_torque, m.torque_limit), of(m.current, m.current_limit),
+               of(m.voltage, m.voltage_limit)});
+  }
+  return "\npeaks, of what a plan may use, one motor\n" + table.text();
+}
+
+std::string limits(const Summary& s) {
+  std::string text;
+  if (!s.active_limits.empty()) {
+    TextTable table({"  limit", "phase", "from [s]", "to [s]", "nodes"});
+    for (const ActiveLimit& a : s.active_limits) {
+      table.row({"  " + a.name, a.phase, fixed(a.from, 4), fixed(a.to, 4), fmt::format("{}", a.nodes)});
+    }
+    text += "\nactive limits\n" + table.text();
+  }
+  if (!s.prices.empty()) {
+    text += "\nwhat a little more of a limit would gain\n";
+    for (const LimitPrice& p : s.prices) text += fmt::format("  {:<20} {:+.4g} {}\n", p.limit, p.price, p.unit);
+  }
+  return text;
+}
+
+std::string violation(const Violation& v) {
+  return v.row.empty() ? std::string("none") : fmt::format("{:.2g} {} ({})", v.value, v.unit, v.row);
+}
+
+std::string verification(const Summary& s, bool colour) {
+  const Verification& v = s.verification;
+  std::string text = fmt::format("\nverification: {}\n", v.passed ? coloured("passed", Colour::green, colour)
+                                                                  : coloured("NOT PASSED", Colour::red, colour));
+  if (!v.reintegration_error.empty()) {
+    text += "  re-integration, largest error:";
+    for (const auto& [name, error] : v.reintegration_error) text += fmt::format(" {} {:.1e}", name, error);
+    text += "\n";
+  }
+  text +=
+      fmt::format("  worst row {}; between nodes {}\n", violation(v.worst_violation), violation(v.off_node_violation));
+  text += fmt::format("  balances: momentum {:.1e}, energy {:.1e}\n", v.momentum_balance, v.energy_balance);
+  for (const std::string& failure : v.failures)
+    text += "  " + coloured("fails", Colour::red, colour) + ": " + failure + "\n";
+  return text;
+}
+
+}  // namespace
+
+std::string to_text(const Summary& s, bool colour) {
+  std::string text = head(s, colour) + figures(s) + motors(s) + limits(s) + verification(s, colour);
+  if (!s.violated_rows.empty()) {
+    text += "\nrows that do not hold, worst first\n";
+    for (const Violation& v : s.violated_rows) text += fmt::format("  {}: {:.3g} {}\n", v.row, v.value, v.unit);
+  }
+  for (const std::string& warning : s.warnings)
+    text += coloured("mind", Colour::yellow, colour) + ": " + warning + "\n";
+  return text;
+}
+
+}  // namespace jaculus

@@ -1,0 +1,115 @@
+#include "jaculus/studies/compare.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace jaculus {
+namespace {
+
+const ComparedPlan* partner(const std::vector<ComparedPlan>& plans, TailKind kind, const ComparedPlan& of) {
+  const ComparedPlan* first = nullptr;
+  for (const ComparedPlan& plan : plans) {
+    if (plan.kind != kind) continue;
+    if (plan.conditions == of.conditions) return &plan;
+    if (first == nullptr) first = &plan;
+  }
+  return first;
+}
+
+double ratio(const ComparedPlan& a, const ComparedPlan& b, double ComparedPlan::*field) {
+  return a.converged && b.converged && b.*field != 0.0 ? a.*field / b.*field - 1.0 : kNaN;
+}
+
+Gain gain(const ComparedPlan& plan, const ComparedPlan* over) {
+  if (over == nullptr || over == &plan) return {};
+  return {over->name, over->conditions != plan.conditions, ratio(plan, *over, &ComparedPlan::base_acceleration),
+          ratio(plan, *over, &ComparedPlan::com_acceleration), -ratio(plan, *over, &ComparedPlan::duration)};
+}
+
+double worth(const ComparedPlan& drag, const ComparedPlan& inertial, const ComparedPlan& over,
+             double ComparedPlan::*field) {
+  if (!drag.converged || !inertial.converged || !over.converged) return kNaN;
+  const double alone = inertial.*field - over.*field;
+  return alone > 0.0 ? (drag.*field - over.*field) / alone - 1.0 : kNaN;
+}
+
+void append(std::string& text, const std::string& name, const std::map<std::string, Bounds>& values) {
+  for (const auto& [key, b] : values) text += fmt::format("{}.{} {} {}\n", name, key, b.lower, b.upper);
+}
+
+}  // namespace
+
+std::string to_string(TailKind kind) {
+  switch (kind) {
+    case TailKind::none:
+      return "none";
+    case TailKind::held:
+      return "held";
+    case TailKind::inertial:
+      return "inertial";
+    case TailKind::drag:
+      return "drag";
+  }
+  return "";
+}
+
+TailKind tail_kind(const Problem& problem, const PlanarModel& model) {
+  if (model.drags.empty()) return TailKind::none;
+  for (const PlanarDrag& drag : model.drags) {
+    const std::string& joint = model.bodies[static_cast<std::size_t>(drag.body)].joint;
+    const auto locked = [&joint](const auto& lock) { return lock.first == joint; };
+    if (std::any_of(problem.locks.begin(), problem.locks.end(), locked)) return TailKind::held;
+  }
+  const auto blows = [](const PlanarDrag& drag) { return drag.kind != DragKind::none && drag.coefficient > 0.0; };
+  return std::any_of(model.drags.begin(), model.drags.end(), blows) ? TailKind::drag : TailKind::inertial;
+}
+
+std::string conditions(const Problem& problem) {
+  std::string text = fmt::format("{} {} {} {}\n", problem.voltage.value_or(kNaN), problem.torque.value_or(kNaN),
+                                 problem.current.value_or(kNaN), problem.friction.value_or(kNaN));
+  for (const PhaseSpec& phase : problem.phases) {
+    for (const std::string& foot : phase.contacts) text += foot + " ";
+    text += fmt::format("{} {} {}\n", phase.intervals, phase.duration.lower, phase.duration.upper);
+  }
+  append(text, "initial", problem.initial.position);
+  append(text, "initial", problem.initial.velocity);
+  append(text, "final", problem.final.position);
+  append(text, "final", problem.final.velocity);
+  for (const TermSpec& term : problem.constraints) text += term.node.dump() + "\n";
+  for (const Override& o : problem.overrides) {
+    // The winding counts, what makes the tail another one does not: that is what is compared.
+    if (o.path.ends_with(".resistance")) text += o.path + " " + o.value.dump() + "\n";
+  }
+  return text;
+}
+
+std::vector<PlanGains> gains(const std::vector<ComparedPlan>& plans) {
+  std::vector<PlanGains> result;
+  for (const ComparedPlan& plan : plans) {
+    const ComparedPlan* tailless = partner(plans, TailKind::none, plan);
+    if (tailless == nullptr) tailless = &plans.front();
+    result.push_back({gain(plan, tailless), gain(plan, partner(plans, TailKind::held, plan))});
+  }
+  return result;
+}
+
+std::vector<DragWorth> drag_worth(const std::vector<ComparedPlan>& plans) {
+  std::vector<DragWorth> result;
+  for (const ComparedPlan& plan : plans) {
+    if (plan.kind != TailKind::drag) continue;
+    const ComparedPlan* inertial = partner(plans, TailKind::inertial, plan);
+    if (inertial == nullptr) continue;
+    for (const TailKind kind : {TailKind::none, TailKind::held}) {
+      const ComparedPlan* over = partner(plans, kind, plan);
+      if (over == nullptr) continue;
+      result.push_back({plan.name, inertial->name, over->name,
+                        inertial->conditions != plan.conditions || over->conditions != plan.conditions,
+                        worth(plan, *inertial, *over, &ComparedPlan::base_acceleration),
+                        worth(plan, *inertial, *over, &ComparedPlan::com_acceleration)});
+    }
+  }
+  return result;
+}
+
+}  // namespace jaculus

@@ -1,0 +1,27 @@
+#pragma once
+// Readers of the sections of a problem file. Each starts from what `problem` already holds (from a file that this one extends)
+// and changes what the node says; a null drops what the base said.
+
+#include "jaculus/transcription/problem.h"
+
+namespace jaculus::problem_read {
+
+bool is_null(const yaml::Node& node);
+
+void robot(Problem& problem, const yaml::Node& node);
+void overrides(Problem& problem, const yaml::Node& node);
+void locks(Problem& problem, const yaml::Node& node);
+void limits(Problem& problem, const yaml::Node& node);
+void bounds(Problem& problem, const yaml::Node& node);
+void phases(Problem& problem, const yaml::Node& node);
+void initial(Problem& problem, const yaml::Node& node);
+void final(Problem& problem, const yaml::Node& node);
+void constraints(Problem& problem, const yaml::Node& node);
+void objective(Problem& problem, const yaml::Node& node);
+void transcription(Problem& problem, const yaml::Node& node);
+void guess(Problem& problem, const yaml::Node& node);
+void solver(Problem& problem, const yaml::Node& node);
+void refinement(Problem& problem, const yaml::Node& node);
+void reference(Problem& problem, const yaml::Node& node);
+
+}  // namespace jaculus::problem_read
