@@ -151,6 +151,12 @@ SpatialTree skeleton(const UrdfOutline& outline, const std::filesystem::path& fi
     tree.links.push_back(link);
   }
   if (tree.links.empty()) throw urdf_error(file, 1, "no <link> given; allowed: at least one");
+  // Walks of the tree recurse; no robot comes near this.
+  constexpr std::size_t kMaxLinks = 1000;
+  if (tree.links.size() > kMaxLinks) {
+    throw urdf_error(file, tree.links[kMaxLinks].line,
+                     fmt::format("{} links given; allowed: at most {}", tree.links.size(), kMaxLinks));
+  }
   for (const UrdfOutline::Joint& source : outline.joints) {
     SpatialJoint joint;
     joint.name = source.name;

@@ -18,7 +18,8 @@ struct Robot {
   std::vector<std::string> notes;  ///< what was merged, dropped or assumed on the way, one sentence each
 };
 
-/// One override of a model value by its path, as in `override: {tail.drag.coefficient: 2.0}`.
+/// One override of a model value by its path, as in `override: {tail.drag.coefficient: 2.0}`. "*" in a path stands for any one
+/// part between dots (a path in full wins over it); a value "=path" copies another model value.
 struct Override {
   std::string path;  ///< "tail.drag.coefficient", "motors.tail.resistance", "bodies.base.mass", ...
   yaml::Node value;  ///< read with the dimension of what it replaces
@@ -33,5 +34,8 @@ Robot read_robot(const std::filesystem::path& folder, const std::vector<Override
 
 /// Every path that an override may name, with its present value and unit ("tail.drag.coefficient = 2 [-]").
 std::vector<std::string> override_paths(const std::filesystem::path& folder);
+
+/// Every key of robot.yaml with its meaning and unit, as `jaculus check --explain` prints it.
+std::string explain_robot();
 
 }  // namespace jaculus
