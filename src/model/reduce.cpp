@@ -133,7 +133,6 @@ class Reducer {
     result.name = head.name;
     if (body > 0) joint_of(head, body, side, result);
     const double phi = pitch_of(head.R_BL);
-    Vec2 moment = Vec2::Zero();
     for (int pass = 0; pass < 2; ++pass) {
       for (std::size_t l = 0; l < tree_.links.size(); ++l) {
         const SpatialLink& link = tree_.links[l];
@@ -141,13 +140,12 @@ class Reducer {
         const Vec2 com = unrotate(phi, in_plane(link.p_BL + link.R_BL * link.com - head.p_BL));
         if (pass == 0) {
           result.mass += link.mass;
-          moment += link.mass * com;
+          result.com += link.mass / result.mass * (com - result.com);  // exact where there is but one link
           continue;
         }
         const Mat3 inertia_B = link.R_BL * link.inertia * link.R_BL.transpose();
         result.inertia += inertia_B(1, 1) + link.mass * (com - result.com).squaredNorm();
       }
-      if (pass == 0 && result.mass > 0.0) result.com = moment / result.mass;
     }
     return result;
   }
