@@ -1,0 +1,94 @@
+#pragma once
+// Which constraints can't hold together. Every row that may give way gets slacks p, n >= 0 [in the row's unit],
+//   minimise  sum (p + n) / row_scale  +  proximity/2 sum ((x - x_ref) / variable_scale)^2
+//   subject to  row_lower <= g(x) - p + n <= row_upper,  x in its bounds,
+// the elastic mode of Gill, Murray, Saunders (SNOPT, SIAM Review 47, 2005) without the objective. The L1 sum
+// leaves most slacks at zero, so the rows with a slack are few; they and the limits that push against them are the conflict.
+// The answer is local and not unique: other rows may give way with the same sum. x_ref is the given start.
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "jaculus/solver/ipopt.h"
+#include "jaculus/solver/prices.h"
+
+namespace jaculus {
+
+/// A row that has to give way, and by how much.
+struct Relaxation {
+  int row = 0;
+  std::string name;
+  std::string unit;
+  double amount =
+      0.0;  ///< g(x) minus the bound it passes: positive above the upper one, negative below the lower one [unit]
+  double scaled = 0.0;  ///< |amount| over the row's scale [-]
+};
+
+struct Conflict {
+  Status status = Status::failed;   ///< of the elastic solve
+  bool feasible = false;            ///< it converged and nothing has to give way: start again from x
+  std::vector<Relaxation> relaxed;  ///< by falling scaled amount; may be empty only where feasible or not converged
+  std::vector<LimitPrice>
+      against;  ///< limits that the relaxed rows strain against, by weight; price: d scaled sum/d limit
+  Vector x;     ///< [n] the least infeasible point found
+};
+
+struct ElasticOptions {
+  std::function<bool(int row)> may_relax = {};  ///< rows that may give way; empty: all of them
+  double tolerance = 1e-5;                      ///< smallest scaled slack that counts [-]
+  double proximity = 1e-8;  ///< weight of staying near the start; only settles what the slacks leave open
+  int most = 20;            ///< longest list of `against`
+  SolverOptions solver = {};
+};
+
+/// Finds the conflict of a problem near x [n]. Bounds of variables never give way.
+Conflict find_conflict(Nlp& nlp, const Vector& x, const ElasticOptions& options = {});
+
+/// The elastic problem itself; refers to `nlp`. Variables: x, then one slack for each finite side of each relaxed row.
+class ElasticNlp : public Nlp {
+ public:
+  ElasticNlp(Nlp& nlp, Vector reference, const std::function<bool(int row)>& may_relax, double proximity);
+
+  /// Slacks that satisfy the rows at the reference, where the functions are defined there: [variables()].
+  [[nodiscard]] Vector start();
+  /// Sum of p - n for each row of the original at a point of the elastic problem [rows()].
+  [[nodiscard]] Vector excess(const Vector& point) const;
+
+  [[nodiscard]] int variables() const override { return static_cast<int>(lower_.size()); }
+  [[nodiscard]] int rows() const override { return nlp_.rows(); }
+  [[nodiscard]] const Vector& variable_lower() const override { return lower_; }
+  [[nodiscard]] const Vector& variable_upper() const override { return upper_; }
+  [[nodiscard]] const Vector& row_lower() const override { return nlp_.row_lower(); }
+  [[nodiscard]] const Vector& row_upper() const override { return nlp_.row_upper(); }
+  [[nodiscard]] const Vector& variable_scale() const override { return scale_; }
+  [[nodiscard]] const Vector& row_scale() const override { return nlp_.row_scale(); }
+  [[nodiscard]] double objective_scale() const override { return 1.0; }
+  [[nodiscard]] std::string variable_name(int column) const override;
+  [[nodiscard]] std::string row_name(int row) const override { return nlp_.row_name(row); }
+  [[nodiscard]] std::string variable_unit(int column) const override;
+  [[nodiscard]] std::string row_unit(int row) const override { return nlp_.row_unit(row); }
+  [[nodiscard]] const Sparsity& jacobian_sparsity() const override { return jacobian_; }
+  [[nodiscard]] const Sparsity& hessian_sparsity() const override { return hessian_; }
+  bool objective(const ConstVectorRef& x, double& value) override;
+  bool gradient(const ConstVectorRef& x, VectorRef gradient) override;
+  bool constraints(const ConstVectorRef& x, VectorRef values) override;
+  bool jacobian(const ConstVectorRef& x, VectorRef values) override;
+  bool hessian(const ConstVectorRef& x, double sigma, const ConstVectorRef& lambda, VectorRef values) override;
+
+ private:
+  /// One slack column: g + sign * slack enters the row.
+  struct Slack {
+    int row;
+    double sign;
+  };
+  Nlp& nlp_;
+  int n_;  ///< variables of the original
+  Vector reference_;
+  Vector pull_;  ///< proximity / variable_scale^2 [n]
+  std::vector<Slack> slacks_;
+  Vector lower_, upper_, scale_;
+  Sparsity jacobian_, hessian_;
+};
+
+}  // namespace jaculus
