@@ -10,6 +10,8 @@ ninja-build - runs the build
 pkg-config - finds Ipopt
 libeigen3-dev - matrices and vectors
 coinor-libipopt-dev - the interior-point solver, with MUMPS
+liblapack-dev - Ipopt links it
+libblas-dev - Ipopt links it
 liburdfdom-dev - reads robots from URDF
 libyaml-cpp-dev - reads problem and robot files
 libcli11-dev - the command line
