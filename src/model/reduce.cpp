@@ -218,8 +218,8 @@ class Reducer {
   void compare(const PairSpec& pair, const PlanarBody& left, const PlanarBody& right) const {
     const auto same = [&](const char* what, const char* unit, double a, double b, double scale) {
       if (std::abs(a - b) <= kTolerance * scale) return;
-      throw pair.node.error(fmt::format("'{}' and '{}' differ in {}: {:.10g} and {:.10g} {}; allowed: the same",
-                                        pair.left, pair.right, what, a, b, unit));
+      throw pair.node.error(fmt::format("'{}' and '{}' differ in {}: {:.10g} and {:.10g}{}{}; allowed: the same",
+                                        pair.left, pair.right, what, a, b, *unit ? " " : "", unit));
     };
     const Bounds& a = tree_.joints[at(tree_.joint_index(pair.left))].range;
     const Bounds& b = tree_.joints[at(tree_.joint_index(pair.right))].range;
