@@ -1,0 +1,25 @@
+#pragma once
+// Initial guesses, all inside the bounds and reproducible from the problem file and a seed.
+//
+//   middle   the middle of every variable's bounds (Norby et al. 2021)
+//   static   one posture at every node, feet on the ground, at rest, torques that come nearest to holding it
+//   line     straight lines between stated poses, rates to match
+//   random   the static posture plus a smooth random motion: q(s) = q_0 + A (c_0 s + sum_k c_k sin(k pi s)/k), k = 1..3,
+//            c uniform in [-1, 1], A a fraction of the bounds' width, random durations and smooth random torques
+//   file     an earlier plan, matched phase by phase and by names, so that grid and robot may differ
+
+#include <cstdint>
+
+#include "jaculus/trajectory/trajectory.h"
+#include "jaculus/transcription/programme.h"
+
+namespace jaculus {
+
+/// The guess that the problem asks for; `seed` matters for `random` alone. `earlier` must be given for `file`.
+Vector initial_guess(Programme& programme, const GuessSpec& spec, std::uint64_t seed,
+                     const Trajectory* earlier = nullptr);
+
+/// The plan that x stands for: nodes and middles of the intervals, with accelerations, forces and electrical quantities.
+Trajectory to_trajectory(Programme& programme, const ConstVectorRef& x);
+
+}  // namespace jaculus

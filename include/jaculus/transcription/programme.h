@@ -1,0 +1,90 @@
+#pragma once
+// A problem as a nonlinear programme: intervals and terms put together, with sparsity from what they declare to read.
+
+#include <memory>
+
+#include "jaculus/transcription/interval.h"
+#include "jaculus/transcription/nlp.h"
+
+namespace jaculus {
+
+/// A problem made executable. Owns its equations; one thread at a time may evaluate it.
+class Programme : public Nlp {
+ public:
+  /// Validates the problem against its robot and lays it out. InputError with file:line where they do not fit.
+  explicit Programme(const Problem& problem, const PlanarModel& model);
+
+  [[nodiscard]] int variables() const override { return layout_.columns(); }
+  [[nodiscard]] int rows() const override { return static_cast<int>(rows_.size()); }
+  [[nodiscard]] const Vector& variable_lower() const override { return layout_.lower; }
+  [[nodiscard]] const Vector& variable_upper() const override { return layout_.upper; }
+  [[nodiscard]] const Vector& row_lower() const override { return row_lower_; }
+  [[nodiscard]] const Vector& row_upper() const override { return row_upper_; }
+  [[nodiscard]] const Vector& variable_scale() const override { return layout_.scale; }
+  [[nodiscard]] const Vector& row_scale() const override { return row_scale_; }
+  [[nodiscard]] double objective_scale() const override { return 1.0; }
+  [[nodiscard]] std::string variable_name(int column) const override {
+    return layout_.names[static_cast<size_t>(column)];
+  }
+  [[nodiscard]] std::string row_name(int row) const override { return rows_[static_cast<size_t>(row)].name; }
+  [[nodiscard]] std::string variable_unit(int column) const override {
+    return layout_.units[static_cast<size_t>(column)];
+  }
+  [[nodiscard]] std::string row_unit(int row) const override { return rows_[static_cast<size_t>(row)].unit; }
+  [[nodiscard]] const Sparsity& jacobian_sparsity() const override { return jacobian_; }
+  [[nodiscard]] const Sparsity& hessian_sparsity() const override { return hessian_; }
+
+  bool objective(const ConstVectorRef& x, double& value) override;
+  bool gradient(const ConstVectorRef& x, VectorRef gradient) override;
+  bool constraints(const ConstVectorRef& x, VectorRef values) override;
+  bool jacobian(const ConstVectorRef& x, VectorRef values) override;
+  bool hessian(const ConstVectorRef& x, double sigma, const ConstVectorRef& lambda, VectorRef values) override;
+
+  [[nodiscard]] const Problem& problem() const { return problem_; }
+  [[nodiscard]] const Equations& equations() const { return *equations_; }
+  [[nodiscard]] const Layout& layout() const { return layout_; }
+  [[nodiscard]] const std::vector<Interval>& intervals() const { return intervals_; }
+  /// The intervals with all points evaluated at x; false where the equations are not defined there.
+  bool evaluate_at(const ConstVectorRef& x) { return update(x, 1); }
+  [[nodiscard]] const std::vector<std::string>& notes() const { return notes_; }  ///< redundant rows left out, and why
+
+ private:
+  struct DefectEntry;
+  void place_rows(const TermContext& context);
+  void place_path_rows(const TermContext& context, Interval& interval, const IntervalBlock& block);
+  void find_sparsity();
+  void find_hessian_pattern();
+  [[nodiscard]] std::vector<char> path_pattern(const Interval& interval, const PathRows& rows) const;
+  [[nodiscard]] std::vector<char> dynamic_columns(const Interval& interval) const;
+  int add_row(const RowSpec& row);
+  bool update(const ConstVectorRef& x, int level);
+  bool node_term(const NodeTerm& term, const ConstVectorRef& x, Matrix* J, const Vector* multipliers, Matrix* H);
+
+  Problem problem_;
+  std::unique_ptr<Equations> equations_;
+  Layout layout_;
+  std::vector<std::vector<PathTerm>> path_terms_;
+  std::vector<PathTerm> integral_terms_;
+  std::vector<IntegralCost> integral_costs_;
+  std::vector<NodeTerm> node_rows_;
+  std::vector<int> node_row_at_;
+  std::vector<std::pair<NodeTerm, double>> node_costs_;
+  double sign_ = 1.0;  ///< -1 where the problem maximises
+  std::vector<Interval> intervals_;
+  std::vector<RowSpec> rows_;
+  Vector row_lower_, row_upper_, row_scale_;
+  Sparsity jacobian_, hessian_;
+  std::vector<std::vector<std::vector<char>>> patterns_;  ///< per interval: defect rows, then path terms
+  std::vector<std::vector<int>> interval_hessian_at_;     ///< per interval: place of (i, j <= i), or -1
+  std::vector<std::vector<int>> node_row_hessian_at_, node_cost_hessian_at_;
+  std::vector<std::string> notes_;
+  // Cache of the point last evaluated: 0 nothing, 1 values, 2 first derivatives.
+  Vector x_;
+  int level_ = 0;
+  bool defined_ = false;
+  // Scratch.
+  Vector y_, value_, eta_, gradient_w_;
+  Matrix H_w_, path_w_;
+};
+
+}  // namespace jaculus

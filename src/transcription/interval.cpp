@@ -1,0 +1,279 @@
+#include "jaculus/transcription/interval.h"
+
+#include <cassert>
+
+namespace jaculus {
+
+namespace {
+constexpr int kMaxTermRows = 32;
+}
+
+Interval::Interval(const Equations& equations, const Layout& layout, const IntervalBlock& block, Scheme scheme)
+    : equations_(equations),
+      scheme_(scheme),
+      held_(layout.held),
+      n_(layout.n),
+      n_u_(layout.n_u),
+      fraction_(block.fraction) {
+  const NodeBlock &first = layout.nodes[static_cast<size_t>(block.first)],
+                  &last = layout.nodes[static_cast<size_t>(block.last)];
+  const PhaseBlock& phase = layout.phases[static_cast<size_t>(block.phase)];
+  const auto append = [&](int from, int count) {
+    for (int i = 0; i < count; ++i) columns.push_back(from + i);
+  };
+  append(first.q, 2 * n_);
+  append(last.q, 2 * n_);
+  append(block.u_first, n_u_);
+  if (!held_) append(block.u_last, n_u_);
+  columns.push_back(phase.duration);
+
+  const int w = size(), s = 2 * n_ + n_u_, xi = s + n_ + 2 * static_cast<int>(phase.feet.size());
+  for (int i = 0; i < 3; ++i) {
+    points_.emplace_back(equations, phase.feet);
+    const auto k = static_cast<size_t>(i);
+    u_[k] = Vector::Zero(n_u_);
+    f_[k] = Vector::Zero(2 * n_);
+    S_[k] = Matrix::Zero(s, w);
+    F_[k] = Matrix::Zero(2 * n_, s);
+    F_w_[k] = Matrix::Zero(2 * n_, w);
+  }
+  defect_w_ = Matrix::Zero(2 * n_, w);
+  w_ = grad_w_ = Vector::Zero(w);
+  phi_ = Vector::Zero(2 * n_);
+  grad_s_ = Vector::Zero(s);
+  mu_ = Vector::Zero(points_[0].Z.rows());
+  J_xi_ = Matrix::Zero(kMaxTermRows, xi);
+  by_s_ = Matrix::Zero(kMaxTermRows, s);
+  path_w_ = Matrix::Zero(kMaxTermRows, w);
+  H_xi_ = Matrix::Zero(xi, xi);
+  H_s_ = Matrix::Zero(s, s);
+  HS_ = Matrix::Zero(s, w);
+  build_maps();
+}
+
+void Interval::build_maps() {
+  const int u = 4 * n_, second = held_ ? u : u + n_u_;
+  for (int i = 0; i < 2 * n_; ++i) {
+    S_[0](i, i) = 1.0;
+    S_[2](i, 2 * n_ + i) = 1.0;
+  }
+  for (int i = 0; i < n_u_; ++i) {
+    S_[0](2 * n_ + i, u + i) = 1.0;
+    S_[1](2 * n_ + i, u + i) += 0.5;
+    S_[1](2 * n_ + i, second + i) += 0.5;
+    S_[2](2 * n_ + i, second + i) = 1.0;
+  }
+}
+
+double Interval::weight(int i) const {
+  if (scheme_ == Scheme::trapezoidal) return i == 1 ? 0.0 : 0.5;
+  return i == 1 ? 4.0 / 6.0 : 1.0 / 6.0;
+}
+
+PointView Interval::view(int i) {
+  return {equations_, points_[static_cast<size_t>(i)], u_[static_cast<size_t>(i)], n_, n_u_};
+}
+
+void Interval::f_into(int i, Vector& f) const {
+  const EquationsPoint& p = points_[static_cast<size_t>(i)];
+  f.head(n_) = p.v;
+  f.tail(n_) = p.a;
+}
+
+void Interval::f_jacobian(int i, Matrix& F) const {
+  for (int k = 0; k < n_; ++k) F(k, n_ + k) = 1.0;
+  F.bottomRows(n_) = points_[static_cast<size_t>(i)].Z.topRows(n_);
+}
+
+bool Interval::evaluate(const Eigen::Ref<const Vector>& x) {
+  for (int i = 0; i < size(); ++i) w_[i] = x[columns[static_cast<size_t>(i)]];
+  h_ = fraction_ * w_[size() - 1];
+  const int second = held_ ? 4 * n_ : 4 * n_ + n_u_;
+  u_[0] = w_.segment(4 * n_, n_u_);
+  u_[2] = w_.segment(second, n_u_);
+  u_[1] = 0.5 * (u_[0] + u_[2]);
+  if (!equations_.evaluate(w_.segment(0, n_), w_.segment(n_, n_), u_[0], points_[0])) return false;
+  if (!equations_.evaluate(w_.segment(2 * n_, n_), w_.segment(3 * n_, n_), u_[2], points_[2])) return false;
+  f_into(0, f_[0]);
+  f_into(2, f_[2]);
+  if (!has_middle()) return true;
+  phi_ = 0.5 * (w_.segment(0, 2 * n_) + w_.segment(2 * n_, 2 * n_)) + h_ / 8.0 * (f_[0] - f_[2]);
+  if (!equations_.evaluate(phi_.head(n_), phi_.tail(n_), u_[1], points_[1])) return false;
+  f_into(1, f_[1]);
+  return true;
+}
+
+void Interval::differentiate() {
+  for (int i = 0; i < 3; ++i) {
+    if (i == 1 && !has_middle()) continue;
+    equations_.differentiate(points_[static_cast<size_t>(i)]);
+    f_jacobian(i, F_[static_cast<size_t>(i)]);
+  }
+  const int second = held_ ? 4 * n_ : 4 * n_ + n_u_;
+  F_w_[0].leftCols(2 * n_) = F_[0].leftCols(2 * n_);
+  F_w_[0].middleCols(4 * n_, n_u_) = F_[0].rightCols(n_u_);
+  F_w_[2].middleCols(2 * n_, 2 * n_) = F_[2].leftCols(2 * n_);
+  F_w_[2].middleCols(second, n_u_) = F_[2].rightCols(n_u_);
+  if (has_middle()) {
+    auto Sx = S_[1].topRows(2 * n_);
+    Sx = h_ / 8.0 * (F_w_[0] - F_w_[2]);
+    for (int i = 0; i < 2 * n_; ++i) {
+      Sx(i, i) += 0.5;
+      Sx(i, 2 * n_ + i) += 0.5;
+    }
+    Sx.col(size() - 1) += fraction_ / 8.0 * (f_[0] - f_[2]);
+    F_w_[1].noalias() = F_[1] * S_[1];
+  }
+  differentiate_defects();
+}
+
+void Interval::defects(VectorRef out) const {
+  out = w_.segment(2 * n_, 2 * n_) - w_.segment(0, 2 * n_);
+  for (int i = 0; i < 3; ++i)
+    if (weight(i) != 0.0) out -= h_ * weight(i) * f_[static_cast<size_t>(i)];
+}
+
+void Interval::differentiate_defects() {
+  defect_w_.setZero();
+  for (int i = 0; i < 2 * n_; ++i) {
+    defect_w_(i, i) = -1.0;
+    defect_w_(i, 2 * n_ + i) = 1.0;
+  }
+  for (int i = 0; i < 3; ++i) {
+    const auto k = static_cast<size_t>(i);
+    if (weight(i) == 0.0) continue;
+    defect_w_ -= h_ * weight(i) * F_w_[k];
+    defect_w_.col(size() - 1) -= fraction_ * weight(i) * f_[k];
+  }
+}
+
+void Interval::path_values(const PathRows& rows, VectorRef out) {
+  rows.term->evaluate(view(rows.point), out, nullptr, nullptr, nullptr);
+}
+
+/// Jacobian of a term by (q, v, u) of its point: direct, and through accelerations and forces.
+void Interval::chain_term(int i, const PathTerm& term, Matrix& by_s) {
+  const int rows = static_cast<int>(term.rows.size()), s = 2 * n_ + n_u_;
+  assert(rows <= kMaxTermRows);
+  Vector unused(rows);
+  J_xi_.setZero();
+  term.evaluate(view(i), unused, &J_xi_, nullptr, nullptr);
+  by_s.topRows(rows) = J_xi_.topRows(rows).leftCols(s);
+  if (term.reads.dynamics()) {
+    const EquationsPoint& p = points_[static_cast<size_t>(i)];
+    by_s.topRows(rows) += J_xi_.topRows(rows).rightCols(J_xi_.cols() - s).lazyProduct(p.Z);
+  }
+}
+
+void Interval::path_jacobian(const PathRows& rows, Matrix& out) {
+  const int count = static_cast<int>(rows.term->rows.size());
+  chain_term(rows.point, *rows.term, by_s_);
+  out.topRows(count).noalias() = by_s_.topRows(count) * S_[static_cast<size_t>(rows.point)];
+}
+
+double Interval::integral(const IntegralCost& cost) {
+  double sum = 0.0;
+  Vector value(1);
+  for (int i = 0; i < 3; ++i) {
+    if (weight(i) == 0.0) continue;
+    cost.term->evaluate(view(i), value, nullptr, nullptr, nullptr);
+    sum += weight(i) * value[0];
+  }
+  return cost.weight * h_ * sum;
+}
+
+void Interval::add_integral_gradient(const IntegralCost& cost, double scale, Vector& gradient_w) {
+  Vector value(1);
+  for (int i = 0; i < 3; ++i) {
+    if (weight(i) == 0.0) continue;
+    const double factor = scale * cost.weight * weight(i);
+    chain_term(i, *cost.term, by_s_);
+    gradient_w += factor * h_ * (S_[static_cast<size_t>(i)].transpose() * by_s_.row(0).transpose());
+    cost.term->evaluate(view(i), value, nullptr, nullptr, nullptr);
+    gradient_w[size() - 1] += factor * fraction_ * value[0];
+  }
+}
+
+/// Gradient (grad_s_) and Hessian (H_s_) by (q, v, u) of phi . f + path rows + costs at one point.
+void Interval::point_hessian(int i, const Vector& phi, const ConstVectorRef& row_multipliers, double sigma,
+                             const std::vector<IntegralCost>& costs) {
+  const int s = 2 * n_ + n_u_;
+  EquationsPoint& p = points_[static_cast<size_t>(i)];
+  grad_s_.setZero();
+  H_s_.setZero();
+  mu_.setZero();
+  mu_.head(n_) = phi.tail(n_);
+  grad_s_.segment(n_, n_) = phi.head(n_);
+  bool curved = false;
+  H_xi_.setZero();
+  const auto add = [&](const PathTerm& term, const Vector& multipliers) {
+    const int rows = static_cast<int>(term.rows.size());
+    Vector unused(rows);
+    J_xi_.setZero();
+    term.evaluate(view(i), unused, &J_xi_, &multipliers, &H_xi_);
+    grad_s_ += J_xi_.topRows(rows).leftCols(s).transpose() * multipliers;
+    if (term.reads.dynamics()) mu_ += J_xi_.topRows(rows).rightCols(mu_.size()).transpose() * multipliers;
+    curved = true;
+  };
+  for (const PathRows& rows : path) {
+    if (rows.point == i) add(*rows.term, row_multipliers.segment(rows.row, static_cast<int>(rows.term->rows.size())));
+  }
+  for (const IntegralCost& cost : costs) {
+    if (weight(i) != 0.0) add(*cost.term, Vector::Constant(1, sigma * cost.weight * weight(i) * h_));
+  }
+  equations_.add_hessian(mu_, p, H_s_);
+  if (curved) {
+    const auto xs = H_xi_.topLeftCorner(s, s);
+    H_s_ += xs;
+    const auto zz = H_xi_.bottomRightCorner(mu_.size(), mu_.size());
+    const auto zs = H_xi_.bottomLeftCorner(mu_.size(), s);
+    if (!zz.isZero(0.0) || !zs.isZero(0.0)) {
+      const Matrix half = zz * p.Z + 2.0 * zs;
+      const Matrix product = p.Z.transpose() * half;
+      H_s_ += 0.5 * (product + product.transpose());
+    }
+  }
+  grad_s_ += p.Z.transpose().lazyProduct(mu_);
+}
+
+/// H += scale * (gradient_w e_T^T + e_T gradient_w^T).
+void Interval::add_time_coupling(const Vector& gradient_w, double scale, Matrix& H) {
+  H.col(size() - 1) += scale * gradient_w;
+  H.row(size() - 1) += scale * gradient_w.transpose();
+}
+
+void Interval::add_hessian(const Vector& eta, const ConstVectorRef& row_multipliers, double sigma,
+                           const std::vector<IntegralCost>& costs, Matrix& H) {
+  const int x = 2 * n_;
+  Vector pull = Vector::Zero(x);  // gradient by x_m, which f_0 and f_2 move
+  if (has_middle()) {
+    point_hessian(1, -h_ * weight(1) * eta, row_multipliers, sigma, costs);
+    HS_.noalias() = H_s_ * S_[1];
+    H.noalias() += S_[1].transpose() * HS_;
+    pull = grad_s_.head(x);
+    grad_w_ = F_w_[0].transpose() * pull - F_w_[2].transpose() * pull;
+    add_time_coupling(grad_w_, fraction_ / 8.0, H);
+  }
+  for (int i = 0; i < 3; i += 2) {
+    phi_ = -h_ * weight(i) * eta + (i == 0 ? h_ / 8.0 : -h_ / 8.0) * pull;
+    point_hessian(i, phi_, row_multipliers, sigma, costs);
+    const int at = i == 0 ? 0 : x, u = i == 0 || held_ ? 4 * n_ : 4 * n_ + n_u_;
+    H.block(at, at, x, x) += H_s_.topLeftCorner(x, x);
+    H.block(at, u, x, n_u_) += H_s_.topRightCorner(x, n_u_);
+    H.block(u, at, n_u_, x) += H_s_.bottomLeftCorner(n_u_, x);
+    H.block(u, u, n_u_, n_u_) += H_s_.bottomRightCorner(n_u_, n_u_);
+  }
+  for (int i = 0; i < 3; ++i) {
+    if (weight(i) == 0.0) continue;
+    const auto k = static_cast<size_t>(i);
+    grad_w_ = F_w_[k].transpose() * eta;
+    add_time_coupling(grad_w_, -fraction_ * weight(i), H);
+    for (const IntegralCost& cost : costs) {
+      chain_term(i, *cost.term, by_s_);
+      grad_w_ = S_[k].transpose() * by_s_.row(0).transpose();
+      add_time_coupling(grad_w_, sigma * cost.weight * weight(i) * fraction_, H);
+    }
+  }
+}
+
+}  // namespace jaculus

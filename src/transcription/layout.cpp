@@ -1,0 +1,225 @@
+#include "jaculus/transcription/layout.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+
+#include "jaculus/components/motor.h"
+
+namespace jaculus {
+
+namespace {
+
+struct Writer {
+  const Problem& problem;
+  const PlanarModel& model;
+  Layout& layout;
+
+  int append(const std::string& name, const std::string& unit, const Bounds& bounds, double scale) {
+    const int column = layout.columns();
+    const auto grow = [&](Vector& v, double value) {
+      v.conservativeResize(column + 1);
+      v[column] = value;
+    };
+    grow(layout.lower, bounds.lower);
+    grow(layout.upper, bounds.upper);
+    grow(layout.scale, scale);
+    layout.names.push_back(name);
+    layout.units.push_back(unit);
+    return column;
+  }
+};
+
+std::string unit_of(const Coordinate& c, bool rate) {
+  if (c.angular) return rate ? "rad/s" : "rad";
+  return rate ? "m/s" : "m";
+}
+
+Bounds find_or(const std::map<std::string, Bounds>& map, const std::string& name, const Bounds& otherwise) {
+  const auto it = map.find(name);
+  return it == map.end() ? otherwise : it->second;
+}
+
+NodeBlock append_node(Writer& w, int phase, int number) {
+  NodeBlock node{phase, number, w.layout.columns(), 0};
+  const std::string where = fmt::format("{}, node {}: ", w.problem.phases[static_cast<size_t>(phase)].name, number);
+  for (const Coordinate& c : w.model.coordinates) {
+    w.append(where + c.name, unit_of(c, false), find_or(w.problem.position_bounds, c.name, c.range),
+             c.angular ? 1.0 : 0.3);
+  }
+  node.v = w.layout.columns();
+  for (const Coordinate& c : w.model.coordinates) {
+    w.append(where + c.name + " velocity", unit_of(c, true), find_or(w.problem.velocity_bounds, c.name, {}),
+             c.angular ? 10.0 : 1.0);
+  }
+  return node;
+}
+
+int append_input(Writer& w, int phase, int number) {
+  const int column = w.layout.columns();
+  for (const PlanarMotor& motor : w.model.motors) {
+    const double limit = usable_torque(w.problem, motor);
+    w.append(fmt::format("{}, {} {}: {} torque", w.problem.phases[static_cast<size_t>(phase)].name,
+                         w.layout.held ? "interval" : "node", number, motor.joint),
+             w.model.bodies[static_cast<size_t>(motor.body)].kind == JointKind::revolute ? "N m" : "N", {-limit, limit},
+             std::isfinite(limit) ? limit : 1.0);
+  }
+  return column;
+}
+
+std::vector<double> fractions(const PhaseSpec& spec) {
+  std::vector<double> f = spec.mesh.empty() ? std::vector<double>(static_cast<size_t>(spec.intervals), 1.0) : spec.mesh;
+  double sum = 0.0;
+  for (double value : f) sum += value;
+  for (double& value : f) value /= sum;
+  return f;
+}
+
+void append_phase(Writer& w, int p) {
+  Layout& layout = w.layout;
+  const PhaseSpec& spec = w.problem.phases[static_cast<size_t>(p)];
+  PhaseBlock phase;
+  phase.name = spec.name;
+  for (const std::string& foot : spec.contacts) phase.feet.push_back(w.model.foot_index(foot));
+  std::sort(phase.feet.begin(), phase.feet.end());
+  if (p > 0) {
+    const std::vector<int>& before = layout.phases.back().feet;
+    std::set_difference(phase.feet.begin(), phase.feet.end(), before.begin(), before.end(),
+                        std::back_inserter(phase.landing));
+  }
+  if (p == 0 || !phase.landing.empty()) layout.nodes.push_back(append_node(w, p, 0));
+  phase.first_node = static_cast<int>(layout.nodes.size()) - 1;
+  phase.first_interval = static_cast<int>(layout.intervals.size());
+  int input = append_input(w, p, 0);
+  const std::vector<double> mesh = fractions(spec);
+  for (int k = 0; k < spec.intervals; ++k) {
+    IntervalBlock interval;
+    interval.phase = p;
+    interval.number = k;
+    interval.first = static_cast<int>(layout.nodes.size()) - 1;
+    interval.last = interval.first + 1;
+    interval.u_first = interval.u_last = input;
+    interval.fraction = mesh[static_cast<size_t>(k)];
+    layout.nodes.push_back(append_node(w, p, k + 1));
+    if (!layout.held || k + 1 < spec.intervals) input = append_input(w, p, k + 1);
+    if (!layout.held) interval.u_last = input;
+    layout.intervals.push_back(interval);
+  }
+  phase.last_interval = static_cast<int>(layout.intervals.size()) - 1;
+  phase.last_node = static_cast<int>(layout.nodes.size()) - 1;
+  layout.phases.push_back(phase);
+}
+
+/// Narrows the bounds of one column; bounds that leave nothing are the user's contradiction.
+void tighten(const BoundarySpec& spec, Layout& layout, int column, const Bounds& bounds) {
+  const double lower = std::max(layout.lower[column], bounds.lower);
+  const double upper = std::min(layout.upper[column], bounds.upper);
+  if (lower > upper) {
+    throw spec.node.error(fmt::format("{}: [{}, {}] {} leaves nothing of the bounds [{}, {}]",
+                                      layout.names[static_cast<size_t>(column)], bounds.lower, bounds.upper,
+                                      layout.units[static_cast<size_t>(column)], layout.lower[column],
+                                      layout.upper[column]));
+  }
+  layout.lower[column] = lower;
+  layout.upper[column] = upper;
+}
+
+/// Turns values given for joints into values of the coordinates they make up; each coordinate needs all its joints.
+std::map<std::string, Bounds> on_coordinates(const std::map<std::string, Bounds>& given, const PlanarModel& model,
+                                             bool rate, const BoundarySpec& spec) {
+  std::map<std::string, Bounds> result;
+  std::map<std::string, double> joints;
+  for (const auto& [name, bounds] : given) {
+    if (model.coordinate_index(name) >= 0) {
+      result[name] = bounds;
+    } else if (model.body_of_joint(name) < 0) {
+      throw spec.node.error(fmt::format("{}: not a coordinate or joint of this robot", name));
+    } else if (!bounds.fixed()) {
+      throw spec.node.error(
+          fmt::format("{}: a range is possible on a coordinate only; give one value, or bound the "
+                      "coordinate that the joint belongs to",
+                      name));
+    } else {
+      joints[name] = bounds.lower;
+    }
+  }
+  if (joints.empty()) return result;
+  // theta = T q + offset restricted to the given joints; solved for the coordinates that they determine.
+  Matrix rows(static_cast<int>(joints.size()), model.size());
+  Vector values(static_cast<int>(joints.size()));
+  int i = 0;
+  for (const auto& [name, value] : joints) {
+    const int body = model.body_of_joint(name);
+    rows.row(i) = model.joint_map.row(body);
+    values[i++] = value - (rate ? 0.0 : model.joint_offset[body]);
+  }
+  const Eigen::CompleteOrthogonalDecomposition<Matrix> solver(rows);
+  const Vector q = solver.solve(values);
+  if ((rows * q - values).cwiseAbs().maxCoeff() > 1e-9)
+    throw spec.node.error("the values given for joints contradict one another or name a dependent joint");
+  // A coordinate is determined where its unit vector lies in the row space.
+  const Matrix projector = solver.pseudoInverse() * rows;
+  for (int c = 0; c < model.size(); ++c) {
+    const bool touched = rows.col(c).cwiseAbs().maxCoeff() > 0.0;
+    const bool determined = std::abs(projector(c, c) - 1.0) < 1e-9;
+    const std::string& name = model.coordinates[static_cast<size_t>(c)].name;
+    if (touched && !determined)
+      throw spec.node.error(fmt::format("{} is only partly given: name all joints that it combines", name));
+    if (determined) result[name] = {q[c], q[c]};
+  }
+  return result;
+}
+
+void apply_boundary(const BoundarySpec& spec, const PlanarModel& model, const NodeBlock& node, Layout& layout) {
+  for (const auto& [name, bounds] : on_coordinates(spec.position, model, false, spec))
+    tighten(spec, layout, node.q + model.coordinate_index(name), bounds);
+  for (const auto& [name, bounds] : on_coordinates(spec.velocity, model, true, spec))
+    tighten(spec, layout, node.v + model.coordinate_index(name), bounds);
+  for (int i = 0; spec.at_rest && i < model.size(); ++i) tighten(spec, layout, node.v + i, {0.0, 0.0});
+}
+
+}  // namespace
+
+double usable_torque(const Problem& problem, const PlanarMotor& motor) {
+  PlanarMotor limited = motor;
+  if (problem.torque) limited.torque_limit = *problem.torque;
+  if (problem.current) limited.current_limit = *problem.current;
+  return largest_joint_torque(limited).value;
+}
+
+int Layout::add_variable(const ExtraVariable& variable) {
+  Vector* const vectors[3] = {&lower, &upper, &scale};
+  const double values[3] = {variable.bounds.lower, variable.bounds.upper, variable.scale};
+  const int column = columns();
+  for (int i = 0; i < 3; ++i) {
+    vectors[i]->conservativeResize(column + 1);
+    (*vectors[i])[column] = values[i];
+  }
+  names.push_back(variable.name);
+  units.push_back(variable.unit);
+  extra_guess.push_back(variable.guess);
+  return column;
+}
+
+Layout make_layout(const Problem& problem, const Equations& equations) {
+  const PlanarModel& model = equations.model();
+  Layout layout;
+  layout.n = model.size();
+  layout.n_u = equations.inputs();
+  layout.held = problem.transcription.inputs == InputHold::held;
+  Writer writer{problem, model, layout};
+  for (int p = 0; p < static_cast<int>(problem.phases.size()); ++p) append_phase(writer, p);
+  for (size_t p = 0; p < problem.phases.size(); ++p) {
+    const Bounds& bounds = problem.phases[p].duration;
+    const double scale = std::clamp(std::sqrt(bounds.lower * bounds.upper), 1e-3, 10.0);
+    layout.phases[p].duration = writer.append(problem.phases[p].name + ": duration", "s", bounds, scale);
+  }
+  layout.first_extra = layout.columns();
+  apply_boundary(problem.initial, model, layout.nodes.front(), layout);
+  apply_boundary(problem.final, model, layout.nodes.back(), layout);
+  return layout;
+}
+
+}  // namespace jaculus

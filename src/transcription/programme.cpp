@@ -1,0 +1,272 @@
+#include "jaculus/transcription/programme.h"
+
+#include <fmt/format.h>
+
+#include "jaculus/transcription/redundancy.h"
+
+namespace jaculus {
+
+namespace {
+
+/// "all_feet, node 12" or "all_feet, node 12.5" for the middle of an interval.
+std::string point_name(const PhaseBlock& phase, int interval, int point, bool held_end) {
+  const std::string number = point == 1 ? fmt::format("{}.5", interval) : fmt::format("{}", interval + point / 2);
+  return fmt::format("{}, node {}{}: ", phase.name, number, held_end ? " (end of interval)" : "");
+}
+
+}  // namespace
+
+Programme::Programme(const Problem& problem, const PlanarModel& model)
+    : problem_(problem), equations_(std::make_unique<Equations>(model)), layout_(make_layout(problem_, *equations_)) {
+  TermContext context = make_terms(problem_, *equations_, layout_);
+  notes_ = remove_redundant_rows(context);
+  sign_ = problem.maximise ? -1.0 : 1.0;
+  path_terms_ = context.path;
+  node_rows_ = context.node_rows;
+  node_costs_ = context.node_costs;
+  for (const auto& [term, weight] : context.integral_costs) integral_terms_.push_back(term);
+  for (size_t i = 0; i < integral_terms_.size(); ++i)
+    integral_costs_.push_back({&integral_terms_[i], sign_ * context.integral_costs[i].second});
+  intervals_.reserve(layout_.intervals.size());
+  for (const IntervalBlock& block : layout_.intervals)
+    intervals_.emplace_back(*equations_, layout_, block, problem_.transcription.scheme);
+  place_rows(context);
+  find_sparsity();
+  find_hessian_pattern();
+  x_ = Vector::Constant(variables(), kNaN);
+  eta_ = Vector::Zero(2 * layout_.n);
+  const int w = intervals_.front().size();
+  gradient_w_ = Vector::Zero(w);
+  H_w_ = Matrix::Zero(w, w);
+  path_w_ = Matrix::Zero(32, w);
+}
+
+int Programme::add_row(const RowSpec& row) {
+  rows_.push_back(row);
+  return rows() - 1;
+}
+
+void Programme::place_rows(const TermContext& context) {
+  for (size_t k = 0; k < intervals_.size(); ++k) {
+    const IntervalBlock& block = layout_.intervals[k];
+    const PhaseBlock& phase = layout_.phases[static_cast<size_t>(block.phase)];
+    Interval& interval = intervals_[k];
+    interval.defect_row = rows();
+    for (int i = 0; i < 2 * layout_.n; ++i) {
+      const Coordinate& c = equations_->model().coordinates[static_cast<size_t>(i % layout_.n)];
+      const bool rate = i >= layout_.n;
+      const std::string unit = std::string(c.angular ? "rad" : "m") + (rate ? "/s" : "");
+      const double scale = layout_.scale[layout_.nodes.front().q + i];
+      add_row(
+          {fmt::format("{}, interval {}: defect of {}{}", phase.name, block.number, c.name, rate ? " velocity" : ""),
+           unit,
+           {0.0, 0.0},
+           0.1 * scale});
+    }
+    place_path_rows(context, interval, block);
+  }
+  for (const NodeTerm& term : node_rows_) {
+    node_row_at_.push_back(rows());
+    for (const RowSpec& row : term.rows) add_row(row);
+  }
+  row_lower_.resize(rows());
+  row_upper_.resize(rows());
+  row_scale_.resize(rows());
+  for (int i = 0; i < rows(); ++i) {
+    row_lower_[i] = rows_[static_cast<size_t>(i)].bounds.lower;
+    row_upper_[i] = rows_[static_cast<size_t>(i)].bounds.upper;
+    row_scale_[i] = rows_[static_cast<size_t>(i)].scale;
+  }
+}
+
+void Programme::place_path_rows(const TermContext&, Interval& interval, const IntervalBlock& block) {
+  const PhaseBlock& phase = layout_.phases[static_cast<size_t>(block.phase)];
+  const bool middle = interval.has_middle();
+  const int step = middle ? 2 : 1, intervals = phase.last_interval - phase.first_interval + 1;
+  const int last_point = step * intervals;
+  const bool last = block.number + 1 == intervals;
+  for (const PathTerm& term : path_terms_[static_cast<size_t>(block.phase)]) {
+    for (int point = 0; point < 3; ++point) {
+      if (point == 1 && !middle) continue;
+      const int index = step * block.number + (middle ? point : point / 2);
+      const bool extra_end = point == 2 && !last;  // the next interval's start is the same node with another input
+      if (extra_end && !(problem_.transcription.check_interval_end && term.reads.held())) continue;
+      if (term.only_last && index != last_point) continue;
+      if (index < term.skip_first || index > last_point - term.skip_last) continue;
+      PathRows rows{&term, point, this->rows()};
+      for (RowSpec row : term.rows) {
+        row.name = point_name(phase, block.number, point, extra_end) + row.name;
+        add_row(row);
+      }
+      interval.path.push_back(rows);
+    }
+  }
+}
+
+std::vector<char> Programme::dynamic_columns(const Interval& interval) const {
+  std::vector<char> mask(static_cast<size_t>(interval.size()), 1);
+  for (int c : equations_->tree().cyclic) {
+    mask[static_cast<size_t>(c)] = 0;
+    mask[static_cast<size_t>(2 * layout_.n + c)] = 0;
+  }
+  return mask;
+}
+
+std::vector<char> Programme::path_pattern(const Interval& interval, const PathRows& rows) const {
+  const Reads& reads = rows.term->reads;
+  const int n = layout_.n, w = interval.size();
+  std::vector<char> mask(static_cast<size_t>(w), 0);
+  if (rows.point == 1) {
+    mask = dynamic_columns(interval);
+    if (reads.position)
+      for (int c : equations_->tree().cyclic) mask[static_cast<size_t>(c)] = mask[static_cast<size_t>(2 * n + c)] = 1;
+    return mask;
+  }
+  const std::vector<char> dynamic = dynamic_columns(interval);
+  const int x = rows.point == 0 ? 0 : 2 * n;
+  const int u = rows.point == 0 || layout_.held ? 4 * n : 4 * n + layout_.n_u;
+  for (int i = 0; i < n; ++i) {
+    const auto at = static_cast<size_t>(x + i);
+    mask[at] = reads.position || (reads.dynamics() && dynamic[at]);
+    mask[at + static_cast<size_t>(n)] = reads.velocity || reads.dynamics();
+  }
+  for (int i = 0; i < layout_.n_u; ++i) mask[static_cast<size_t>(u + i)] = reads.held();
+  return mask;
+}
+
+void Programme::find_sparsity() {
+  const int n = layout_.n;
+  for (Interval& interval : intervals_) {
+    std::vector<std::vector<char>> patterns;
+    for (int i = 0; i < 2 * n; ++i) {
+      const bool coupled = interval.has_middle() || i >= n;
+      std::vector<char> mask =
+          coupled ? dynamic_columns(interval) : std::vector<char>(static_cast<size_t>(interval.size()));
+      for (int at : {i, 2 * n + i}) mask[static_cast<size_t>(at)] = 1;
+      if (!coupled) {
+        for (int at : {n + i, 3 * n + i, interval.size() - 1}) mask[static_cast<size_t>(at)] = 1;
+      }
+      patterns.push_back(mask);
+    }
+    for (const PathRows& rows : interval.path) patterns.push_back(path_pattern(interval, rows));
+    const auto put = [&](int row, const std::vector<char>& mask) {
+      for (size_t j = 0; j < mask.size(); ++j) {
+        if (!mask[j]) continue;
+        jacobian_.rows.push_back(row);
+        jacobian_.columns.push_back(interval.columns[j]);
+      }
+    };
+    for (int i = 0; i < 2 * n; ++i) put(interval.defect_row + i, patterns[static_cast<size_t>(i)]);
+    for (size_t k = 0; k < interval.path.size(); ++k)
+      for (size_t i = 0; i < interval.path[k].term->rows.size(); ++i)
+        put(interval.path[k].row + static_cast<int>(i), patterns[static_cast<size_t>(2 * n) + k]);
+    patterns_.push_back(std::move(patterns));
+  }
+  for (size_t k = 0; k < node_rows_.size(); ++k) {
+    for (int i = 0; i < static_cast<int>(node_rows_[k].rows.size()); ++i) {
+      for (int column : node_rows_[k].columns) {
+        jacobian_.rows.push_back(node_row_at_[k] + i);
+        jacobian_.columns.push_back(column);
+      }
+    }
+  }
+}
+
+bool Programme::update(const ConstVectorRef& x, int level) {
+  if (level_ == 0 || (x_.array() != x.array()).any()) {
+    x_ = x;
+    level_ = 1;
+    defined_ = true;
+    for (Interval& interval : intervals_) defined_ = defined_ && interval.evaluate(x);
+  }
+  if (!defined_) return false;
+  if (level >= 2 && level_ < 2) {
+    for (Interval& interval : intervals_) interval.differentiate();
+    level_ = 2;
+  }
+  return true;
+}
+
+bool Programme::node_term(const NodeTerm& term, const ConstVectorRef& x, Matrix* J, const Vector* multipliers,
+                          Matrix* H) {
+  const auto size = static_cast<int>(term.columns.size()), rows = static_cast<int>(term.rows.size());
+  y_.resize(size);
+  value_.resize(rows);
+  for (int i = 0; i < size; ++i) y_[i] = x[term.columns[static_cast<size_t>(i)]];
+  if (J) J->setZero(rows, size);
+  if (H) H->setZero(size, size);
+  return term.evaluate(y_, value_, J, multipliers, H);
+}
+
+bool Programme::objective(const ConstVectorRef& x, double& value) {
+  value = 0.0;
+  for (const auto& [term, weight] : node_costs_) {
+    if (!node_term(term, x, nullptr, nullptr, nullptr)) return false;
+    value += sign_ * weight * value_[0];
+  }
+  if (integral_costs_.empty()) return true;
+  if (!update(x, 1)) return false;
+  for (const IntegralCost& cost : integral_costs_)
+    for (Interval& interval : intervals_) value += interval.integral(cost);
+  return true;
+}
+
+bool Programme::gradient(const ConstVectorRef& x, VectorRef gradient) {
+  gradient.setZero();
+  Matrix J;
+  for (const auto& [term, weight] : node_costs_) {
+    if (!node_term(term, x, &J, nullptr, nullptr)) return false;
+    for (size_t i = 0; i < term.columns.size(); ++i)
+      gradient[term.columns[i]] += sign_ * weight * J(0, static_cast<int>(i));
+  }
+  if (integral_costs_.empty()) return true;
+  if (!update(x, 2)) return false;
+  for (Interval& interval : intervals_) {
+    gradient_w_.setZero();
+    for (const IntegralCost& cost : integral_costs_) interval.add_integral_gradient(cost, 1.0, gradient_w_);
+    for (int i = 0; i < interval.size(); ++i) gradient[interval.columns[static_cast<size_t>(i)]] += gradient_w_[i];
+  }
+  return true;
+}
+
+bool Programme::constraints(const ConstVectorRef& x, VectorRef values) {
+  if (!update(x, 1)) return false;
+  for (Interval& interval : intervals_) {
+    interval.defects(values.segment(interval.defect_row, 2 * layout_.n));
+    for (const PathRows& rows : interval.path)
+      interval.path_values(rows, values.segment(rows.row, static_cast<int>(rows.term->rows.size())));
+  }
+  for (size_t k = 0; k < node_rows_.size(); ++k) {
+    if (!node_term(node_rows_[k], x, nullptr, nullptr, nullptr)) return false;
+    values.segment(node_row_at_[k], value_.size()) = value_;
+  }
+  return true;
+}
+
+bool Programme::jacobian(const ConstVectorRef& x, VectorRef values) {
+  if (!update(x, 2)) return false;
+  int at = 0;
+  const auto put = [&](const std::vector<char>& mask, const auto& row) {
+    for (size_t j = 0; j < mask.size(); ++j)
+      if (mask[j]) values[at++] = row[static_cast<int>(j)];
+  };
+  for (size_t k = 0; k < intervals_.size(); ++k) {
+    Interval& interval = intervals_[k];
+    const Matrix& defects = interval.defect_jacobian();
+    for (int i = 0; i < defects.rows(); ++i) put(patterns_[k][static_cast<size_t>(i)], defects.row(i));
+    for (size_t t = 0; t < interval.path.size(); ++t) {
+      interval.path_jacobian(interval.path[t], path_w_);
+      for (int i = 0; i < static_cast<int>(interval.path[t].term->rows.size()); ++i)
+        put(patterns_[k][static_cast<size_t>(2 * layout_.n) + t], path_w_.row(i));
+    }
+  }
+  Matrix J;
+  for (const NodeTerm& term : node_rows_) {
+    if (!node_term(term, x, &J, nullptr, nullptr)) return false;
+    for (int i = 0; i < J.rows(); ++i)
+      for (int j = 0; j < J.cols(); ++j) values[at++] = J(i, j);
+  }
+  return true;
+}
+
+}  // namespace jaculus

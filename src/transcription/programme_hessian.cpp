@@ -1,0 +1,92 @@
+// Hessian of the Lagrangian of a programme: every entry once, shared by the intervals and terms that touch it.
+
+#include <map>
+
+#include "jaculus/transcription/programme.h"
+
+namespace jaculus {
+
+namespace {
+
+/// Gives every (row, column) of the lower triangle one place.
+class Places {
+ public:
+  explicit Places(Sparsity& sparsity) : sparsity_(sparsity) {}
+  int at(int i, int j) {
+    const std::pair<int, int> key = std::minmax(i, j);
+    const auto [it, fresh] = places_.try_emplace(key, sparsity_.size());
+    if (fresh) {
+      sparsity_.rows.push_back(key.second);
+      sparsity_.columns.push_back(key.first);
+    }
+    return it->second;
+  }
+
+ private:
+  Sparsity& sparsity_;
+  std::map<std::pair<int, int>, int> places_;
+};
+
+std::vector<int> node_places(const NodeTerm& term, Places& places) {
+  std::vector<int> at;
+  if (term.linear) return at;
+  for (size_t i = 0; i < term.columns.size(); ++i)
+    for (size_t j = 0; j <= i; ++j) at.push_back(places.at(term.columns[i], term.columns[j]));
+  return at;
+}
+
+/// Adds the lower triangle of H; columns that occur twice in one term are not allowed, so no entry is halved.
+void scatter(const std::vector<int>& places, const Matrix& H, double factor, VectorRef values) {
+  size_t at = 0;
+  for (int i = 0; i < H.rows(); ++i) {
+    for (int j = 0; j <= i; ++j, ++at) {
+      if (places[at] >= 0) values[places[at]] += factor * H(i, j);
+    }
+  }
+}
+
+}  // namespace
+
+void Programme::find_hessian_pattern() {
+  Places places(hessian_);
+  for (const Interval& interval : intervals_) {
+    const std::vector<char> mask = dynamic_columns(interval);
+    std::vector<int> at;
+    for (int i = 0; i < interval.size(); ++i) {
+      for (int j = 0; j <= i; ++j) {
+        const auto a = static_cast<size_t>(i), b = static_cast<size_t>(j);
+        at.push_back(mask[a] && mask[b] ? places.at(interval.columns[a], interval.columns[b]) : -1);
+      }
+    }
+    interval_hessian_at_.push_back(std::move(at));
+  }
+  for (const NodeTerm& term : node_rows_) node_row_hessian_at_.push_back(node_places(term, places));
+  for (const auto& [term, weight] : node_costs_) node_cost_hessian_at_.push_back(node_places(term, places));
+}
+
+bool Programme::hessian(const ConstVectorRef& x, double sigma, const ConstVectorRef& lambda, VectorRef values) {
+  if (!update(x, 2)) return false;
+  values.setZero();
+  for (size_t k = 0; k < intervals_.size(); ++k) {
+    H_w_.setZero();
+    eta_ = lambda.segment(intervals_[k].defect_row, 2 * layout_.n);
+    intervals_[k].add_hessian(eta_, lambda, sigma, integral_costs_, H_w_);
+    scatter(interval_hessian_at_[k], H_w_, 1.0, values);
+  }
+  Matrix J, H;
+  for (size_t k = 0; k < node_rows_.size(); ++k) {
+    if (node_rows_[k].linear) continue;
+    const Vector multipliers = lambda.segment(node_row_at_[k], static_cast<int>(node_rows_[k].rows.size()));
+    if (!node_term(node_rows_[k], x, &J, &multipliers, &H)) return false;
+    scatter(node_row_hessian_at_[k], H, 1.0, values);
+  }
+  for (size_t k = 0; k < node_costs_.size(); ++k) {
+    if (node_costs_[k].first.linear) continue;
+    const Vector multipliers = Vector::Constant(1, sigma * sign_ * node_costs_[k].second);
+    if (!node_term(node_costs_[k].first, x, &J, &multipliers, &H)) return false;
+    scatter(node_cost_hessian_at_[k], H, 1.0, values);
+  }
+  return true;
+}
+
+}  // namespace jaculus

@@ -1,0 +1,152 @@
+#include "jaculus/transcription/redundancy.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/QR>
+#include <map>
+
+namespace jaculus {
+
+namespace {
+
+/// All stance rows on one set of columns.
+struct Group {
+  std::vector<int> columns;
+  std::vector<size_t> terms;  // indices into node_rows
+};
+
+double middle(double lower, double upper) {
+  if (std::isfinite(lower) && std::isfinite(upper)) return 0.5 * (lower + upper);
+  return std::isfinite(lower) ? lower : std::isfinite(upper) ? upper : 0.0;
+}
+
+struct Rows {
+  Vector residual;  // distance from the rows' bounds
+  Matrix J;         // free columns only
+};
+
+bool evaluate(const TermContext& context, const Group& group, const Vector& y, Rows& out) {
+  const int size = static_cast<int>(y.size());
+  out.residual.resize(0);
+  out.J.resize(0, size);
+  for (size_t t : group.terms) {
+    const NodeTerm& term = context.node_rows[t];
+    const int rows = static_cast<int>(term.rows.size()), at = static_cast<int>(out.residual.size());
+    Vector values(rows);
+    Matrix J = Matrix::Zero(rows, size);
+    if (!term.evaluate(y, values, &J, nullptr, nullptr)) return false;
+    for (int i = 0; i < rows; ++i) values[i] -= term.rows[static_cast<size_t>(i)].bounds.lower;
+    out.residual.conservativeResize(at + rows);
+    out.residual.tail(rows) = values;
+    out.J.conservativeResize(at + rows, Eigen::NoChange);
+    out.J.bottomRows(rows) = J;
+  }
+  for (int j = 0; j < size; ++j) {
+    const int column = group.columns[static_cast<size_t>(j)];
+    if (context.layout.lower[column] == context.layout.upper[column]) out.J.col(j).setZero();
+  }
+  return true;
+}
+
+/// Rows, in order, whose gradients are independent of those before.
+std::vector<char> independent_rows(const Matrix& J) {
+  std::vector<char> keep(static_cast<size_t>(J.rows()), 0);
+  Matrix basis(J.cols(), 0);
+  for (int i = 0; i < J.rows(); ++i) {
+    Vector row = J.row(i).transpose();
+    const double size = row.norm();
+    for (int pass = 0; pass < 2; ++pass) row -= basis * (basis.transpose() * row);
+    if (size == 0.0 || row.norm() < 1e-7 * size) continue;
+    keep[static_cast<size_t>(i)] = 1;
+    basis.conservativeResize(Eigen::NoChange, basis.cols() + 1);
+    basis.rightCols(1) = row.normalized();
+  }
+  return keep;
+}
+
+/// The same term with some of its rows.
+NodeTerm select_rows(const NodeTerm& term, const std::vector<int>& kept) {
+  NodeTerm part = term;
+  part.rows.clear();
+  for (int i : kept) part.rows.push_back(term.rows[static_cast<size_t>(i)]);
+  const int all = static_cast<int>(term.rows.size()), count = static_cast<int>(kept.size());
+  part.evaluate = [whole = term.evaluate, kept, all, count](const Vector& y, VectorRef values, Matrix* J,
+                                                            const Vector* multipliers, Matrix* H) {
+    Vector v(all), m = Vector::Zero(all);
+    Matrix J_all = Matrix::Zero(all, y.size());
+    for (int i = 0; i < count && multipliers; ++i) m[kept[static_cast<size_t>(i)]] = (*multipliers)[i];
+    if (!whole(y, v, J ? &J_all : nullptr, multipliers ? &m : nullptr, H)) return false;
+    for (int i = 0; i < count; ++i) {
+      values[i] = v[kept[static_cast<size_t>(i)]];
+      if (J) J->row(i) = J_all.row(kept[static_cast<size_t>(i)]);
+    }
+    return true;
+  };
+  return part;
+}
+
+/// The state that the rows are judged at.
+Vector settle(const TermContext& context, const Group& group, Rows& rows) {
+  Vector y(static_cast<int>(group.columns.size()));
+  for (int j = 0; j < y.size(); ++j) {
+    const int column = group.columns[static_cast<size_t>(j)];
+    y[j] = middle(context.layout.lower[column], context.layout.upper[column]);
+  }
+  for (int iteration = 0; iteration < 50; ++iteration) {
+    if (!evaluate(context, group, y, rows)) break;
+    const Vector step = rows.J.completeOrthogonalDecomposition().solve(rows.residual);
+    if (step.norm() < 1e-13) break;
+    y -= step * std::min(1.0, 0.3 / std::max(1e-9, step.cwiseAbs().maxCoeff()));
+  }
+  return y;
+}
+
+}  // namespace
+
+std::vector<std::string> remove_redundant_rows(TermContext& context) {
+  std::vector<Group> groups;
+  for (size_t t = 0; t < context.node_rows.size(); ++t) {
+    if (!context.node_rows[t].stance) continue;
+    if (groups.empty() || groups.back().columns != context.node_rows[t].columns)
+      groups.push_back({context.node_rows[t].columns, {}});
+    groups.back().terms.push_back(t);
+  }
+  std::vector<std::string> notes;
+  std::vector<NodeTerm> result;
+  std::map<size_t, std::vector<int>> kept;
+  for (const Group& group : groups) {
+    Rows rows;
+    const Vector y = settle(context, group, rows);
+    if (!evaluate(context, group, y, rows))
+      throw context.problem.initial.node.error("no pose of the feet closes the robot's loops");
+    const std::vector<char> keep = independent_rows(rows.J);
+    int at = 0;
+    for (size_t t : group.terms) {
+      kept[t];
+      for (int i = 0; i < static_cast<int>(context.node_rows[t].rows.size()); ++i, ++at) {
+        const RowSpec& row = context.node_rows[t].rows[static_cast<size_t>(i)];
+        if (keep[static_cast<size_t>(at)]) {
+          kept[t].push_back(i);
+        } else if (std::abs(rows.residual[at]) > 1e-6) {
+          throw context.problem.initial.node.error(
+              fmt::format("the values given contradict the contacts: {} would be {:.6g} {} and must be 0", row.name,
+                          rows.residual[at], row.unit));
+        } else {
+          notes.push_back(row.name + ": implied by what is given, left out");
+        }
+      }
+    }
+  }
+  for (size_t t = 0; t < context.node_rows.size(); ++t) {
+    const auto it = kept.find(t);
+    if (it == kept.end() || it->second.size() == context.node_rows[t].rows.size()) {
+      result.push_back(context.node_rows[t]);
+    } else if (!it->second.empty()) {
+      result.push_back(select_rows(context.node_rows[t], it->second));
+    }
+  }
+  context.node_rows = std::move(result);
+  return notes;
+}
+
+}  // namespace jaculus

@@ -1,0 +1,133 @@
+// Terms of motors and joints.
+
+#include <fmt/format.h>
+
+#include "jaculus/components/motor.h"
+#include "transcription/terms/factories.h"
+
+namespace jaculus::terms {
+
+namespace {
+
+bool electrical(const PlanarMotor& motor) { return motor.resistance > 0.0 || motor.torque_constant > 0.0; }
+
+/// Voltage of one motor: R i(tau) + k_t G omega, omega the joint's rate, linear in v.
+PathTerm motor_voltage_term(const PlanarModel& model, int m, double limit) {
+  const PlanarMotor motor = model.motors[static_cast<size_t>(m)];
+  const Vector rate = model.joint_map.row(motor.body).transpose();
+  PathTerm term;
+  term.name = motor.joint + " voltage";
+  term.rows.push_back({term.name, "V", {-limit, limit}, limit});
+  term.reads.velocity = term.reads.input = true;
+  term.evaluate = [motor, rate, m](const PointView& view, VectorRef values, Matrix* J, const Vector* multipliers,
+                                   Matrix* H) {
+    const MotorVoltage voltage = motor_voltage(motor, view.u[m], rate.dot(view.point.v));
+    values[0] = voltage.value;
+    if (J) {
+      J->row(0).segment(view.v_at(), view.n) += voltage.d_rate * rate.transpose();
+      (*J)(0, view.u_at() + m) += voltage.d_torque;
+    }
+    if (H) (*H)(view.u_at() + m, view.u_at() + m) += (*multipliers)[0] * voltage.d_torque2;
+  };
+  return term;
+}
+
+}  // namespace
+
+void voltage(const TermSpec& spec, TermContext& context) {
+  spec.node.only({"type", "name", "motors", "phases"});
+  std::vector<std::string> names, chosen;
+  for (const PlanarMotor& motor : context.model().motors) names.push_back(motor.joint);
+  if (const auto list = spec.node.find("motors")) {
+    for (const yaml::Node& item : list->items()) chosen.push_back(item.choice(names));
+  } else {
+    for (const PlanarMotor& motor : context.model().motors)
+      if (electrical(motor)) chosen.push_back(motor.joint);
+  }
+  if (chosen.empty()) throw spec.node.error("voltage: no motor of this robot has electrical data");
+  for (const std::string& joint : chosen) {
+    const int m = context.model().motor_index(joint);
+    const PlanarMotor& motor = context.model().motors[static_cast<size_t>(m)];
+    const double limit = context.problem.voltage.value_or(motor.voltage);
+    if (!electrical(motor) || !(limit > 0.0))
+      throw spec.node.error(
+          fmt::format("voltage: {} has no electrical data or no voltage; give them in robot.yaml", joint));
+    for (int p : chosen_phases(spec.node, context))
+      context.path[static_cast<size_t>(p)].push_back(motor_voltage_term(context.model(), m, limit));
+  }
+}
+
+void joint_range(const TermSpec& spec, TermContext& context) {
+  spec.node.only({"type", "name", "phases"});
+  for (const JointRange& range : context.model().joint_ranges) {
+    // Ranges on dependent joints are checked after the solve; the dyad's closed form keeps them on their branch.
+    const Vector row = context.model().joint_map.row(range.body).transpose();
+    if (row.isZero()) continue;
+    const double offset = context.model().joint_offset[range.body];
+    PathTerm term;
+    term.name = range.joint + " range";
+    term.rows.push_back({range.joint, "rad", {range.range.lower - offset, range.range.upper - offset}, 1.0});
+    term.reads.position = true;
+    term.evaluate = [row](const PointView& view, VectorRef values, Matrix* J, const Vector*, Matrix*) {
+      values[0] = row.dot(view.point.q);
+      if (J) J->row(0).head(view.n) = row.transpose();
+    };
+    for (int p : chosen_phases(spec.node, context)) context.path[static_cast<size_t>(p)].push_back(term);
+  }
+}
+
+void torque_squared(const TermSpec& spec, TermContext& context) {
+  spec.node.only({"type", "name", "weight"});
+  PathTerm term;
+  term.name = "torque squared";
+  term.rows.push_back({"sum of squared motor torques, before the gear", "N^2 m^2", {}, 1.0});
+  term.reads.input = true;
+  Vector factor(context.layout.n_u);
+  for (int m = 0; m < context.layout.n_u; ++m) {
+    const PlanarMotor& motor = context.model().motors[static_cast<size_t>(m)];
+    const double ratio = motor.gear * motor.efficiency;
+    factor[m] = motor.count / (ratio * ratio);
+  }
+  term.evaluate = [factor](const PointView& view, VectorRef values, Matrix* J, const Vector* multipliers, Matrix* H) {
+    values[0] = factor.dot(view.u.cwiseAbs2());
+    if (J) J->row(0).segment(view.u_at(), view.n_u) = (2.0 * factor.cwiseProduct(view.u)).transpose();
+    if (H) H->diagonal().segment(view.u_at(), view.n_u) += 2.0 * (*multipliers)[0] * factor;
+  };
+  context.integral_costs.emplace_back(term, spec.weight);
+}
+
+void electrical_energy(const TermSpec& spec, TermContext& context) {
+  spec.node.only({"type", "name", "weight"});
+  const PlanarModel& model = context.model();
+  PathTerm term;
+  term.name = "electrical energy";
+  term.rows.push_back({"electrical power of all motors", "W", {}, 1.0});
+  term.reads.input = term.reads.velocity = true;
+  const std::vector<PlanarMotor> motors = model.motors;
+  Matrix rates(context.layout.n_u, model.size());
+  for (int m = 0; m < context.layout.n_u; ++m) rates.row(m) = model.joint_map.row(motors[static_cast<size_t>(m)].body);
+  term.evaluate = [motors, rates](const PointView& view, VectorRef values, Matrix* J, const Vector* multipliers,
+                                  Matrix* H) {
+    values[0] = 0.0;
+    for (int m = 0; m < view.n_u; ++m) {
+      const PlanarMotor& motor = motors[static_cast<size_t>(m)];
+      const MotorPower power = motor_power(motor, view.u[m], rates.row(m).dot(view.point.v));
+      const double count = motor.count;
+      values[0] += count * power.value;
+      const int u = view.u_at() + m, v = view.v_at();
+      if (J) {
+        J->row(0).segment(v, view.n) += count * power.d_rate * rates.row(m);
+        (*J)(0, u) += count * power.d_torque;
+      }
+      if (H) {
+        const double w = count * (*multipliers)[0];
+        (*H)(u, u) += w * power.d_torque2;
+        H->row(u).segment(v, view.n) += w * power.d_torque_rate * rates.row(m);
+        H->col(u).segment(v, view.n) += w * power.d_torque_rate * rates.row(m).transpose();
+      }
+    }
+  };
+  context.integral_costs.emplace_back(term, spec.weight);
+}
+
+}  // namespace jaculus::terms

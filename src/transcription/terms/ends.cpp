@@ -1,0 +1,180 @@
+// Terms of the plan's end, and what is maximised there.
+
+#include <fmt/format.h>
+
+#include "transcription/terms/factories.h"
+
+namespace jaculus::terms {
+
+namespace {
+
+int last_node(const TermContext& context) { return static_cast<int>(context.layout.nodes.size()) - 1; }
+
+std::vector<int> duration_columns(const TermContext& context) {
+  std::vector<int> columns;
+  for (const PhaseBlock& phase : context.layout.phases) columns.push_back(phase.duration);
+  return columns;
+}
+
+/// A velocity at the last node as a term over its columns (q, v): of one base coordinate, or of the centre of mass.
+NodeTerm velocity_term(const TermSpec& spec, TermContext& context) {
+  const auto of = spec.node.find("of"), direction = spec.node.find("direction");
+  const bool com = of && of->choice({"base", "com"}) == "com";
+  const bool up = direction && direction->choice({"x", "z"}) == "z";
+  NodeTerm term;
+  term.name = fmt::format("{} velocity of the {} at the end", up ? "z" : "x", com ? "centre of mass" : "base");
+  term.rows.push_back({term.name, "m/s", {}, 1.0});
+  if (!com) {
+    const int coordinate = needed_coordinate(up ? "z" : "x", spec, context);
+    term.columns = {context.layout.nodes.back().v + coordinate};
+    term.linear = true;
+    term.evaluate = [](const Vector& y, VectorRef values, Matrix* J, const Vector*, Matrix*) {
+      values[0] = y[0];
+      if (J) (*J)(0, 0) = 1.0;
+      return true;
+    };
+    return term;
+  }
+  term.columns = node_columns(context, last_node(context));
+  const AbsoluteTree& tree = context.equations.tree();
+  auto f = std::make_shared<PointFunction>(tree, centre_of_mass_point(tree));
+  const Vec2 axis(up ? 0.0 : 1.0, up ? 1.0 : 0.0), none = Vec2::Zero();
+  term.evaluate = [f, &tree, axis, none](const Vector& y, VectorRef values, Matrix* J, const Vector* multipliers,
+                                         Matrix* H) {
+    const int n = tree.n;
+    if (!set_configuration(tree, y.head(n), f->motion)) return false;
+    set_rates(tree, y.tail(n), f->motion);
+    set_rate_sensitivity(tree, f->motion);
+    values[0] = axis.dot(point_velocity(f->point, f->motion));
+    if (J) {
+      Vector gradient = Vector::Zero(2 * n);
+      add_point_gradient(tree, f->motion, f->point, none, axis, gradient, f->scratch);
+      J->row(0) = gradient.transpose();
+    }
+    if (H) add_point_hessian(tree, f->motion, f->point, none, (*multipliers)[0] * axis, *H, f->scratch);
+    return true;
+  };
+  return term;
+}
+
+/// A linear function of the programme's variables.
+NodeTerm linear_term(const std::string& name, const std::string& unit, const std::vector<int>& columns,
+                     const std::vector<double>& factors) {
+  NodeTerm term;
+  term.name = name;
+  term.rows.push_back({name, unit, {}, 1.0});
+  term.columns = columns;
+  term.linear = true;
+  term.evaluate = [factors](const Vector& y, VectorRef values, Matrix* J, const Vector*, Matrix*) {
+    values[0] = 0.0;
+    for (int i = 0; i < y.size(); ++i) {
+      values[0] += factors[static_cast<size_t>(i)] * y[i];
+      if (J) (*J)(0, i) = factors[static_cast<size_t>(i)];
+    }
+    return true;
+  };
+  return term;
+}
+
+}  // namespace
+
+void final_velocity(const TermSpec& spec, TermContext& context) {
+  spec.node.only({"type", "name", "weight", "of", "direction"});
+  context.node_costs.emplace_back(velocity_term(spec, context), spec.weight);
+}
+
+void mean_acceleration(const TermSpec& spec, TermContext& context) {
+  spec.node.only({"type", "name", "weight", "of", "direction"});
+  const NodeTerm velocity = velocity_term(spec, context);
+  NodeTerm term = velocity;
+  term.name = "mean acceleration: " + velocity.name + " over the duration";
+  term.rows[0].unit = "m/s^2";
+  term.linear = false;
+  const int size = static_cast<int>(velocity.columns.size());
+  for (int column : duration_columns(context)) term.columns.push_back(column);
+  // c = v/T: dc = dv/T - v/T^2 dT, and the second derivatives that follow.
+  term.evaluate = [velocity, size](const Vector& y, VectorRef values, Matrix* J, const Vector* multipliers, Matrix* H) {
+    const int durations = static_cast<int>(y.size()) - size;
+    const double T = y.tail(durations).sum();
+    Vector v(1);
+    Matrix J_v = Matrix::Zero(1, size), H_v = Matrix::Zero(size, size);
+    const Vector scaled = multipliers ? Vector(*multipliers / T) : Vector::Zero(1);
+    if (!(T > 0.0) ||
+        !velocity.evaluate(y.head(size), v, J ? &J_v : nullptr, H ? &scaled : nullptr, H ? &H_v : nullptr))
+      return false;
+    values[0] = v[0] / T;
+    if (J) {
+      J->row(0).head(size) = J_v.row(0) / T;
+      J->row(0).tail(durations).setConstant(-v[0] / (T * T));
+    }
+    if (H) {
+      const double m = (*multipliers)[0];
+      H->topLeftCorner(size, size) += H_v;
+      H->topRightCorner(size, durations).colwise() -= m / (T * T) * Vector(J_v.row(0).transpose());
+      H->bottomLeftCorner(durations, size).rowwise() -= Eigen::RowVectorXd(m / (T * T) * J_v.row(0));
+      H->bottomRightCorner(durations, durations).array() += 2.0 * m * v[0] / (T * T * T);
+    }
+    return true;
+  };
+  context.node_costs.emplace_back(term, spec.weight);
+}
+
+void distance(const TermSpec& spec, TermContext& context) {
+  spec.node.only({"type", "name", "weight"});
+  const int x = needed_coordinate("x", spec, context);
+  const std::vector<int> columns = {context.layout.nodes.back().q + x, context.layout.nodes.front().q + x};
+  context.node_costs.emplace_back(linear_term("distance travelled by the base", "m", columns, {1.0, -1.0}),
+                                  spec.weight);
+}
+
+void height(const TermSpec& spec, TermContext& context) {
+  spec.node.only({"type", "name", "weight"});
+  const int z = needed_coordinate("z", spec, context);
+  context.node_costs.emplace_back(
+      linear_term("height of the base at the end", "m", {context.layout.nodes.back().q + z}, {1.0}), spec.weight);
+}
+
+void time(const TermSpec& spec, TermContext& context) {
+  spec.node.only({"type", "name", "weight"});
+  const std::vector<int> columns = duration_columns(context);
+  context.node_costs.emplace_back(linear_term("duration", "s", columns, std::vector<double>(columns.size(), 1.0)),
+                                  spec.weight);
+}
+
+/// Ballistic flight after the end: base height z + v_z t - g t^2/2 = h on the way down, there pitch + rate t is as asked.
+void touchdown_pitch(const TermSpec& spec, TermContext& context) {
+  spec.node.only({"type", "name", "height", "pitch"});
+  const double height = spec.node.at("height").number(dimension::length);
+  const Bounds pitch = spec.node.at("pitch").bounds(dimension::angle);
+  const double g = context.model().gravity;
+  const NodeBlock& node = context.layout.nodes.back();
+  const int z = needed_coordinate("z", spec, context), p = needed_coordinate("pitch", spec, context);
+  const int t = context.layout.add_variable({"time of flight to touchdown", "s", {0.0, 2.0}, 0.1, 0.1});
+  NodeTerm term;
+  term.name = "touchdown";
+  term.columns = {node.q + z, node.q + p, node.v + z, node.v + p, t};
+  term.rows = {{"touchdown: height of the base", "m", {height, height}, 0.1},
+               {"touchdown: pitch", "rad", pitch, 0.1},
+               {"touchdown: on the way down", "m/s", {-kInfinity, 0.0}, 1.0}};
+  term.evaluate = [g](const Vector& y, VectorRef values, Matrix* J, const Vector* multipliers, Matrix* H) {
+    const double time = y[4];
+    values << y[0] + y[2] * time - 0.5 * g * time * time, y[1] + y[3] * time, y[2] - g * time;
+    if (J) {
+      (*J)(0, 0) = (*J)(1, 1) = (*J)(2, 2) = 1.0;
+      (*J)(0, 2) = (*J)(1, 3) = time;
+      (*J)(0, 4) = y[2] - g * time;
+      (*J)(1, 4) = y[3];
+      (*J)(2, 4) = -g;
+    }
+    if (H) {
+      const Vector& m = *multipliers;
+      (*H)(2, 4) = (*H)(4, 2) = m[0];
+      (*H)(3, 4) = (*H)(4, 3) = m[1];
+      (*H)(4, 4) = -g * m[0];
+    }
+    return true;
+  };
+  context.node_rows.push_back(term);
+}
+
+}  // namespace jaculus::terms
