@@ -138,9 +138,9 @@ bool IpoptAdapter::eval_h(Index n, const Number* x, bool, Number obj_factor, Ind
 
 bool IpoptAdapter::current_point(const Ipopt::IpoptData* data, Ipopt::IpoptCalculatedQuantities* quantities) {
   if (data == nullptr || quantities == nullptr) return false;
-  if (!IsValid(original_)) {  // iteration 0 belongs to the problem itself, later ones may be the restoration's
+  if (original_ == nullptr) {  // iteration 0 belongs to the problem itself, later ones may be the restoration's
     original_ = dynamic_cast<Ipopt::OrigIpoptNLP*>(GetRawPtr(quantities->GetIpoptNLP()));
-    if (!IsValid(original_)) return false;
+    if (original_ == nullptr) return false;
   }
   Ipopt::SmartPtr<const Ipopt::Vector> x = data->curr()->x();
   if (const auto* compound = dynamic_cast<const Ipopt::CompoundVector*>(GetRawPtr(x))) {

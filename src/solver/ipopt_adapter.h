@@ -60,9 +60,10 @@ class IpoptAdapter : public Ipopt::TNLP {
   const Start& start_;
   const SolverOptions& options_;
   std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
-  Ipopt::SmartPtr<Ipopt::OrigIpoptNLP> original_;  ///< knows how to undo scaling and the removal of fixed variables
-  Vector point_;                                   ///< [n] the iterate of the callback
-  Vector row_point_, row_values_;                  ///< where the rows were last evaluated, and what they were
+  /// Knows how to undo scaling and the removal of fixed variables. Not counted: it holds this adapter in turn.
+  Ipopt::OrigIpoptNLP* original_ = nullptr;
+  Vector point_;                   ///< [n] the iterate of the callback
+  Vector row_point_, row_values_;  ///< where the rows were last evaluated, and what they were
 };
 
 /// Brings each entry of x into its bounds.
