@@ -1,0 +1,68 @@
+#pragma once
+// Studies from files: a grid of computed figures, beside what a source says of them.
+//
+//   format: jaculus-study/1
+//   name: fig3_effectiveness            unique, names nothing else
+//   kind: reorientation                 reorientation | tail_design | drag_bench
+//   caption: one line
+//   ...                                 by kind, see reorientation_study.h, tail_design.h, drag_fit.h
+//   reference:                          optional: the source's figures
+//     - {quantity: "...", paper: 0.558, column: effectiveness, where: {case: as built}, over: {...}, note: "..."}
+//
+// A reference's `where` picks the one row whose columns have these values; with `at_largest: column` the one of them with
+// the largest value there. `over` picks another row and `over_column` another column: the figure is then the ratio.
+//
+// A run writes study.csv and study.json into its folder. Every finished grid point is kept in study.journal at once, so a
+// killed run goes on where it was; the same bytes come out whatever the number of workers and the interruptions.
+
+#include <filesystem>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "jaculus/core/tasks.h"
+#include "jaculus/core/yaml.h"
+
+namespace jaculus {
+
+using StudyJson = nlohmann::ordered_json;
+
+/// A source's figure beside the computed one.
+struct StudyReference {
+  std::string quantity;
+  StudyJson paper;     ///< number or text
+  StudyJson computed;  ///< number, text or null
+  std::string note;    ///< says where they differ, and why
+};
+
+struct StudyResult {
+  std::string name;
+  std::string kind;
+  std::string caption;
+  bool complete = false;             ///< false: interrupted or failed points; such rows are not there
+  std::vector<std::string> columns;  ///< of study.csv, with units
+  std::vector<StudyJson> rows;       ///< one object a grid point: number, text or null by column
+  std::vector<StudyReference> references;
+  std::vector<std::string> notes;  ///< what a user should know: searches on their bound, points that failed
+};
+
+struct StudyOptions {
+  int jobs = 0;         ///< workers; 0: one a core
+  bool resume = false;  ///< insist on going on with the folder's journal; otherwise that is done where it fits
+  std::function<void(const TaskProgress&)> progress = {};
+  std::function<void(const std::string&)> notice = {};
+};
+
+/// Reads and checks a study without running it: a sentence on what it is and its size. InputError on any fault.
+std::string check_study(const std::filesystem::path& file);
+
+/// Runs a study. Writes into `folder`, which must exist, unless it is empty. InputError on bad input, before any work is done.
+StudyResult run_study(const std::filesystem::path& file, const std::filesystem::path& folder,
+                      const StudyOptions& options = {});
+
+/// The files' contents.
+std::string study_csv(const StudyResult& result);
+std::string study_json(const StudyResult& result);
+
+}  // namespace jaculus

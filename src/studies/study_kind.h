@@ -1,0 +1,51 @@
+#pragma once
+// What the kinds of studies have in common behind studies/study.h. A new kind is a function here and a row in study.cpp.
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "jaculus/studies/study.h"
+
+namespace jaculus::detail {
+
+/// A study, read and checked: a list of independent tasks, and how their results become rows.
+struct PreparedStudy {
+  std::string description;  ///< "60 points, gear 1 to 50 each"
+  std::vector<std::string> columns;
+  int tasks = 0;
+  std::function<std::string(int)> task;  ///< any bytes; must not depend on anything but the file
+  std::function<std::vector<StudyJson>(const std::vector<std::string>&)> rows;  ///< from all tasks' bytes, in order
+  std::function<std::vector<std::string>(const std::vector<StudyJson>&)> notes;
+  std::string fingerprint;  ///< of further files that the tasks depend on
+};
+
+/// Keys that every study has.
+std::vector<std::string> with_common_keys(std::vector<std::string> keys);
+
+PreparedStudy prepare_reorientation(const yaml::Node& root);
+PreparedStudy prepare_tail_design(const yaml::Node& root);
+PreparedStudy prepare_drag_bench(const yaml::Node& root);
+
+/// Reads `reference`, checked against the columns; evaluates it on the rows.
+struct ReferenceQuery {
+  std::string quantity;
+  StudyJson paper;
+  std::string column;
+  std::string over_column;  ///< of the divisor
+  StudyJson where;
+  StudyJson over;  ///< the divisor's row; null: no divisor
+  std::string at_largest;
+  std::string note;
+  yaml::Node node;
+};
+std::vector<ReferenceQuery> read_references(const yaml::Node& root, const std::vector<std::string>& columns);
+/// A query that does not pick one row gives null and a note: the rows are not lost for it.
+StudyReference evaluate(const ReferenceQuery& query, const std::vector<StudyJson>& rows,
+                        std::vector<std::string>& notes);
+
+/// A number as JSON: null where it is not finite.
+StudyJson json_number(double value);
+
+}  // namespace jaculus::detail
