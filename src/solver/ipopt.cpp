@@ -6,7 +6,6 @@
 
 #include <IpIpoptApplication.hpp>
 #include <IpSolveStatistics.hpp>
-#include <IpTimingStatistics.hpp>
 #include <algorithm>
 #include <cassert>
 #include <charconv>
@@ -232,10 +231,8 @@ NlpResult run_ipopt(Nlp& nlp, const Start& start, const SolverOptions& options) 
   std::tie(result.status, result.message) = explain(code, *adapter);
   if (!result.history.empty()) result.iterations = result.history.back().iteration;
   if (IsValid(app->IpoptDataObject())) {
-    Ipopt::TimingStatistics& timing = app->IpoptDataObject()->TimingStats();
-    result.wall_seconds.linear_solver = timing.LinearSystemSymbolicFactorization().TotalWallclockTime() +
-                                        timing.LinearSystemFactorization().TotalWallclockTime() +
-                                        timing.LinearSystemBackSolve().TotalWallclockTime();
+    result.wall_seconds.linear_solver =
+        adapter->restoration_linear_seconds() + detail::linear_seconds(app->IpoptDataObject()->TimingStats());
   }
   add_fixed_multipliers(nlp, result);
   measure_violation(nlp, result);

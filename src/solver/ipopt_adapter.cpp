@@ -27,6 +27,10 @@ Vector clamp_into_bounds(const Nlp& nlp, const Vector& x) {
   return x.cwiseMax(nlp.variable_lower()).cwiseMin(nlp.variable_upper());
 }
 
+double linear_seconds(Ipopt::TimingStatistics& timing) {
+  return timing.StdAugSystemSolverMultiSolve().TotalWallclockTime();
+}
+
 IpoptAdapter::IpoptAdapter(Nlp& nlp, const Start& start, const SolverOptions& options)
     : nlp_(nlp), start_(start), options_(options), point_(start.x) {
   assert(start.x.size() == nlp.variables());
@@ -177,6 +181,11 @@ bool IpoptAdapter::intermediate_callback(Ipopt::AlgorithmMode mode, Index iter, 
     info.infeasibility = row_violation();
     // The restoration reports an objective of its own.
     if (info.restoration && !nlp_.objective(point_, info.objective)) info.objective = kNaN;
+  }
+  if (info.restoration && ip_data != nullptr) {
+    const double spent = linear_seconds(const_cast<Ipopt::IpoptData*>(ip_data)->TimingStats());  // no const access
+    if (spent < restoration_s_) restorations_s_ += restoration_s_;
+    restoration_s_ = spent;
   }
   info.dual_infeasibility = inf_du;
   info.barrier = mu;

@@ -5,6 +5,7 @@
 #include <IpIpoptData.hpp>
 #include <IpOrigIpoptNLP.hpp>
 #include <IpTNLP.hpp>
+#include <IpTimingStatistics.hpp>
 #include <chrono>
 #include <optional>
 #include <string>
@@ -42,6 +43,9 @@ class IpoptAdapter : public Ipopt::TNLP {
                          Index m, const Number* g, const Number* lambda, Number obj_value,
                          const Ipopt::IpoptData* ip_data, Ipopt::IpoptCalculatedQuantities* ip_cq) override;
 
+  /// Wall time the restoration has spent on linear systems [s].
+  [[nodiscard]] double restoration_linear_seconds() const { return restorations_s_ + restoration_s_; }
+
   NlpResult result;                   ///< filled as the solve goes on; status and message are the caller's
   std::optional<Status> stop_reason;  ///< why the callback ended the solve
   std::string failed_function;        ///< the function that last was undefined or not finite
@@ -62,9 +66,14 @@ class IpoptAdapter : public Ipopt::TNLP {
   std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
   /// Knows how to undo scaling and the removal of fixed variables. Not counted: it holds this adapter in turn.
   Ipopt::OrigIpoptNLP* original_ = nullptr;
+  double restorations_s_ = 0.0;    ///< on linear systems, in restorations that are over [s]
+  double restoration_s_ = 0.0;     ///< in the present or last one; Ipopt keeps its clock apart and resets it [s]
   Vector point_;                   ///< [n] the iterate of the callback
   Vector row_point_, row_values_;  ///< where the rows were last evaluated, and what they were
 };
+
+/// Wall time spent on linear systems, from building to back-solve [s]. (Ipopt 3.11 does not time MUMPS' factorisation alone.)
+double linear_seconds(Ipopt::TimingStatistics& timing);
 
 /// Brings each entry of x into its bounds.
 Vector clamp_into_bounds(const Nlp& nlp, const Vector& x);

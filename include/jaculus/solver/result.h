@@ -54,7 +54,7 @@ struct EvaluationCounts {
 struct WallSeconds {
   double total = 0.0;
   double functions = 0.0;      ///< inside the Nlp
-  double linear_solver = 0.0;  ///< factorisations and back-solves, outside restoration
+  double linear_solver = 0.0;  ///< building, factorising and back-solving linear systems
 };
 
 /// A bound that no point can satisfy.
