@@ -81,6 +81,7 @@ int run(const Options& options) {
   if (options.resume && common.out.empty()) {
     throw InputError("--resume: given without --out; allowed: with the --out of the run to go on with");
   }
+  if (common.seed) throw InputError("--seed: given; allowed: nothing, since a study has nothing random in it");
   if (!common.out.empty()) prepare_folder(common.out);
   const StudyResult result = run_study(options.file, common.out, study_options(options));
   if (shows_progress(common)) fmt::print(stderr, "\r\033[K");

@@ -149,7 +149,8 @@ detail::PreparedStudy detail::prepare_drag_bench(const yaml::Node& root) {
   study.fingerprint = bench->data;
   study.tasks = 1;
   const auto fitted = [bench] { return fit_drag(bench->observations, bench->confidence); };
-  for (const auto& item : rows_of(*bench, fitted())[0].items()) study.columns.push_back(item.key());
+  const StudyJson rows = rows_of(*bench, fitted());
+  for (const auto& item : rows[0].items()) study.columns.push_back(item.key());
   study.task = [bench, fitted](int) { return rows_of(*bench, fitted()).dump(); };
   study.rows = [](const std::vector<std::string>& bytes) {
     return StudyJson::parse(bytes[0]).get<std::vector<StudyJson>>();

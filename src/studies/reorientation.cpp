@@ -57,8 +57,8 @@ std::pair<double, double> to_target(const ReorientationCase& c, const Motion& m)
   return {std::abs(m.body_angle) - c.target_angle, std::copysign(1.0, m.body_angle) * m.body_rate};
 }
 
-// Integrates until the end, or the stop where `may_stop`. Returns the last state; run.time, run.stopped and the result's
-// time_to_target and steps are brought up to date. A failure leaves run.time short of the end.
+// Integrates until the end, or the stop where `may_stop`. Returns the last state; run.time, run.stopped and the
+// result's time_to_target and steps are brought up to date. A failure leaves run.time short of the end.
 template <class System>
 typename System::State drive(const System& system, typename System::State y, bool may_stop, Run& run) {
   using State = typename System::State;

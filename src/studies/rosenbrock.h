@@ -1,13 +1,13 @@
 #pragma once
-// One step of a stiffly accurate, L-stable Rosenbrock method of order 4 with an embedded result of order 3, for autonomous
-// systems of a size known at compile time, without allocation.
+// One step of a stiffly accurate, L-stable Rosenbrock method of order 4 with an embedded result of order 3, for
+// autonomous systems of a size known at compile time, without allocation.
 //
 //   (I/(h gamma) - J) g_i = f(x + sum_j a_ij g_j) + (1/h) sum_j c_ij g_j,   i = 1..6,   J = df/dx
 //   x_new = x + sum_j a_5j g_j + g_5 + g_6,   error estimate g_6
 //
-// The coefficients are those of RODAS (Hairer and Wanner, Solving Ordinary Differential Equations II, section IV.7), taken
-// from Boost.Odeint. The first N of the states feed back; the last Q are mere integrals of them (their columns of J are
-// zero), so only an N x N matrix is inverted.
+// The coefficients are those of RODAS (Hairer and Wanner, Solving Ordinary Differential Equations II, section IV.7),
+// taken from Boost.Odeint. The first N of the states feed back; the last Q are mere integrals of them (their columns of
+// J are zero), so only an N x N matrix is inverted.
 
 #include <Eigen/Core>
 #include <Eigen/LU>

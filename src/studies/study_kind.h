@@ -1,5 +1,6 @@
 #pragma once
-// What the kinds of studies have in common behind studies/study.h. A new kind is a function here and a row in study.cpp.
+// What the kinds of studies have in common behind studies/study.h. A new kind is a function here and a row in
+// study.cpp.
 
 #include <filesystem>
 #include <functional>

@@ -55,8 +55,8 @@ std::vector<State> states(const PlanarDrag& drag, int count) {
   return out;
 }
 
-// Int l^j f(s + omega l) dl by adaptive Gauss-Kronrod on pieces that shrink geometrically towards the place where the flow
-// turns: a kink or a near one between its nodes would deceive the rule's own error estimate.
+// Int l^j f(s + omega l) dl by adaptive Gauss-Kronrod on pieces that shrink geometrically towards the place where the
+// flow turns: a kink or a near one between its nodes would deceive the rule's own error estimate.
 double quadrature(const PlanarDrag& d, const State& x, int j, const auto& f) {
   std::vector<double> cuts{d.start, d.end};
   const double turn = -x.s / x.omega;

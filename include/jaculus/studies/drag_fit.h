@@ -7,12 +7,13 @@
 //   Int (V i - R i^2) dt = I (omega2^2 - omega1^2)/2 + Int tau |omega| dt
 // and with tau = b omega^2 + c |omega| + d (drag, viscous, Coulomb) both kinds are linear regressions:
 //   y = b q + c v + d     steady: y = tau, q = omega^2, v = |omega|
-//                         transient: y = (Int P dt - Delta E)/A, q = Int |omega|^3 dt/A, v = Int omega^2 dt/A, A = Int |omega| dt
+//                         transient: y = (Int P dt - Delta E)/A, q = Int |omega|^3 dt/A, v = Int omega^2 dt/A,
+//                                    P = V i - R i^2, Delta E = I (omega2^2 - omega1^2)/2, A = Int |omega| dt
 //   C_D = 8 b / (rho w (L^4 - L0^4))                                                       (equation 2)
 //
-// Four models are fitted: drag alone, with viscous, with Coulomb, with both. They are ranked by the corrected information
-// criterion AICc; those within 2 of the best can't be told apart by the data, and the simplest of them is taken. A model
-// with a negative share is never taken. Intervals are Student's, for errors of equal size in y.
+// Four models are fitted: drag alone, with viscous, with Coulomb, with both. They are ranked by the corrected
+// information criterion AICc; those within 2 of the best can't be told apart by the data, and the simplest of them is
+// taken. A model with a negative share is never taken. Intervals are Student's, for errors of equal size in y.
 // Integrals are by the trapezoidal rule: the log must be sampled densely against the change of speed.
 
 #include <string>
@@ -68,8 +69,8 @@ std::vector<DragObservation> steady_observations(const std::vector<BenchPoint>& 
 /// Why a point can't be used, or empty.
 std::string bench_fault(const BenchPoint& point, double resistance);
 
-/// A transient log to observations, one a window of about `window` seconds [s]; windows in which the tail turns round or
-/// rests are left out. `power` V i - R i^2 [W] as sampled; times rise.
+/// A transient log to observations, one a window of about `window` seconds [s]; windows in which the tail turns round
+/// or rests are left out. `power` V i - R i^2 [W] as sampled; times rise.
 std::vector<DragObservation> transient_observations(const std::vector<double>& time, const std::vector<double>& speed,
                                                     const std::vector<double>& power, double inertia, double window);
 

@@ -2,7 +2,7 @@
 // Grids over named parameters, as a study file writes them.
 //
 //   tail.length: [0.5 m, 0.75 m, 1 m]                          numbers
-//   tail.normalised_inertia: {from: 0.01, to: 0.6, count: 60}   evenly spaced, both ends included (spacing: log for ratios)
+//   tail.normalised_inertia: {from: 0.01, to: 0.6, count: 60}   evenly spaced, ends included (or spacing: log)
 //   tail.normalised_inertia: [{from: ...}, 0.204]               both; values are sorted, equal ones refused
 //
 // The first axis turns slowest. Axes that a point sets are applied in order.

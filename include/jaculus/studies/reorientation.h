@@ -4,22 +4,23 @@
 //   I_b thb'' = -T,    I_t (thb'' + tht'') = T + tau_D                              (equations 3 and 4)
 //   T = G eta f(i),    i = (V - k_t G tht') / R,    f^-1(t) = a t + c t^3          (equations 5 to 7)
 //   tau_D = moment of tail_drag.h at omega = thb' + tht' and the wind's s          (equations 2 and 8)
-// thb: body's angle in the world, tht: tail's angle to the body, I_b, I_t: inertias about the pin. A positive voltage swings
-// the tail to positive tht and the body the other way. At tht = stroke the tail meets its stop: a plastic impact that
-// keeps the angular momentum I_b thb' + I_t (thb' + tht'), after which the pair turns locked together under drag.
+// thb: body's angle in the world, tht: tail's angle to the body, I_b, I_t: inertias about the pin. A positive voltage
+// swings the tail to positive tht and the body the other way. At tht = stroke the tail meets its stop: a plastic impact
+// that keeps the angular momentum I_b thb' + I_t (thb' + tht'), after which the pair turns locked together under drag.
 // With a root spring (section VI-E) the motor sits at tht + delta, k delta = T, and a massless rotor.
 //
 //   effectiveness = |thb| / tht at the end of the duration. Without drag it is I_t / (I_b + I_t) for any motor.
 // Source: Norby et al. 2021, sections II, III and VI.
 //
-// Integration. A light tail behind a high gear is stiff (rates of 1e5 a second), so an L-stable Rosenbrock method of order
-// 4 is used, with the motor torque t in place of the rate: tht' = (V - R (a t + c t^3)) / (k_t G) is a polynomial, and the
-// saturation never needs to be inverted. The second state is the momentum, so that what conserves it does so to the last
-// digit. Events are hit by steps of the right size, not by interpolation; the locked pair in still air has a closed form:
+// Integration. A light tail behind a high gear is stiff (rates of 1e5 a second), so an L-stable Rosenbrock method of
+// order 4 is used, with the motor torque t in place of the rate: tht' = (V - R (a t + c t^3)) / (k_t G) is a
+// polynomial, and the saturation never needs to be inverted. The second state is the momentum, so that what conserves
+// it does so to the last digit. Events are hit by steps of the right size, not by interpolation; the locked pair in
+// still air has a closed form:
 //   thb'(s) = w / (1 + b |w| s / I),  thb(s) = thb + sign(w) (I/b) ln(1 + b |w| s / I),  I = I_b + I_t.
 //
-// Limits of validity: no gravity moment on the tail, no rotor inertia, pin without friction; the pivot moves at a constant
-// velocity (its own, not changed by drag).
+// Limits of validity: no gravity moment on the tail, no rotor inertia, pin without friction; the pivot moves at a
+// constant velocity (its own, not changed by drag).
 
 #include <optional>
 #include <string>
@@ -83,8 +84,8 @@ struct ReorientationSample {
 /// Relative local error of the integrator that keeps the effectiveness within 1e-5 (a benchmark measures it).
 inline constexpr double kReorientationTolerance = 1e-5;
 
-/// Plays one case. `history`, where given, receives the steps taken (ends of steps, and the stop twice: before and after).
-/// Needs the case to be valid (see check_case).
+/// Plays one case. `history`, where given, receives the steps taken (ends of steps, and the stop twice: before and
+/// after). Needs the case to be valid (see check_case).
 ReorientationResult simulate_reorientation(const ReorientationCase& c, double tolerance = kReorientationTolerance,
                                            std::vector<ReorientationSample>* history = nullptr);
 
@@ -94,8 +95,8 @@ std::string check_case(const ReorientationCase& c);
 /// Time to fall a height from rest, sqrt(2 h / g) [s].
 double fall_time(double height);
 
-/// The case with which the paper works: Table I, gear 4, drag by equation 2, one body length of fall, stroke 180 degrees,
-/// target 90 degrees.
+/// The case with which the paper works: Table I, gear 4, drag by equation 2, one body length of fall, stroke 180
+/// degrees, target 90 degrees.
 ReorientationCase paper_case();
 
 }  // namespace jaculus

@@ -1,13 +1,14 @@
 #pragma once
-// Studies of kind `reorientation`: one computed motion a grid point, with an inner search for the best value of a parameter.
+// Studies of kind `reorientation`: one computed motion a grid point, with an inner search for the best value of a
+// parameter.
 //
-//   base: {body: {...}, tail: {...}, motor: {...}, task: {...}, air: {...}, scaling: {...}}     numbers by name, setup.h
+//   base: {body: {...}, tail: {...}, motor: {...}, task: {...}, air: {...}, scaling: {...}}   numbers by name, setup.h
 //   cases: [{name: as built}, {name: no drag, set: {tail.drag: none}, search: off}]             optional: column `case`
 //   grid: {tail.length: [...], ...}                                                             optional: grid.h
-//   search: {parameter: motor.gear, integers: [1, 50], maximise: effectiveness}   optional; range: [1, 50] for a continuous one
+//   search: {parameter: motor.gear, integers: [1, 50], maximise: effectiveness}   optional; or range: [1, 50], continuous
 //
-// maximise: effectiveness or body_angle. In still air both mean the same for a tail that reaches its stop; in wind a tail that
-// hardly turns can have any effectiveness, so body_angle is the figure of merit there.
+// maximise: effectiveness or body_angle. In still air both mean the same for a tail that reaches its stop; in wind a
+// tail that hardly turns can have any effectiveness, so body_angle is the figure of merit there.
 //
 //   outputs: [gear, effectiveness, ...]                     columns, from output_catalogue()
 
@@ -51,8 +52,8 @@ struct Output {
 
 const std::vector<Output>& output_catalogue();
 
-/// The point for a setup, at the best value of `search` where there is one. An integrator that fails counts as no candidate;
-/// where every one fails, or the only one, std::runtime_error.
+/// The point for a setup, at the best value of `search` where there is one. An integrator that fails counts as no
+/// candidate; where every one fails, or the only one, std::runtime_error.
 ReorientationPoint compute_point(const ReorientationSetup& setup, const std::optional<ParameterSearch>& search,
                                  bool without_drag, bool rigid, bool still);
 

@@ -1,14 +1,16 @@
 #pragma once
-// A reorientation as a user describes it, and every number in it by name, so that grids and searches can turn any of them.
+// A reorientation as a user describes it, and every number in it by name, so that grids and searches can turn any of
+// them.
 //
-// Names are "group.key" as in a study's `base`: body.inertia, tail.length, motor.gear, task.drop, ... Alternatives exclude one
-// another: tail.inertia or tail.normalised_inertia = I_t/(I_b + I_t); tail.shaft or tail.shaft_ratio = L0/L; task.drop (the
-// duration is then that of the fall) or task.duration. Setting one of a pair unsets the other.
+// Names are "group.key" as in a study's `base`: body.inertia, tail.length, motor.gear, task.drop, ... Alternatives
+// exclude one another: tail.inertia or tail.normalised_inertia = I_t/(I_b + I_t); tail.shaft or tail.shaft_ratio =
+// L0/L; task.drop (the duration is then that of the fall) or task.duration. Setting one of a pair unsets the other.
 //
-// Scaling (section VI-D of Norby et al. 2021) by a factor s at constant gravity and density: lengths and the drop grow by s,
-// inertias by s^5. scaling.tail: isometric; fixed_width (the tail's width stays, its normalised inertia too); fixed_tail
-// (nothing of the tail changes). scaling.motor: fixed, or similar: gear by s^(1/2) and s^3.5 such motors side by side, so that
-// joint torque grows by s^4 and rates by s^(-1/2), which makes an isometric fall the same motion in slower time.
+// Scaling (section VI-D of Norby et al. 2021) by a factor s at constant gravity and density: lengths and the drop grow
+// by s, inertias by s^5. scaling.tail: isometric; fixed_width (the tail's width stays, its normalised inertia too);
+// fixed_tail (nothing of the tail changes). scaling.motor: fixed, or similar: gear by s^(1/2) and s^3.5 such motors
+// side by side, so that joint torque grows by s^4 and rates by s^(-1/2), which makes an isometric fall the same motion
+// in slower time.
 
 #include <optional>
 #include <string>
@@ -80,7 +82,8 @@ const Parameter& find_parameter(const std::string& name, const yaml::Node& where
 /// Sets one parameter or option from its value in a file.
 void set_from(ReorientationSetup& setup, const std::string& name, const yaml::Node& value);
 
-/// Reads a map of groups {body: {inertia: ...}, tail: {...}, ...} into a setup. Alternatives given together: InputError.
+/// Reads a map of groups {body: {inertia: ...}, tail: {...}, ...} into a setup. Alternatives given together:
+/// InputError.
 ReorientationSetup read_setup(const yaml::Node& base);
 
 /// What is missing or wrong, in a sentence for users; empty where the setup makes a case.

@@ -9,11 +9,12 @@
 //   reference:                          optional: the source's figures
 //     - {quantity: "...", paper: 0.558, column: effectiveness, where: {case: as built}, over: {...}, note: "..."}
 //
-// A reference's `where` picks the one row whose columns have these values; with `at_largest: column` the one of them with
-// the largest value there. `over` picks another row and `over_column` another column: the figure is then the ratio.
+// A reference's `where` picks the one row whose columns have these values; with `at_largest: column` the one of them
+// with the largest value there. `over` picks another row and `over_column` another column: the figure is then the
+// ratio.
 //
-// A run writes study.csv and study.json into its folder. Every finished grid point is kept in study.journal at once, so a
-// killed run goes on where it was; the same bytes come out whatever the number of workers and the interruptions.
+// A run writes study.csv and study.json into its folder. Every finished grid point is kept in study.journal at once, so
+// a killed run goes on where it was; the same bytes come out whatever the number of workers and the interruptions.
 
 #include <filesystem>
 #include <functional>
@@ -57,7 +58,8 @@ struct StudyOptions {
 /// Reads and checks a study without running it: a sentence on what it is and its size. InputError on any fault.
 std::string check_study(const std::filesystem::path& file);
 
-/// Runs a study. Writes into `folder`, which must exist, unless it is empty. InputError on bad input, before any work is done.
+/// Runs a study. Writes into `folder`, which must exist, unless it is empty. InputError on bad input, before any work
+/// is done.
 StudyResult run_study(const std::filesystem::path& file, const std::filesystem::path& folder,
                       const StudyOptions& options = {});
 

@@ -6,15 +6,16 @@
 //   inertia   I = lambda L^3/3 + sigma (pi w/2 (L^3 - L0^3)/3 + pi w^2/8 (L0^2 + L^2))
 // lambda: tube [kg/m], sigma: film [kg/m^2], m0: at the pin (mount) [kg]. Drag by equation 2 of Norby et al. 2021.
 //
-// Every point of the grid gets its best gear. A design is on the front where none that is lighter or as light is as effective.
-// A limit binds at a design of the front where a design that breaks this limit alone, by one step of the grid, is better:
-// more effective and no heavier for the limits on length and width; more effective at all for the mass budget.
+// Every point of the grid gets its best gear. A design is on the front where none that is lighter or as light is as
+// effective. A limit binds at a design of the front where a design that breaks this limit alone, by one step of the
+// grid, is better: more effective and no heavier for the limits on length and width; more effective at all for the mass
+// budget.
 //
 //   kind: tail_design
 //   base: {...}                                 as for a reorientation, without the tail's geometry and inertia
 //   limits: {mass: 200 g, stowed_length: 1 m, width: 0.3 m}
 //   material: {tube: "0.057 kg/m", film: "0.31 kg/m^2", mount: 0 kg}
-//   grid: {length: [0.2 m, 24], shaft_ratio: [0.9, 16], width: [0.02 m, 16]}    least (shaft: largest) value and step count
+//   grid: {length: [0.2 m, 24], shaft_ratio: [0.9, 16], width: [0.02 m, 16]}   least (shaft: largest) value, count
 //   gears: [1, 50]
 
 #include <string>
@@ -60,7 +61,8 @@ double tail_inertia(const TailMaterial& material, double length, double shaft, d
 TailDesign evaluate_design(const ReorientationSetup& base, const TailMaterial& material, double length, double shaft,
                            double width, const SearchSpace& gears);
 
-/// The front by rising mass, with what binds at each design. Designs that break a limit take part only in that judgement.
+/// The front by rising mass, with what binds at each design. Designs that break a limit take part only in that
+/// judgement.
 std::vector<TailDesign> pareto_front(const std::vector<TailDesign>& designs, const TailLimits& limits);
 
 }  // namespace jaculus
