@@ -37,6 +37,8 @@ struct Case {
   double voltage, tolerance;
 };
 
+std::ostream& operator<<(std::ostream& out, const Case& c) { return out << c.file; }
+
 constexpr Case kCases[] = {
     {"notail_V7", false, 7.0, 0.01},
     {"aerotail_V7_nodes82", true, 7.0, 0.01},
