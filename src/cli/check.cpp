@@ -8,6 +8,7 @@
 #include "cli/command.h"
 #include "jaculus/core/error.h"
 #include "jaculus/report/summary.h"
+#include "jaculus/transcription/programme.h"
 
 namespace jaculus::cli {
 namespace {
@@ -51,14 +52,21 @@ Json check_problem_file(const fs::path& file, const Common& common, std::string&
   const Loaded loaded = load(file, common);
   const PlanarModel model = planning_model(loaded.problem, loaded.robot.planar);
   text += describe_problem_text(loaded.problem, loaded.robot);
-  int intervals = 0;
-  for (const PhaseSpec& phase : loaded.problem.phases) intervals += phase.intervals;
-  text += fmt::format("  size          {} coordinates and {} motors to plan, {} intervals in {} phases\n", model.size(),
-                      model.motors.size(), intervals, loaded.problem.phases.size());
+  // Laid out in full: what the terms refuse is bad input as well.
+  const Programme programme(loaded.problem, model);
+  const int jacobian = programme.jacobian_sparsity().size();
+  const int hessian = programme.hessian_sparsity().size();
+  text += fmt::format("  size          {} variables, {} rows, {} Jacobian and {} Hessian entries\n",
+                      programme.variables(), programme.rows(), jacobian, hessian);
+  for (const std::string& note : programme.notes()) text += "  layout: " + note + "\n";
   for (const std::string& note : loaded.robot.notes) text += "  robot: " + note + "\n";
   Json json = describe_problem(loaded.problem);
   json["robot_notes"] = loaded.robot.notes;
-  json["size"] = {{"coordinates", model.size()}, {"motors", model.motors.size()}, {"intervals", intervals}};
+  json["layout_notes"] = programme.notes();
+  json["size"] = {{"variables", programme.variables()},
+                  {"constraints", programme.rows()},
+                  {"jacobian_nonzeros", jacobian},
+                  {"hessian_nonzeros", hessian}};
   return json;
 }
 

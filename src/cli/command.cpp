@@ -1,22 +1,46 @@
 #include "cli/command.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <charconv>
 #include <cstdio>
 #include <cstdlib>
 #include <system_error>
 
 #include "jaculus/core/error.h"
+#include "jaculus/core/yaml.h"
 #include "jaculus/trajectory/csv.h"
 
 namespace jaculus::cli {
 
+CLI::Validator one_of(const std::vector<std::string>& names) {
+  const auto check = [names](std::string& given) -> std::string {
+    if (std::find(names.begin(), names.end(), given) != names.end()) return {};
+    const auto nearest = yaml::nearest_name(given, names);
+    return fmt::format("'{}' given{}; allowed: {}", given, nearest ? fmt::format(", did you mean '{}'?", *nearest) : "",
+                       fmt::join(names, ", "));
+  };
+  return CLI::Validator(check, fmt::format("{}", fmt::join(names, "|")), "one of");
+}
+
+CLI::Validator whole_number(int lower, int upper) {
+  const auto check = [lower, upper](std::string& given) -> std::string {
+    int value = 0;
+    const auto [end, code] = std::from_chars(given.data(), given.data() + given.size(), value);
+    if (code == std::errc() && end == given.data() + given.size() && value >= lower && value <= upper) return {};
+    return fmt::format("'{}' given; allowed: a whole number from {} to {}", given, lower, upper);
+  };
+  return CLI::Validator(check, fmt::format("{}..{}", lower, upper), "whole number");
+}
+
 void add_common(CLI::App& command, Common& common, const std::string& out_help) {
   command.add_option("--out", common.out, out_help);
   command.add_option("--seed", common.seed, "seed of everything random, instead of the problem's")
-      ->check(CLI::Range(0, 2147483647));
-  command.add_option("--jobs", common.jobs, "processes at a time")->check(CLI::Range(1, 1024));
+      ->check(whole_number(0, 2147483647));
+  command.add_option("--jobs", common.jobs, "processes at a time")->check(whole_number(1, 1024));
   command.add_flag("--quiet", common.quiet, "print nothing but errors");
   command.add_flag("--json", common.json, "machine-readable result on standard output, nothing else there");
 }

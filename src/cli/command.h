@@ -29,6 +29,11 @@ struct Common {
 /// The action of the command that the user chose; set by parsing.
 using Action = std::function<int()>;
 
+/// A flag's value that must be one of `names`; the message names the nearest.
+CLI::Validator one_of(const std::vector<std::string>& names);
+
+CLI::Validator whole_number(int lower, int upper);
+
 void add_common(CLI::App& command, Common& common, const std::string& out_help);
 
 // One function a command, each in the file of its name.

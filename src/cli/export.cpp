@@ -122,12 +122,12 @@ void add_export(CLI::App& app, Action& chosen) {
   for (const auto& [name, writer] : kFormats) formats.push_back(name);
   command->add_option("--as", options->format, "csv, json, joint_trajectory (ROS) or c (header with arrays)")
       ->required()
-      ->check(CLI::IsMember(formats));
+      ->check(one_of(formats));
   command->add_option("--rate", options->rate, "samples a second [Hz], 1000 unless given");
   command->add_option("--side", options->side, "joint (behind the gear, the default) or motor (before it)")
-      ->check(CLI::IsMember({"joint", "motor"}));
+      ->check(one_of({"joint", "motor"}));
   command->add_option("--hold", options->hold, "held or linear: how torques of a lone plan.csv go on between samples")
-      ->check(CLI::IsMember({"held", "linear"}));
+      ->check(one_of({"held", "linear"}));
   command->add_flag("--even-unsolved", options->even_unsolved, "export a plan whose solve did not converge");
   command->add_option("--out", options->common.out, "file; standard output unless given");
   command->add_flag("--quiet", options->common.quiet, "print nothing but errors");

@@ -55,8 +55,11 @@ std::string parse_message(const CLI::App& app, const CLI::ParseError& error,
     return fmt::format("{}: unknown flag '{}'{}; allowed: {}", command.get_name(), flag, hint(flag, flags),
                        fmt::join(flags, ", "));
   }
-  return fmt::format("{}: {}; allowed: see jaculus {} --help", command.get_name(), error.what(),
-                     &command == &app ? "" : command.get_name());
+  if (&command == &app) return fmt::format("no command given; allowed: {}", fmt::join(commands, ", "));
+  const std::string what = error.what();
+  const bool complete = what.find("allowed:") != std::string::npos;
+  return fmt::format("{}: {}{}", command.get_name(), what,
+                     complete ? "" : fmt::format("; allowed: see jaculus {} --help", command.get_name()));
 }
 
 int run(int argc, char** argv) {

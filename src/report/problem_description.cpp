@@ -131,8 +131,9 @@ std::string plan_text(const Problem& problem) {
                       boundary_text(problem.final));
   for (const TermSpec& spec : problem.constraints) text += fmt::format("  constraint    {}\n", term_text(spec));
   for (const TermSpec& spec : problem.objective) {
+    const bool large = problem.maximise == (spec.weight > 0.0);
     text +=
-        fmt::format("  {}      {:g} x {}\n", problem.maximise ? "maximise" : "minimise", spec.weight, term_text(spec));
+        fmt::format("  {}      {:g} x {}\n", large ? "maximise" : "minimise", std::abs(spec.weight), term_text(spec));
   }
   return text;
 }

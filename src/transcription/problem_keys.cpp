@@ -101,28 +101,38 @@ constexpr std::array kKeys = {
     Key{"constraints: friction", "coefficient", "-", "limits.friction", "|f_x| <= coefficient f_z"},
     Key{"constraints: friction", "feet", "", "all", "list of feet"},
     Key{"constraints: friction", "phases", "", "all", "list of phases"},
-    Key{"constraints: normal_force", "min", "N", "required", "least normal force of one foot, left or right"},
+    Key{"constraints: normal_force", "min", "N", "none",
+        "least normal force of one foot, left or right; min or max must be there"},
+    Key{"constraints: normal_force", "max", "N", "none", "largest normal force of one foot, left or right"},
     Key{"constraints: normal_force", "feet", "", "all", "list of feet"},
     Key{"constraints: normal_force", "phases", "", "all", "list of phases"},
+    Key{"constraints: normal_force", "skip_first", "-", "0",
+        "collocation points at the start of a phase that are left out"},
     Key{"constraints: normal_force", "skip_last", "-", "0",
         "collocation points at the end of a phase that are left out"},
-    Key{"constraints: voltage", "motors", "", "all", "list of motors whose voltage stays within limits.voltage"},
-    Key{"constraints: swing_clearance", "feet", "", "required", "feet that are off the ground"},
-    Key{"constraints: swing_clearance", "phases", "", "required", "phases in which they are"},
-    Key{"constraints: swing_clearance", "min", "m", "required", "least height over the ground"},
-    Key{"constraints: joint_range", "", "", "", "the robot's ranges of joints that are no coordinates; no keys"},
+    Key{"constraints: voltage", "motors", "", "all electric ones",
+        "list of motors whose voltage stays within limits.voltage"},
+    Key{"constraints: voltage", "phases", "", "all", "list of phases"},
+    Key{"constraints: swing_clearance", "min", "m", "required",
+        "least height over the ground while a foot is in the air"},
+    Key{"constraints: swing_clearance", "feet", "", "all", "list of feet"},
+    Key{"constraints: swing_clearance", "phases", "", "all", "list of phases"},
+    Key{"constraints: joint_range", "phases", "", "all",
+        "list of phases; keeps joints that are no coordinates in their range"},
     Key{"constraints: force_at_end", "phase", "", "required", "the phase at whose end it counts"},
     Key{"constraints: force_at_end", "foot", "", "required", "the foot"},
-    Key{"constraints: force_at_end", "normal", "N", "required", "its normal force there, left and right summed"},
+    Key{"constraints: force_at_end", "normal", "N", "required", "normal force of one foot there"},
     Key{"constraints: touchdown_pitch", "height", "m", "required", "base height of a ballistic landing after the plan"},
-    Key{"constraints: touchdown_pitch", "pitch", "rad", "required", "pitch on landing"},
+    Key{"constraints: touchdown_pitch", "pitch", "rad", "required", "pitch on landing, a number or [lower, upper]"},
     // costs
     Key{"objective.*[]", "type", "", "required", "one of those below"},
     Key{"objective.*[]", "name", "", "its type", "unique; only needed where a type occurs twice"},
     Key{"objective.*[]", "weight", "-", "1", "positive"},
-    Key{"objective: mean_acceleration", "", "m/s^2", "", "v_x of the base at the end over the total duration"},
+    Key{"objective: mean_acceleration", "of", "", "base",
+        "base or com: whose velocity at the end over the total duration"},
+    Key{"objective: mean_acceleration", "direction", "", "x", "x or z"},
+    Key{"objective: final_velocity", "of", "", "base", "base or com: whose velocity at the end"},
     Key{"objective: final_velocity", "direction", "", "x", "x or z"},
-    Key{"objective: final_velocity", "of", "", "base", "base or com"},
     Key{"objective: distance", "", "m", "", "x of the base, end less start"},
     Key{"objective: height", "", "m", "", "z of the base at the end"},
     Key{"objective: time", "", "s", "", "total duration"},
@@ -144,6 +154,24 @@ std::vector<std::string> of(std::string_view section) {
 
 }  // namespace problem_keys
 
+namespace {
+
+/// `text` in lines of at most 116 characters, those after the first indented.
+std::string wrapped(const std::string& text, std::size_t indent) {
+  constexpr std::size_t kWidth = 116;
+  std::string result;
+  std::string rest = text;
+  while (rest.size() > kWidth) {
+    const std::size_t space = rest.rfind(' ', kWidth);
+    if (space == std::string::npos || space <= indent) break;
+    result += rest.substr(0, space) + "\n";
+    rest = std::string(indent, ' ') + rest.substr(space + 1);
+  }
+  return result + rest;
+}
+
+}  // namespace
+
 std::string explain_problem() {
   std::string text =
       "A problem file (format jaculus-problem/1). Plain numbers are SI (rad, not degrees); a value may instead carry "
@@ -160,8 +188,10 @@ std::string explain_problem() {
       continue;
     }
     const std::string unit = key.unit.empty() ? "" : fmt::format(" [{}]", key.unit);
-    text += fmt::format("  {:<28} {} ({})\n", std::string(key.name) + unit, key.meaning,
-                        key.fallback == "required" ? "required" : fmt::format("else: {}", key.fallback));
+    const std::string fallback = key.fallback == "required" ? "required" : fmt::format("else: {}", key.fallback);
+    constexpr std::size_t kIndent = 37;
+    text +=
+        wrapped(fmt::format("  {:<34} {} ({})", std::string(key.name) + unit, key.meaning, fallback), kIndent) + "\n";
   }
   return text;
 }

@@ -1,0 +1,18 @@
+#pragma once
+// Runs the built program as a user would and catches what it says.
+
+#include <string>
+#include <vector>
+
+namespace jaculus::test {
+
+struct Outcome {
+  int exit_code = -1;  ///< -1 where it did not end by itself
+  std::string out;     ///< standard output
+  std::string err;     ///< standard error
+};
+
+/// Runs `jaculus` with these arguments, in `folder` where given.
+Outcome run_program(const std::vector<std::string>& arguments, const std::string& folder = "");
+
+}  // namespace jaculus::test
