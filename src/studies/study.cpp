@@ -21,6 +21,7 @@ struct Kind {
 
 const std::vector<Kind>& kinds() {
   static const std::vector<Kind> table{{"reorientation", detail::prepare_reorientation},
+                                       {"motion", detail::prepare_motion},
                                        {"tail_design", detail::prepare_tail_design},
                                        {"drag_bench", detail::prepare_drag_bench}};
   return table;

@@ -26,6 +26,7 @@ struct PreparedStudy {
 std::vector<std::string> with_common_keys(std::vector<std::string> keys);
 
 PreparedStudy prepare_reorientation(const yaml::Node& root);
+PreparedStudy prepare_motion(const yaml::Node& root);
 PreparedStudy prepare_tail_design(const yaml::Node& root);
 PreparedStudy prepare_drag_bench(const yaml::Node& root);
 

@@ -43,6 +43,34 @@ void read_material(const yaml::Node& node, TailMaterial& material) {
   material.mount = node.at("mount").number(dimension::mass, {0.0, 1e3});
 }
 
+SearchSpace read_gears(const yaml::Node& node) {
+  const Bounds gears = node.bounds(dimension::none);
+  if (!(gears.lower >= 1.0) || std::ceil(gears.lower) > std::floor(gears.upper) || gears.upper > 1e5) {
+    throw node.error(fmt::format("[{}, {}]; integers from 1 on are allowed", gears.lower, gears.upper));
+  }
+  return {gears.lower, gears.upper, true};
+}
+
+// The largest tail must make a case, and the lightest must be within the budget.
+void check_design(const yaml::Node& root, const DesignPlan& plan) {
+  ReorientationSetup probe = plan.base;
+  probe.tail_length = plan.limits.stowed_length;
+  probe.tail_shaft = 0.0;
+  probe.tail_width = plan.limits.width;
+  probe.tail_inertia = 1.0;
+  probe.motor.gear = plan.gears.upper;
+  const std::string fault = check_setup(probe);
+  if (!fault.empty()) throw root.at("base").error(fault);
+  double least = kInfinity;
+  for (double ratio : plan.shaft_ratios) {
+    least = std::min(least, tail_mass(plan.material, plan.lengths[0], ratio * plan.lengths[0], plan.widths[0]));
+  }
+  if (least > plan.limits.mass) {
+    throw root.at("limits").at("mass").error(
+        fmt::format("{} kg; the lightest tail of the grid has {:.4g} kg", plan.limits.mass, least));
+  }
+}
+
 DesignPlan read_design(const yaml::Node& root) {
   root.only(detail::with_common_keys({"base", "limits", "material", "grid", "gears"}));
   DesignPlan plan;
@@ -64,27 +92,8 @@ DesignPlan read_design(const yaml::Node& root) {
   const double largest = shaft[0].number(dimension::none, {0.0, 0.999});
   const int count = shaft[1].integer(1, 1000);
   for (int i = 0; i < count; ++i) plan.shaft_ratios.push_back(count > 1 ? largest * i / (count - 1) : largest);
-  const Bounds gears = root.at("gears").bounds(dimension::none);
-  if (!(gears.lower >= 1.0) || std::ceil(gears.lower) > std::floor(gears.upper) || gears.upper > 1e5) {
-    throw root.at("gears").error(fmt::format("[{}, {}]; integers from 1 on are allowed", gears.lower, gears.upper));
-  }
-  plan.gears = {gears.lower, gears.upper, true};
-  ReorientationSetup probe = plan.base;
-  probe.tail_length = plan.limits.stowed_length;
-  probe.tail_shaft = 0.0;
-  probe.tail_width = plan.limits.width;
-  probe.tail_inertia = 1.0;
-  probe.motor.gear = gears.upper;
-  const std::string fault = check_setup(probe);
-  if (!fault.empty()) throw base.error(fault);
-  double least = kInfinity;
-  for (double ratio : plan.shaft_ratios) {
-    least = std::min(least, tail_mass(plan.material, plan.lengths[0], ratio * plan.lengths[0], plan.widths[0]));
-  }
-  if (least > plan.limits.mass) {
-    throw limits.at("mass").error(
-        fmt::format("{} kg; the lightest tail of the grid has {:.4g} kg", plan.limits.mass, least));
-  }
+  plan.gears = read_gears(root.at("gears"));
+  check_design(root, plan);
   return plan;
 }
 

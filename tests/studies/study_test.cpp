@@ -106,6 +106,19 @@ TEST_F(Study, SelfRightingComesOut) {
             2.0 * built.at("stop_impulse_N_m_s").get<double>());
 }
 
+TEST_F(Study, TheDropsCourseEndsWhereTheStudyOfItSays) {
+  const StudyResult r = run("fig6_drop.yaml");
+  double last = kNaN, at_stop = 0.0;
+  for (const StudyJson& sample : r.rows) {
+    if (sample.at("case") != "as built") continue;
+    last = sample.at("body_angle_deg").get<double>();
+    if (sample.at("tail_angle_deg").get<double>() < 180.0 - 1e-9) at_stop = last;
+  }
+  EXPECT_NEAR(last, 93.701, 5e-4);
+  EXPECT_LT(at_stop, 55.248);
+  EXPECT_EQ(r.rows.front().at("body_angle_deg").get<double>(), 0.0);
+}
+
 TEST_F(Study, BestGearIsReportedNotBent) {
   const StudyResult r = run("gear_search.yaml");
   EXPECT_EQ(computed(r, "best integer gear"), 5.0);

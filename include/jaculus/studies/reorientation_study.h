@@ -5,7 +5,7 @@
 //   base: {body: {...}, tail: {...}, motor: {...}, task: {...}, air: {...}, scaling: {...}}   numbers by name, setup.h
 //   cases: [{name: as built}, {name: no drag, set: {tail.drag: none}, search: off}]             optional: column `case`
 //   grid: {tail.length: [...], ...}                                                             optional: grid.h
-//   search: {parameter: motor.gear, integers: [1, 50], maximise: effectiveness}   optional; or range: [1, 50], continuous
+//   search: {parameter: motor.gear, integers: [1, 50], maximise: effectiveness}   optional; or range: [1, 50]
 //
 // maximise: effectiveness or body_angle. In still air both mean the same for a tail that reaches its stop; in wind a
 // tail that hardly turns can have any effectiveness, so body_angle is the figure of merit there.
