@@ -39,6 +39,7 @@ void add_common(CLI::App& command, Common& common, const std::string& out_help);
 // One function a command, each in the file of its name.
 void add_check(CLI::App& app, Action& chosen);
 void add_export(CLI::App& app, Action& chosen);
+void add_study(CLI::App& app, Action& chosen);
 
 /// A problem with its robot, everything checked that can be checked before a solve.
 struct Loaded {

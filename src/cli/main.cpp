@@ -76,6 +76,7 @@ int run(int argc, char** argv) {
   add_compare(app, chosen, solve_loaded);
 #endif
   add_export(app, chosen);
+  add_study(app, chosen);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -21,7 +21,7 @@ using test::TemporaryFolder;
 const std::string kProblems = std::string(JACULUS_SOURCE_DIR) + "/problems/";
 
 TEST(Command, EveryCommandHasHelpWithAnExample) {
-  for (const char* command : {"check", "export"}) {
+  for (const char* command : {"check", "export", "study"}) {
     const Outcome outcome = run_program({command, "--help"});
     EXPECT_EQ(outcome.exit_code, 0);
     EXPECT_TRUE(holds(outcome.out, "Example:"));
