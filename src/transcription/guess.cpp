@@ -19,7 +19,6 @@ double middle(double lower, double upper) {
 struct GuessMotion {
   std::vector<Vector> poses;      // equally spaced in s
   std::vector<double> durations;  // of the phases [s]
-  std::vector<Vector> torques;    // equally spaced in s; empty: static torques
 };
 
 /// Value of a list of equally spaced vectors at s in [0, 1], linear between.
@@ -34,14 +33,18 @@ Vector sample(const std::vector<Vector>& list, double s) {
 class GuessBuilder {
  public:
   GuessBuilder(Programme& programme, const GuessSpec& spec)
-      : programme_(programme), spec_(spec), layout_(programme.layout()), model_(programme.equations().model()) {}
+      : programme_(programme),
+        spec_(spec),
+        layout_(programme.layout()),
+        model_(programme.equations().model()),
+        motion_(programme.equations().tree()) {}
 
   Vector build(std::uint64_t seed, const Trajectory* earlier) {
     x_ = Vector(layout_.columns());
     for (int i = 0; i < x_.size(); ++i) x_[i] = middle(layout_.lower[i], layout_.upper[i]);
     for (size_t i = 0; i < layout_.extra_guess.size(); ++i)
       x_[layout_.first_extra + static_cast<int>(i)] = layout_.extra_guess[i];
-    if (spec_.kind == "static") fill({{standing_pose()}, durations(), {}});
+    if (spec_.kind == "static") fill({{standing_pose()}, durations()});
     if (spec_.kind == "line") fill(line());
     if (spec_.kind == "random") fill(random_motion(seed));
     if (spec_.kind == "file" && earlier) fill_from(*earlier);
@@ -91,9 +94,22 @@ class GuessBuilder {
     return result;
   }
 
+  /// Straight lines between the poses; a plan that starts at rest moves along them with constant acceleration.
   GuessMotion line() const {
-    GuessMotion motion{{}, durations(), {}};
-    for (const auto& named : spec_.poses) motion.poses.push_back(stand(pose(named), named.count("z") > 0));
+    std::vector<Vector> corners;
+    for (const auto& named : spec_.poses) corners.push_back(stand(pose(named), named.count("z") > 0));
+    const NodeBlock &first = layout_.nodes.front(), &last = layout_.nodes.back();
+    const auto fixed_at_rest = [&](const NodeBlock& node) {
+      return layout_.lower.segment(node.v, layout_.n).isZero(0.0) &&
+             layout_.upper.segment(node.v, layout_.n).isZero(0.0);
+    };
+    const bool accelerate = fixed_at_rest(first) && !fixed_at_rest(last);
+    GuessMotion motion{{}, durations()};
+    constexpr int kSamples = 41;
+    for (int k = 0; k < kSamples; ++k) {
+      const double s = static_cast<double>(k) / (kSamples - 1);
+      motion.poses.push_back(sample(corners, accelerate ? s * s : s));
+    }
     return motion;
   }
 
@@ -101,76 +117,159 @@ class GuessBuilder {
     std::mt19937_64 rng(seed);
     const auto uniform = [&rng] { return 2.0 * (static_cast<double>(rng() >> 11) * 0x1.0p-53) - 1.0; };
     GuessMotion motion;
-    const Vector base = standing_pose();
-    constexpr int kSamples = 41;
-    motion.poses.assign(kSamples, base);
-    motion.torques.assign(kSamples, Vector::Zero(layout_.n_u));
-    const auto wave = [&](std::vector<Vector>& list, int i, double amplitude, bool drift) {
-      const double c[4] = {drift ? uniform() : 0.0, uniform(), uniform(), uniform()};
-      for (int k = 0; k < kSamples; ++k) {
-        const double s = static_cast<double>(k) / (kSamples - 1);
-        double value = c[0] * s;
-        for (int m = 1; m <= 3; ++m) value += c[m] * std::sin(m * std::numbers::pi * s) / m;
-        list[static_cast<size_t>(k)][i] += amplitude * value;
-      }
-    };
-    const NodeBlock& inner = layout_.nodes[std::min<size_t>(1, layout_.nodes.size() - 1)];
-    for (int i = 0; i < layout_.n; ++i) {
-      const double width = layout_.upper[inner.q + i] - layout_.lower[inner.q + i];
-      wave(motion.poses, i, std::isfinite(width) ? 0.08 * width : 0.1, true);
-    }
-    for (int m = 0; m < layout_.n_u; ++m)
-      wave(motion.torques, m, 0.3 * layout_.scale[layout_.intervals.front().u_first + m], false);
+    double total = 0.0;
     for (const PhaseBlock& phase : layout_.phases) {
       const double lower = layout_.lower[phase.duration], upper = layout_.upper[phase.duration];
-      motion.durations.push_back(lower + (0.5 + 0.4 * uniform()) * (std::min(upper, lower + 2.0) - lower));
+      motion.durations.push_back(lower * std::pow(upper / lower, 0.5 + 0.5 * uniform()));
+      total += motion.durations.back();
+    }
+    constexpr int kSamples = 41;
+    motion.poses.assign(kSamples, standing_pose());
+    const NodeBlock &inner = layout_.nodes[std::min<size_t>(1, layout_.nodes.size() - 1)], &last = layout_.nodes.back();
+    for (int i = 0; i < layout_.n; ++i) {
+      const double width = layout_.upper[inner.q + i] - layout_.lower[inner.q + i];
+      const double amplitude = std::isfinite(width) ? 0.08 * width : 0.1;
+      // Nearest rate to zero that the end allows, reached from rest: q = q_0 + v T s^2 / 2.
+      const double rate = std::clamp(0.0, layout_.lower[last.v + i], layout_.upper[last.v + i]);
+      const double c[4] = {uniform(), uniform(), uniform(), uniform()};
+      for (int k = 0; k < kSamples; ++k) {
+        const double s = static_cast<double>(k) / (kSamples - 1);
+        double value = c[0] * s * s;
+        for (int m = 1; m <= 3; ++m) value += c[m] * std::sin(m * std::numbers::pi * s) / m;
+        motion.poses[static_cast<size_t>(k)][i] += amplitude * s * value + 0.5 * rate * total * s * s;
+      }
     }
     return motion;
   }
 
-  /// Torques of least size that bring the accelerations at rest nearest to zero.
-  Vector static_torque(const Vector& q, const std::vector<int>& feet) const {
+  /// Moves q so that the feet stay at `anchors` (x, z a foot), the base as little as possible. Damped Gauss-Newton.
+  Vector pin_feet(Vector q, const std::vector<int>& feet, const Vector& anchors) const {
+    const AbsoluteTree& tree = programme_.equations().tree();
+    const int rows = 2 * static_cast<int>(feet.size());
+    if (rows == 0) return q;
+    Vector mobility = Vector::Ones(layout_.n);  // squares of how readily a coordinate moves
+    for (int c : tree.cyclic) mobility[c] = 1e-3;
+    if (model_.coordinate_index("pitch") >= 0) mobility[model_.coordinate_index("pitch")] = 1e-2;
+    for (int iteration = 0; iteration < 15; ++iteration) {
+      if (!set_configuration(tree, q, motion_)) return q;
+      Matrix J(rows, layout_.n);
+      Vector error(rows);
+      for (int k = 0; k < rows / 2; ++k) {
+        const Path& path = tree.feet[static_cast<size_t>(feet[static_cast<size_t>(k)])];
+        error.segment<2>(2 * k) = position(path, motion_.pose) - anchors.segment<2>(2 * k);
+        jacobian_columns(path, motion_.pose, motion_.columns);
+        J.middleRows(2 * k, 2).setZero();
+        for (int c = 0; c < motion_.columns.count; ++c) {
+          J.row(2 * k) += motion_.columns.x[c] * motion_.G.row(motion_.columns.index[c]);
+          J.row(2 * k + 1) += motion_.columns.z[c] * motion_.G.row(motion_.columns.index[c]);
+        }
+      }
+      const Matrix weighted = J * mobility.asDiagonal();
+      Matrix normal = weighted * J.transpose();
+      normal.diagonal().array() += 1e-8;
+      q = within(q - weighted.transpose() * normal.ldlt().solve(error));
+    }
+    return q;
+  }
+
+  /// Keeps positions inside the bounds of an inner node.
+  Vector within(const Vector& q) const {
+    const int at = layout_.nodes[std::min<size_t>(1, layout_.nodes.size() - 1)].q;
+    return q.cwiseMax(layout_.lower.segment(at, layout_.n)).cwiseMin(layout_.upper.segment(at, layout_.n));
+  }
+
+  Vector foot_positions(const Vector& q, const std::vector<int>& feet) const {
+    const AbsoluteTree& tree = programme_.equations().tree();
+    Vector anchors(2 * static_cast<int>(feet.size()));
+    set_configuration(tree, q, motion_);
+    for (size_t k = 0; k < feet.size(); ++k)
+      anchors.segment<2>(2 * static_cast<int>(k)) =
+          Vec2(position(tree.feet[static_cast<size_t>(feet[k])], motion_.pose).x(), 0.0);
+    return anchors;
+  }
+
+  /// Torques whose accelerations come nearest to those wanted (the accelerations are linear in the torques).
+  Vector fitting_torque(const Vector& q, const Vector& v, const Vector& a, const std::vector<int>& feet) const {
     const Equations& equations = programme_.equations();
     EquationsPoint point(equations, feet);
-    const Vector zero = Vector::Zero(layout_.n), none = Vector::Zero(layout_.n_u);
-    if (!equations.evaluate(q, zero, none, point)) return none;
+    const Vector none = Vector::Zero(layout_.n_u);
+    if (!equations.evaluate(q, v, none, point)) return none;
     equations.differentiate(point);
     const Matrix by_u = point.Z.topRightCorner(layout_.n, layout_.n_u);
-    return -by_u.completeOrthogonalDecomposition().solve(point.a);
+    return by_u.completeOrthogonalDecomposition().solve(a - point.a);
   }
 
   void fill(const GuessMotion& motion) {
-    double total = 0.0;
+    double total = 0.0, begin = 0.0;
     for (double t : motion.durations) total += t;
-    double begin = 0.0;
-    const double ds = 0.01;
     for (size_t p = 0; p < layout_.phases.size(); ++p) {
       const PhaseBlock& phase = layout_.phases[p];
       x_[phase.duration] = motion.durations[p];
+      const Vector start =
+          p == 0 ? sample(motion.poses, 0.0)
+                 : Vector(x_.segment(layout_.nodes[static_cast<size_t>(layout_.phases[p - 1].last_node)].q, layout_.n));
+      const Vector anchors = foot_positions(start, phase.feet);
       double done = 0.0;
-      for (int k = phase.first_interval; k <= phase.last_interval; ++k) {
-        const IntervalBlock& interval = layout_.intervals[static_cast<size_t>(k)];
-        const double s0 = (begin + done * motion.durations[p]) / total;
-        done += interval.fraction;
-        const double s1 = (begin + done * motion.durations[p]) / total;
-        for (const auto& [node, s] : {std::pair{interval.first, s0}, std::pair{interval.last, s1}}) {
-          const NodeBlock& block = layout_.nodes[static_cast<size_t>(node)];
-          const double a = std::max(0.0, s - ds), b = std::min(1.0, s + ds);
-          x_.segment(block.q, layout_.n) = sample(motion.poses, s);
-          x_.segment(block.v, layout_.n) = (sample(motion.poses, b) - sample(motion.poses, a)) / ((b - a) * total);
+      for (int node = phase.first_node; node <= phase.last_node; ++node) {
+        const bool shared = p > 0 && phase.landing.empty() && node == phase.first_node;
+        if (!shared) {
+          const double s = (begin + done * motion.durations[p]) / total;
+          x_.segment(layout_.nodes[static_cast<size_t>(node)].q, layout_.n) =
+              pin_feet(sample(motion.poses, s), phase.feet, anchors);
         }
-        for (const auto& [column, s] : {std::pair{interval.u_first, s0}, std::pair{interval.u_last, s1}}) {
-          x_.segment(column, layout_.n_u) =
-              motion.torques.empty() ? static_torque(sample(motion.poses, s), phase.feet) : sample(motion.torques, s);
-        }
+        const int k = phase.first_interval + node - phase.first_node;
+        if (k <= phase.last_interval) done += layout_.intervals[static_cast<size_t>(k)].fraction;
       }
       begin += motion.durations[p];
+    }
+    fill_rates();
+    fill_torques();
+  }
+
+  /// Velocities as differences of the positions of neighbouring nodes.
+  void fill_rates() {
+    const auto last = layout_.nodes.size() - 1;
+    std::vector<double> times(layout_.nodes.size(), 0.0);
+    for (const IntervalBlock& interval : layout_.intervals) {
+      const double h = interval.fraction * x_[layout_.phases[static_cast<size_t>(interval.phase)].duration];
+      times[static_cast<size_t>(interval.last)] = times[static_cast<size_t>(interval.first)] + h;
+      const bool next_is_new =
+          static_cast<size_t>(interval.last) < last &&
+          interval.number + 1 == layout_.phases[static_cast<size_t>(interval.phase)].last_interval -
+                                     layout_.phases[static_cast<size_t>(interval.phase)].first_interval + 1;
+      if (next_is_new) times[static_cast<size_t>(interval.last) + 1] = times[static_cast<size_t>(interval.last)];
+    }
+    for (size_t k = 0; k <= last; ++k) {
+      size_t a = k > 0 ? k - 1 : k, b = std::min(k + 1, last);
+      const NodeBlock& node = layout_.nodes[k];
+      if (times[b] <= times[a]) continue;
+      x_.segment(node.v, layout_.n) =
+          (x_.segment(layout_.nodes[b].q, layout_.n) - x_.segment(layout_.nodes[a].q, layout_.n)) /
+          (times[b] - times[a]);
+    }
+    x_.segment(layout_.nodes.front().v, layout_.n) =
+        x_.segment(layout_.nodes.front().v, layout_.n)
+            .cwiseMax(layout_.lower.segment(layout_.nodes.front().v, layout_.n))
+            .cwiseMin(layout_.upper.segment(layout_.nodes.front().v, layout_.n));
+  }
+
+  void fill_torques() {
+    for (const IntervalBlock& interval : layout_.intervals) {
+      const PhaseBlock& phase = layout_.phases[static_cast<size_t>(interval.phase)];
+      const NodeBlock &first = layout_.nodes[static_cast<size_t>(interval.first)],
+                      &second = layout_.nodes[static_cast<size_t>(interval.last)];
+      const auto q = [&](const NodeBlock& n) { return x_.segment(n.q, layout_.n); };
+      const auto v = [&](const NodeBlock& n) { return x_.segment(n.v, layout_.n); };
+      const Vector a = (v(second) - v(first)) / (interval.fraction * x_[phase.duration]);
+      const Vector u = fitting_torque(0.5 * (q(first) + q(second)), 0.5 * (v(first) + v(second)), a, phase.feet);
+      x_.segment(interval.u_first, layout_.n_u) = u;
+      x_.segment(interval.u_last, layout_.n_u) = u;
     }
   }
 
   /// Copies what an earlier plan has by name: samples at the same fraction of the phase of the same number.
   void fill_from(const Trajectory& earlier) {
-    fill({{standing_pose()}, durations(), {}});
+    fill({{standing_pose()}, durations()});
     for (size_t p = 0; p < layout_.phases.size() && p < earlier.phases.size(); ++p) {
       const PhaseSpan& span = earlier.phases[p];
       const PhaseBlock& phase = layout_.phases[p];
@@ -224,6 +323,7 @@ class GuessBuilder {
   const Layout& layout_;
   const PlanarModel& model_;
   Vector x_;
+  mutable Motion motion_;
 };
 
 }  // namespace
