@@ -44,6 +44,8 @@ class Programme : public Nlp {
   [[nodiscard]] const Equations& equations() const { return *equations_; }
   [[nodiscard]] const Layout& layout() const { return layout_; }
   [[nodiscard]] const std::vector<Interval>& intervals() const { return intervals_; }
+  /// Path constraints by phase, in the order of the problem.
+  [[nodiscard]] const std::vector<std::vector<PathTerm>>& path_terms() const { return path_terms_; }
   /// The intervals with all points evaluated at x; false where the equations are not defined there.
   bool evaluate_at(const ConstVectorRef& x) { return update(x, 1); }
   [[nodiscard]] const std::vector<std::string>& notes() const { return notes_; }  ///< redundant rows left out, and why
