@@ -43,7 +43,8 @@ OptionMap base_options(const SolverOptions& options, bool warm) {
       {"acceptable_dual_inf_tol", "1e10"},
       {"acceptable_compl_inf_tol", "1e10"},
       {"honor_original_bounds", "yes"},
-      {"mu_strategy", "adaptive"},
+      {"mu_strategy", "monotone"},
+      {"mu_init", "1e-2"},
   };
   if (warm) {
     map["warm_start_init_point"] = "yes";

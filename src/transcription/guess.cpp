@@ -15,6 +15,10 @@ double middle(double lower, double upper) {
   return std::isfinite(lower) ? std::max(lower, 0.0) : std::isfinite(upper) ? std::min(upper, 0.0) : 0.0;
 }
 
+// How far random guesses stray: durations by factors within exp(+-spread), motions by this share of the bounds' width.
+constexpr double kDurationSpread = 0.5;
+constexpr double kMotionSpread = 0.08;
+
 /// A motion to sample: positions at s in [0, 1] of the whole plan.
 struct GuessMotion {
   std::vector<Vector> poses;      // equally spaced in s
@@ -113,24 +117,27 @@ class GuessBuilder {
     return motion;
   }
 
+  /// The problem's own poses, or a standing start that reaches the rates the end asks for, with a smooth random motion on top.
   GuessMotion random_motion(std::uint64_t seed) const {
     std::mt19937_64 rng(seed);
     const auto uniform = [&rng] { return 2.0 * (static_cast<double>(rng() >> 11) * 0x1.0p-53) - 1.0; };
-    GuessMotion motion;
+    GuessMotion motion = spec_.poses.empty() ? GuessMotion{{}, durations()} : line();
     double total = 0.0;
-    for (const PhaseBlock& phase : layout_.phases) {
-      const double lower = layout_.lower[phase.duration], upper = layout_.upper[phase.duration];
-      motion.durations.push_back(lower * std::pow(upper / lower, 0.5 + 0.5 * uniform()));
-      total += motion.durations.back();
+    for (size_t p = 0; p < layout_.phases.size(); ++p) {
+      const int column = layout_.phases[p].duration;
+      motion.durations[p] = std::clamp(motion.durations[p] * std::exp(kDurationSpread * uniform()),
+                                       layout_.lower[column], layout_.upper[column]);
+      total += motion.durations[p];
     }
     constexpr int kSamples = 41;
-    motion.poses.assign(kSamples, standing_pose());
+    const bool standing = motion.poses.empty();
+    if (standing) motion.poses.assign(kSamples, standing_pose());
     const NodeBlock &inner = layout_.nodes[std::min<size_t>(1, layout_.nodes.size() - 1)], &last = layout_.nodes.back();
     for (int i = 0; i < layout_.n; ++i) {
       const double width = layout_.upper[inner.q + i] - layout_.lower[inner.q + i];
-      const double amplitude = std::isfinite(width) ? 0.08 * width : 0.1;
+      const double amplitude = std::isfinite(width) ? kMotionSpread * width : kMotionSpread;
       // Nearest rate to zero that the end allows, reached from rest: q = q_0 + v T s^2 / 2.
-      const double rate = std::clamp(0.0, layout_.lower[last.v + i], layout_.upper[last.v + i]);
+      const double rate = standing ? std::clamp(0.0, layout_.lower[last.v + i], layout_.upper[last.v + i]) : 0.0;
       const double c[4] = {uniform(), uniform(), uniform(), uniform()};
       for (int k = 0; k < kSamples; ++k) {
         const double s = static_cast<double>(k) / (kSamples - 1);

@@ -2,10 +2,12 @@
 // Initial guesses, all inside the bounds and reproducible from the problem file and a seed.
 //
 //   middle   the middle of every variable's bounds (Norby et al. 2021)
-//   static   one posture at every node, feet on the ground, at rest, torques that come nearest to holding it
+//   static   one posture at every node, feet on the ground, at rest
 //   line     straight lines between stated poses, rates to match
-//   random   the static posture plus a smooth random motion: q(s) = q_0 + A (c_0 s + sum_k c_k sin(k pi s)/k), k = 1..3,
-//            c uniform in [-1, 1], A a fraction of the bounds' width, random durations and smooth random torques
+// and for static, line and random: feet in stance stay where they stand, torques come nearest to the accelerations of the motion
+//   random   the stated poses (or a standing start that gathers the rates asked for at the end) plus a smooth random motion,
+//            q(s) = q_0(s) + A s (c_0 s^2 + sum_k c_k sin(k pi s)/k), k = 1..3, c uniform in [-1, 1], A a fraction of the bounds'
+//            width, and durations times a random factor
 //   file     an earlier plan, matched phase by phase and by names, so that grid and robot may differ
 
 #include <cstdint>
