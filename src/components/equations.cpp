@@ -223,7 +223,7 @@ void Equations::differentiate(EquationsPoint& p) const {
     for (int k = 0; k < tree_.nd; ++k) {
       for (int r = 0; r < tree_.nd; ++r) {
         const double f = p.motion.C_d_inverse(k, r);
-        if (f != 0.0) p.Gamma -= (f * tree_.P_d.col(k)) * p.d_loop_force.row(r);
+        if (f != 0.0) p.Gamma.noalias() -= (f * tree_.P_d.col(k)) * p.d_loop_force.row(r);
       }
     }
   }
@@ -356,8 +356,12 @@ void subtract_chained(const AbsoluteTree& tree, EquationsPoint& p, Matrix& H) {
 
 void Equations::add_hessian(const Eigen::Ref<const Vector>& mu, EquationsPoint& p, Matrix& H) const {
   const int n = tree_.n, m = static_cast<int>(p.force.size());
-  p.rhs0 = mu;
-  p.adjoint = p.lu.transpose().solve(p.rhs0);
+  // K^T y = mu with K = P^T L U; Eigen's own transposed solve would copy the factors.
+  p.adjoint = mu;
+  p.lu.matrixLU().triangularView<Eigen::Upper>().transpose().solveInPlace(p.adjoint);
+  p.lu.matrixLU().triangularView<Eigen::UnitLower>().transpose().solveInPlace(p.adjoint);
+  p.rhs0.swap(p.adjoint);
+  p.adjoint.noalias() = p.lu.permutationP().transpose() * p.rhs0;
   p.nu = p.motion.G.lazyProduct(p.adjoint.head(n));
   p.YY.setZero();
   p.YV.setZero();

@@ -137,7 +137,7 @@ void set_rate_sensitivity(const AbsoluteTree& tree, Motion& m) {
   for (int k = 0; k < tree.nd; ++k) {
     for (int r = 0; r < tree.nd; ++r) {
       const double f = m.C_d_inverse(k, r);
-      if (f != 0.0) m.X -= (f * tree.P_d.col(k)) * m.scratch_dn.row(r);
+      if (f != 0.0) m.X.noalias() -= (f * tree.P_d.col(k)) * m.scratch_dn.row(r);
     }
   }
 }

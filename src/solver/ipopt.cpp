@@ -43,8 +43,9 @@ OptionMap base_options(const SolverOptions& options, bool warm) {
       {"acceptable_dual_inf_tol", "1e10"},
       {"acceptable_compl_inf_tol", "1e10"},
       {"honor_original_bounds", "yes"},
+      // A small first barrier: a large one pushes durations to the middle of their bounds, away from a good guess.
       {"mu_strategy", "monotone"},
-      {"mu_init", "1e-2"},
+      {"mu_init", "3e-3"},
   };
   if (warm) {
     map["warm_start_init_point"] = "yes";
