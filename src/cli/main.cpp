@@ -71,10 +71,8 @@ int run(int argc, char** argv) {
   app.require_subcommand(1);
   Action chosen;
   add_check(app, chosen);
-#if __has_include("jaculus/solver/plan.h")
   add_solve(app, chosen, solve_loaded);
   add_compare(app, chosen, solve_loaded);
-#endif
   add_export(app, chosen);
   add_study(app, chosen);
   try {

@@ -26,9 +26,9 @@ Json numbers(const std::map<std::string, double>& values) {
   return json;
 }
 
-Json violation(const Violation& v) { return {{"row", v.row}, {"value", number(v.value)}, {"unit", v.unit}}; }
+Json violation(const RowFigure& v) { return {{"row", v.row}, {"value", number(v.value)}, {"unit", v.unit}}; }
 
-Violation violation_from(const Json& json) {
+RowFigure violation_from(const Json& json) {
   return {json.at("row").get<std::string>(), number_or(json, "value", kNaN), json.at("unit").get<std::string>()};
 }
 
@@ -131,6 +131,8 @@ Summary read(const Json& json) {
   s.verification = verification_from(json.at("verification"));
   s.warnings = json.at("warnings").get<std::vector<std::string>>();
   for (const Json& row : json.at("violated_rows")) s.violated_rows.push_back(violation_from(row));
+  for (const Json& row : json.at("conflict").at("give_way")) s.conflict.push_back(violation_from(row));
+  s.conflict_against = json.at("conflict").at("against").get<std::vector<std::string>>();
   s.input_hold = json.at("input_hold").get<std::string>();
   s.reference = numbers_from(json.at("reference"));
   s.seed = json.at("seed").get<int>();
@@ -191,13 +193,15 @@ Json to_json(const Summary& s) {
         {{"name", a.name}, {"phase", a.phase}, {"from_s", number(a.from)}, {"to_s", number(a.to)}, {"nodes", a.nodes}});
   }
   json["prices"] = Json::array();
-  for (const LimitPrice& p : s.prices) {
+  for (const PriceFigure& p : s.prices) {
     json["prices"].push_back({{"limit", p.limit}, {"price", number(p.price)}, {"unit", p.unit}});
   }
   json["verification"] = verification(s.verification);
   json["warnings"] = s.warnings;
   json["violated_rows"] = Json::array();
-  for (const Violation& v : s.violated_rows) json["violated_rows"].push_back(violation(v));
+  for (const RowFigure& v : s.violated_rows) json["violated_rows"].push_back(violation(v));
+  json["conflict"] = {{"give_way", Json::array()}, {"against", s.conflict_against}};
+  for (const RowFigure& v : s.conflict) json["conflict"]["give_way"].push_back(violation(v));
   json["input_hold"] = s.input_hold;
   json["reference"] = numbers(s.reference);
   json["seed"] = s.seed;

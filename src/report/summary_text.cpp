@@ -71,12 +71,12 @@ std::string limits(const Summary& s) {
   }
   if (!s.prices.empty()) {
     text += "\nwhat a little more of a limit would gain\n";
-    for (const LimitPrice& p : s.prices) text += fmt::format("  {:<20} {:+.4g} {}\n", p.limit, p.price, p.unit);
+    for (const PriceFigure& p : s.prices) text += fmt::format("  {:<20} {:+.4g} {}\n", p.limit, p.price, p.unit);
   }
   return text;
 }
 
-std::string violation(const Violation& v) {
+std::string violation(const RowFigure& v) {
   return v.row.empty() ? std::string("none") : fmt::format("{:.2g} {} ({})", v.value, v.unit, v.row);
 }
 
@@ -103,7 +103,13 @@ std::string to_text(const Summary& s, bool colour) {
   std::string text = head(s, colour) + figures(s) + motors(s) + limits(s) + verification(s, colour);
   if (!s.violated_rows.empty()) {
     text += "\nrows that do not hold, worst first\n";
-    for (const Violation& v : s.violated_rows) text += fmt::format("  {}: {:.3g} {}\n", v.row, v.value, v.unit);
+    for (const RowFigure& v : s.violated_rows) text += fmt::format("  {}: {:.3g} {}\n", v.row, v.value, v.unit);
+  }
+  if (!s.conflict.empty()) {
+    text += "\nwhat can't hold together: these rows must give way for all others to hold\n";
+    for (const RowFigure& v : s.conflict) text += fmt::format("  {}: by {:.3g} {}\n", v.row, v.value, v.unit);
+    if (!s.conflict_against.empty()) text += "  they strain against\n";
+    for (const std::string& limit : s.conflict_against) text += "    " + limit + "\n";
   }
   for (const std::string& warning : s.warnings)
     text += coloured("mind", Colour::yellow, colour) + ": " + warning + "\n";

@@ -56,13 +56,13 @@ struct ActiveLimit {
 };
 
 /// What one unit more of a limit would gain, from the multipliers: first order, valid for small changes.
-struct LimitPrice {
+struct PriceFigure {
   std::string limit;    ///< "voltage"
   double price = kNaN;  ///< gain of the objective a unit of the limit, in the unit below; positive is better
   std::string unit;     ///< "m/s^2 per V"
 };
 
-struct Violation {
+struct RowFigure {
   std::string row;  ///< name of the row
   double value = kNaN;
   std::string unit;
@@ -72,8 +72,8 @@ struct Violation {
 struct Verification {
   std::map<std::string, double> reintegration_error;  ///< largest error over all nodes by coordinate [rad or m]
   std::map<std::string, double> reintegration_velocity_error;  ///< [rad/s or m/s]
-  Violation worst_violation;                                   ///< of any row at its node
-  Violation off_node_violation;                                ///< of any limit between nodes
+  RowFigure worst_violation;                                   ///< of any row at its node
+  RowFigure off_node_violation;                                ///< of any limit between nodes
   double momentum_balance = kNaN;                              ///< largest imbalance over the plan's momentum [-]
   double energy_balance = kNaN;                                ///< largest imbalance over the plan's work [-]
   bool passed = false;
@@ -98,11 +98,14 @@ struct Summary {
   double tail_momentum_share = kNaN;       ///< impulse of drag over the forward momentum at the end [-]
   std::vector<MotorFigures> motors;
   std::vector<ActiveLimit> active_limits;
-  std::vector<LimitPrice> prices;
+  std::vector<PriceFigure> prices;
   Verification verification;
   std::vector<std::string> warnings;     ///< what to mind in this plan, one sentence each
-  std::vector<Violation> violated_rows;  ///< after a failure, worst first
-  std::string input_hold;                ///< "held" or "linear"
+  std::vector<RowFigure> violated_rows;  ///< after a failure, worst first
+  std::vector<RowFigure>
+      conflict;  ///< after a failure: rows that must give way for all others to hold, and by how much
+  std::vector<std::string> conflict_against;  ///< limits that those rows strain against, strongest first
+  std::string input_hold;                     ///< "held" or "linear"
   int seed = 0;
   std::map<std::string, double> reference;  ///< published figures, from the problem
   nlohmann::ordered_json problem;           ///< as understood: describe_problem()
