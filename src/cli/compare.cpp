@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <fstream>
 #include <memory>
@@ -10,6 +11,7 @@
 #include "cli/plan.h"
 #include "jaculus/core/error.h"
 #include "jaculus/core/interrupt.h"
+#include "jaculus/core/tasks.h"
 #include "jaculus/trajectory/csv.h"
 
 namespace jaculus::cli {
@@ -55,36 +57,52 @@ std::optional<Summary> finished(const fs::path& folder, const Problem& problem) 
   return std::nullopt;
 }
 
-int run(const Options& options, const ProblemSolver& solver) {
-  const Common& common = options.common;
-  if (options.resume && common.out.empty()) {
-    throw InputError("--resume: given without --out; allowed: with the --out of the run to go on with");
+/// Solves one problem and writes its folder.
+Summary solve_one(const Loaded& loaded, const Common& common, const ProblemSolver& solver) {
+  const SolvedProblem solved = solver(loaded, common, progress_line(common, loaded.problem.name));
+  const fs::path folder = fs::path(common.out) / loaded.problem.name;
+  if (!common.out.empty() && !interrupt_requested()) {
+    prepare_folder(folder);
+    write_solved(folder, solved);
   }
-  const std::vector<Loaded> all = load_all(options);
-  if (!common.out.empty()) prepare_folder(common.out);
-  std::vector<ComparisonRow> rows;
-  bool converged = true;
-  for (const Loaded& loaded : all) {
-    const fs::path folder = fs::path(common.out) / loaded.problem.name;
-    std::optional<Summary> summary;
-    if (options.resume) summary = finished(folder, loaded.problem);
-    if (!summary) {
-      const SolvedProblem solved = solver(loaded, common, progress_line(common, loaded.problem.name));
-      clear_progress(common);
-      if (interrupt_requested()) {
-        fmt::print(stderr, "jaculus: interrupted; {} of {} problems are solved{}\n", rows.size(), all.size(),
-                   common.out.empty() ? "" : ", --resume goes on");
-        return kNotSolved;
-      }
-      if (!common.out.empty()) {
-        prepare_folder(folder);
-        write_solved(folder, solved);
-      }
-      summary = solved.summary;
+  return solved.summary;
+}
+
+/// Solves those problems that have no summary yet, several at a time, each in a process of its own. Where a problem has
+/// several starts, these are what runs side by side, and the problems take turns.
+void solve_all(const std::vector<Loaded>& all, const Options& options, const ProblemSolver& solver,
+               std::vector<std::optional<Summary>>& summaries) {
+  std::vector<std::size_t> open;
+  bool several_starts = false;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (summaries[i]) continue;
+    open.push_back(i);
+    several_starts = several_starts || all[i].problem.solver.starts > 1;
+  }
+  if (several_starts || options.common.jobs == 1) {
+    for (const std::size_t i : open) {
+      Summary summary = solve_one(all[i], options.common, solver);
+      if (interrupt_requested()) return;
+      summaries[i] = std::move(summary);
     }
-    converged = converged && summary->converged;
-    rows.push_back(comparison_row(loaded, *summary));
+    return;
   }
+  TaskOptions tasks;
+  tasks.workers = options.common.jobs;
+  const auto task = [&](int k) {
+    return to_json(solve_one(all[open[static_cast<std::size_t>(k)]], options.common, solver)).dump();
+  };
+  const std::vector<TaskResult> results = run_tasks(static_cast<int>(open.size()), task, tasks);
+  for (std::size_t k = 0; k < open.size(); ++k) {
+    const std::string& name = all[open[k]].problem.name;
+    if (results[k].state == TaskState::failed) throw std::runtime_error(fmt::format("{}: {}", name, results[k].error));
+    if (results[k].state == TaskState::done)
+      summaries[open[k]] = summary_from_json(Json::parse(results[k].bytes), name);
+  }
+}
+
+/// Prints and writes what the comparison says; the exit code.
+int report(const std::vector<ComparisonRow>& rows, const Common& common) {
   const std::string json = comparison_json(rows).dump(1) + "\n";
   if (!common.out.empty()) {
     write_file(fs::path(common.out) / "compare.csv", comparison_csv(rows));
@@ -96,7 +114,31 @@ int run(const Options& options, const ProblemSolver& solver) {
     print(comparison_text(rows, colours()));
     if (!common.out.empty()) print(fmt::format("written to {}\n", common.out));
   }
+  const bool converged = std::all_of(rows.begin(), rows.end(), [](const auto& row) { return row.summary.converged; });
   return converged ? kDone : kNotSolved;
+}
+
+int run(const Options& options, const ProblemSolver& solver) {
+  const Common& common = options.common;
+  if (options.resume && common.out.empty()) {
+    throw InputError("--resume: given without --out; allowed: with the --out of the run to go on with");
+  }
+  const std::vector<Loaded> all = load_all(options);
+  if (!common.out.empty()) prepare_folder(common.out);
+  std::vector<std::optional<Summary>> summaries(all.size());
+  for (std::size_t i = 0; i < all.size() && options.resume; ++i)
+    summaries[i] = finished(fs::path(common.out) / all[i].problem.name, all[i].problem);
+  solve_all(all, options, solver, summaries);
+  clear_progress(common);
+  std::vector<ComparisonRow> rows;
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (summaries[i]) rows.push_back(comparison_row(all[i], *summaries[i]));
+  if (rows.size() < all.size()) {
+    fmt::print(stderr, "jaculus: interrupted; {} of {} problems are solved{}\n", rows.size(), all.size(),
+               common.out.empty() ? "" : ", --resume goes on");
+    return kNotSolved;
+  }
+  return report(rows, common);
 }
 
 }  // namespace
