@@ -95,7 +95,13 @@ void refine_mesh(Plan& plan, Problem problem, const PlanarModel& model, const Pl
     GuessSpec spec = problem.guess;
     spec.kind = "file";
     const Start start{initial_guess(*finer, spec, 0, &before)};
-    NlpResult result = solve_nlp(*finer, start, solver_options(problem, options));
+    SolverOptions near = solver_options(problem, options);
+    near.ipopt = {{"mu_init", "1e-4"},  // the start is nearly optimal: stay close to it and to its active bounds
+                  {"bound_push", "1e-8"},
+                  {"bound_frac", "1e-8"},
+                  {"slack_bound_push", "1e-8"},
+                  {"slack_bound_frac", "1e-8"}};
+    NlpResult result = solve_nlp(*finer, start, near);
     if (!result.converged()) return;  // the coarser plan stands, its verification tells how good it is
     result.iterations += plan.result.iterations;
     plan.result = std::move(result);
