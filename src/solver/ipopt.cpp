@@ -45,7 +45,7 @@ OptionMap base_options(const SolverOptions& options, bool warm) {
       {"honor_original_bounds", "yes"},
       // A small first barrier: a large one pushes durations to the middle of their bounds, away from a good guess.
       {"mu_strategy", "monotone"},
-      {"mu_init", "3e-3"},
+      {"mu_init", "1e-2"},
   };
   if (warm) {
     map["warm_start_init_point"] = "yes";
