@@ -36,11 +36,11 @@ inline constexpr Dimension density{-3, 1, 0, 0, 0};
 inline constexpr Dimension current{0, 0, 0, 1, 0};
 inline constexpr Dimension voltage{2, 1, -3, -1, 0};
 inline constexpr Dimension resistance{2, 1, -3, -2, 0};
-inline constexpr Dimension torque_constant{2, 1, -2, -1, 0};  // N m/A, equally V s/rad
-inline constexpr Dimension saturation_linear{-2, -1, 2, 1, 0};   // A/(N m)
-inline constexpr Dimension saturation_cubic{-6, -3, 6, 1, 0};    // A/(N m)^3
-inline constexpr Dimension angular_stiffness{2, 1, -2, 0, -1};   // N m/rad
-inline constexpr Dimension angular_damping{2, 1, -1, 0, -1};     // N m s/rad
+inline constexpr Dimension torque_constant{2, 1, -2, -1, 0};    // N m/A, equally V s/rad
+inline constexpr Dimension saturation_linear{-2, -1, 2, 1, 0};  // A/(N m)
+inline constexpr Dimension saturation_cubic{-6, -3, 6, 1, 0};   // A/(N m)^3
+inline constexpr Dimension angular_stiffness{2, 1, -2, 0, -1};  // N m/rad
+inline constexpr Dimension angular_damping{2, 1, -1, 0, -1};    // N m s/rad
 }  // namespace dimension
 
 /// Parses "16 V", "15 deg", "4 ms", "0.0954 N m/A": a number, then unit symbols with powers (m^2, s^-1) joined by

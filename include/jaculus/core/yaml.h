@@ -59,10 +59,10 @@ class Node {
 
   /// An error at this node's place: "file:line: path: what".
   [[nodiscard]] InputError error(const std::string& what) const;
-  [[nodiscard]] std::string path() const;                ///< "phases[0].duration"
-  [[nodiscard]] int line() const;                        ///< 1-based, 0 where built in code
-  [[nodiscard]] std::filesystem::path file() const;      ///< empty where built in code
-  [[nodiscard]] std::string dump() const;                ///< the node as YAML text
+  [[nodiscard]] std::string path() const;            ///< "phases[0].duration"
+  [[nodiscard]] int line() const;                    ///< 1-based, 0 where built in code
+  [[nodiscard]] std::filesystem::path file() const;  ///< empty where built in code
+  [[nodiscard]] std::string dump() const;            ///< the node as YAML text
 
   struct Impl;
 

@@ -40,7 +40,8 @@ class Nlp {
   [[nodiscard]] virtual std::string row_unit(int row) const = 0;
 
   [[nodiscard]] virtual const Sparsity& jacobian_sparsity() const = 0;  ///< of g
-  [[nodiscard]] virtual const Sparsity& hessian_sparsity() const = 0;   ///< lower triangle of the Hessian of the Lagrangian
+  [[nodiscard]] virtual const Sparsity& hessian_sparsity()
+      const = 0;  ///< lower triangle of the Hessian of the Lagrangian
 
   // Evaluations. Not const: they share scratch space, so one Nlp serves one thread. They return false where the functions
   // are not defined at x (a loop that can't close); outputs are then unspecified. None of them allocates once running.
