@@ -177,7 +177,44 @@ void apply_boundary(const BoundarySpec& spec, const PlanarModel& model, const No
     tighten(spec, layout, node.q + model.coordinate_index(name), bounds);
   for (const auto& [name, bounds] : on_coordinates(spec.velocity, model, true, spec))
     tighten(spec, layout, node.v + model.coordinate_index(name), bounds);
-  for (int i = 0; spec.at_rest && i < model.size(); ++i) tighten(spec, layout, node.v + i, {0.0, 0.0});
+}
+
+/// Jacobian of the feet that a phase stands on, in the middle of a node's bounds: 2 rows a foot.
+Matrix stance_jacobian(const AbsoluteTree& tree, const PhaseBlock& phase, const NodeBlock& node, const Layout& layout) {
+  Vector q(layout.n);
+  for (int i = 0; i < layout.n; ++i) {
+    const double lower = layout.lower[node.q + i], upper = layout.upper[node.q + i];
+    q[i] = std::isfinite(lower) && std::isfinite(upper) ? 0.5 * (lower + upper) : 0.0;
+  }
+  Matrix J = Matrix::Zero(2 * static_cast<int>(phase.feet.size()), layout.n);
+  Motion motion(tree);
+  if (!set_configuration(tree, q, motion)) return J;
+  for (size_t k = 0; k < phase.feet.size(); ++k) {
+    jacobian_columns(tree.feet[static_cast<size_t>(phase.feet[k])], motion.pose, motion.columns);
+    for (int c = 0; c < motion.columns.count; ++c) {
+      J.row(2 * static_cast<int>(k)) += motion.columns.x[c] * motion.G.row(motion.columns.index[c]);
+      J.row(2 * static_cast<int>(k) + 1) += motion.columns.z[c] * motion.G.row(motion.columns.index[c]);
+    }
+  }
+  return J;
+}
+
+/// Zero rates at a node. Where a phase that stands on feet ends, the stance already holds as many combinations of rates at zero as
+/// its Jacobian J has rank (but for integration error); only rates independent of those are fixed, the base's first. Fixing all of
+/// them would leave dependent rows.
+void apply_rest(const BoundarySpec& spec, const Matrix& J, const NodeBlock& node, Layout& layout) {
+  Matrix basis(layout.n, 0);
+  const auto extends = [&basis](Vector direction) {
+    const double size = direction.norm();
+    for (int pass = 0; pass < 2; ++pass) direction -= basis * (basis.transpose() * direction);
+    if (direction.norm() <= 1e-6 * size) return false;
+    basis.conservativeResize(Eigen::NoChange, basis.cols() + 1);
+    basis.rightCols(1) = direction.normalized();
+    return true;
+  };
+  for (int r = 0; r < J.rows(); ++r) extends(J.row(r).transpose());
+  for (int i = 0; i < layout.n; ++i)
+    if (extends(Vector::Unit(layout.n, i))) tighten(spec, layout, node.v + i, {0.0, 0.0});
 }
 
 }  // namespace
@@ -219,6 +256,11 @@ Layout make_layout(const Problem& problem, const Equations& equations) {
   layout.first_extra = layout.columns();
   apply_boundary(problem.initial, model, layout.nodes.front(), layout);
   apply_boundary(problem.final, model, layout.nodes.back(), layout);
+  if (problem.initial.at_rest) apply_rest(problem.initial, Matrix(0, layout.n), layout.nodes.front(), layout);
+  if (problem.final.at_rest) {
+    const Matrix J = stance_jacobian(equations.tree(), layout.phases.back(), layout.nodes.back(), layout);
+    apply_rest(problem.final, J, layout.nodes.back(), layout);
+  }
   return layout;
 }
 
