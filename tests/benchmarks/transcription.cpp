@@ -1,0 +1,65 @@
+// One evaluation of each callback, whole solves of the four leaps with their split, and the cost of an iteration by grid size.
+
+#include <benchmark/benchmark.h>
+
+#include "jaculus/solver/ipopt.h"
+#include "transcription/programmes.h"
+
+namespace jaculus {
+namespace {
+
+enum Callback { kConstraints, kJacobian, kHessian };
+
+void callback(benchmark::State& state, Callback which) {
+  Programme programme = test::make_programme(read_problem(test::problem_file("leap_tail")));
+  const Vector start = initial_guess(programme, programme.problem().guess, 1);
+  const Vector lambda = Vector::Ones(programme.rows());
+  Vector g(programme.rows()), J(programme.jacobian_sparsity().size()), H(programme.hessian_sparsity().size());
+  Vector x = start;
+  for (auto _ : state) {
+    x[0] = x[0] == start[0] ? start[0] + 1e-9 : start[0];  // a new point each time, or the cache would answer
+    if (which == kConstraints) programme.constraints(x, g);
+    if (which == kJacobian) programme.jacobian(x, J);
+    if (which == kHessian) programme.hessian(x, 1.0, lambda, H);
+  }
+}
+BENCHMARK_CAPTURE(callback, constraints, kConstraints)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(callback, jacobian_and_constraints, kJacobian)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(callback, hessian_and_all_before, kHessian)->Unit(benchmark::kMicrosecond);
+
+void report(benchmark::State& state, const NlpResult& result) {
+  state.counters["iterations"] = result.iterations;
+  state.counters["functions_ms"] = 1e3 * result.wall_seconds.functions;
+  state.counters["linear_ms"] = 1e3 * result.wall_seconds.linear_solver;
+  state.counters["objective"] = result.objective;
+}
+
+void leap(benchmark::State& state, const char* name) {
+  Programme programme = test::make_programme(read_problem(test::problem_file(name)));
+  const Vector start = initial_guess(programme, programme.problem().guess, 1);
+  NlpResult result;
+  for (auto _ : state) result = solve_nlp(programme, {start, {}});
+  report(state, result);
+}
+BENCHMARK_CAPTURE(leap, tailless, "leap_tailless")->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(leap, inactive, "leap_inactive")->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(leap, inertial, "leap_inertial")->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(leap, tail, "leap_tail")->Unit(benchmark::kMillisecond);
+
+/// Ten iterations on a grid: the time should grow in proportion to the number of intervals.
+void iterations_by_grid(benchmark::State& state) {
+  const int intervals = static_cast<int>(state.range(0));
+  Programme programme =
+      test::make_programme(test::on_grid(read_problem(test::problem_file("leap_tail")), {intervals, intervals}));
+  const Vector start = initial_guess(programme, programme.problem().guess, 1);
+  SolverOptions options;
+  options.max_iterations = 10;
+  NlpResult result;
+  for (auto _ : state) result = solve_nlp(programme, {start, {}}, options);
+  report(state, result);
+  state.SetComplexityN(intervals);
+}
+BENCHMARK(iterations_by_grid)->RangeMultiplier(2)->Range(10, 160)->Unit(benchmark::kMillisecond)->Complexity();
+
+}  // namespace
+}  // namespace jaculus
