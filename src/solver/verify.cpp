@@ -105,8 +105,19 @@ double relative(double difference, std::initializer_list<double> terms) {
   return scale > 0.0 ? std::abs(difference) / scale : std::abs(difference);
 }
 
+/// Largest change of energy between the first node and any other [J]: what a balance from rest to rest is relative to.
+double energy_swing(const Programme& programme, const ConstVectorRef& x, double start) {
+  const Layout& layout = programme.layout();
+  double swing = 0.0;
+  for (const NodeBlock& node : layout.nodes) {
+    const auto at = totals(programme.equations(), x.segment(node.q, layout.n), x.segment(node.v, layout.n));
+    if (at) swing = std::max(swing, std::abs(at->energy - start));
+  }
+  return swing;
+}
+
 void balance(const Programme& programme, const Totals& first, const Totals& plan_end, const Totals& motion_end,
-             double duration, const detail::Ledger& ledger, PlanVerification& r) {
+             double swing, double duration, const detail::Ledger& ledger, PlanVerification& r) {
   const PlanarModel& model = programme.equations().model();
   r.momentum_change = motion_end.momentum - first.momentum;
   r.gravity_impulse = Vec2(0.0, -model.total_mass() * model.gravity * duration);
@@ -132,7 +143,7 @@ void balance(const Programme& programme, const Totals& first, const Totals& plan
   const auto miss = [&](const Totals& end) {
     const double change = end.energy - first.energy;
     return relative(change - r.motor_work - r.drag_work - r.impact_work,
-                    {change, r.motor_work, r.drag_work, r.impact_work, first.energy, end.energy});
+                    {change, swing, r.motor_work, r.drag_work, r.impact_work, first.energy, end.energy});
   };
   r.energy_balance = miss(plan_end);
   r.motion_energy_balance = miss(motion_end);
@@ -163,7 +174,8 @@ bool integrate(const Programme& programme, const ConstVectorRef& x, const Verify
   const auto at_last = totals(programme.equations(), state(last, false), state(last, true));
   const auto at_end = totals(programme.equations(), motion.q(), motion.v());
   if (!at_first || !at_last || !at_end) return false;
-  balance(programme, *at_first, *at_last, *at_end, time, motion.ledger(), r);
+  const double swing = energy_swing(programme, x, at_first->energy);
+  balance(programme, *at_first, *at_last, *at_end, swing, time, motion.ledger(), r);
   return true;
 }
 
