@@ -366,7 +366,7 @@ TEST(Tasks, KilledAtRandomMomentsNothingIsLostOrRecomputed) {
     if (WIFSIGNALED(status)) ++kills;
     for (const int i : executed_tasks(place)) EXPECT_FALSE(finished.contains(i)) << "task " << i << " ran again";
   }
-  EXPECT_GE(kills, 15);  // a fast machine may be done before the last of them
+  EXPECT_GE(kills, 15);            // a fast machine may be done before the last of them
   EXPECT_GT(finished_before, 0u);  // how many survive depends on the machine's load; some must
   int status = -1;
   ASSERT_GT(waitpid(start_helper(place), &status, 0), 0);
