@@ -18,7 +18,10 @@ libcli11-dev - the command line
 libfmt-dev - text and numbers that read back exactly
 nlohmann-json3-dev - JSON results
 libtbb-dev - runs independent solves on all cores
-libboost-dev - the independent integrator that verifies plans (odeint)
+libboost-dev - the integrator that verifies plans and runs the plant (odeint)
+libceres-dev - least squares of the diagnosis
+libsodium-dev - seals the labels of test cases
+libmujoco-dev - the independent engine of the testbed
 '
 test_packages='
 libgtest-dev - the tests
