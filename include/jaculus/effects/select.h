@@ -1,0 +1,38 @@
+#pragma once
+// Effects as users write and read them: "tail_compliance:stiffness=98,damping_ratio=0.1".
+
+#include <string>
+#include <vector>
+
+#include "jaculus/effects/effect.h"
+
+namespace jaculus {
+
+/// An effect of the catalogue with values of its parameters, in its own terms (compliance, not stiffness).
+struct EffectValue {
+  const Effect* effect = nullptr;
+  Vector theta;
+};
+
+/// A parameter as users read it.
+struct ShownParameter {
+  std::string name;  ///< "stiffness"
+  double value = 0.0;
+  std::string unit;  ///< "N m/rad"
+};
+
+/// Reads "name:parameter=value,parameter=value"; a parameter by its own name or the shown one, the others nominal. Values are SI.
+/// InputError, opening with `place` ("--effect", "file:line: key"), where a name is unknown, a value is no number or lies
+/// outside the bounds, or this robot can't have the effect.
+EffectValue read_effect(const std::string& text, const PlanarModel& model, const std::string& place);
+
+/// Sets several effects on a plant, in the order given.
+void apply_effects(const std::vector<EffectValue>& effects, Plant& plant);
+
+/// One parameter's value as users read it, and back. A reciprocal of 0 is infinite, and of infinity 0.
+double shown_value(const EffectParameter& parameter, double value);
+double own_value(const EffectParameter& parameter, double shown);
+/// Every parameter of an effect at `theta`.
+std::vector<ShownParameter> shown_parameters(const Effect& effect, const Vector& theta);
+
+}  // namespace jaculus
