@@ -1,0 +1,46 @@
+#pragma once
+// The parameters that a diagnosis may move, as a flat vector, and the candidates that free some of them. The statistics know
+// nothing of robots: they see this list and a forward model (forward.h).
+//
+//   p = [effects' parameters | condition-wide nuisances (unknown gains, feed-forward scale) | start offsets]
+// Effects' parameters are zero-cost at nominal. Nuisances with wide priors are fitted along with every candidate. Start offsets
+// are free in every run and enter through their sensitivities at nominal.
+
+#include <string>
+#include <vector>
+
+#include "jaculus/core/types.h"
+#include "jaculus/effects/effect.h"
+
+namespace jaculus {
+
+struct FreeParameter {
+  std::string owner;  ///< effect, or "nuisance", "start"
+  std::string name;
+  std::string unit;
+  double nominal = 0.0;
+  double scale = 1.0;  ///< standard deviation of the normal prior about nominal
+  Bounds bounds;
+
+  /// Nominal is an end of the range, so that the prior is the half of a normal one.
+  [[nodiscard]] bool one_sided() const { return nominal <= bounds.lower || nominal >= bounds.upper; }
+};
+
+struct Candidate {
+  std::string name;
+  Component where = Component::body;
+  std::vector<int> parameters;  ///< indices of its parameters
+  const Effect* effect = nullptr;
+};
+
+struct Hypotheses {
+  std::vector<FreeParameter> parameters;
+  std::vector<Candidate> candidates;
+  std::vector<int> nuisances;  ///< indices
+  std::vector<int> starts;     ///< indices; free in every run
+
+  [[nodiscard]] Vector nominal() const;
+  [[nodiscard]] int candidate(const std::string& name) const;  ///< index, -1 where there is none
+};
+
+}  // namespace jaculus
