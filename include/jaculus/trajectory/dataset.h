@@ -38,7 +38,7 @@ struct Trial {
   [[nodiscard]] const Stream* stream(const std::string& stream_name) const;  ///< null where there is none
 };
 
-/// A controller's gain as stated: a number, a range, or unknown (an unbounded range).
+/// A controller's gain as stated: a number, a range, or unknown (0 to infinity).
 struct StatedGain {
   Bounds range{0.0, 0.0};  ///< in the unit of `quantity` per rad or per rad/s
 
@@ -49,13 +49,15 @@ struct StatedGain {
 struct StatedController {
   std::string kind;  ///< "feedforward_pd", "voltage", "torque", "measured"
   std::string quantity =
-      "torque";               ///< what the feed-forward and the gains are: "torque" [N m], "duty" [-], "voltage" [V]
-  double rate_hz = 1000.0;    ///< of the loop, zero-order hold [Hz]
-  bool gains_stated = false;  ///< false: neither kp nor kd stood in the file, so every gain is unknown
+      "torque";                  ///< what the feed-forward and the gains are: "torque" [N m], "duty" [-], "voltage" [V]
+  double rate_hz = 1000.0;       ///< of the loop, zero-order hold [Hz]
+  bool quantity_stated = false;  ///< false: `quantity` is what the format takes where nothing is said
+  bool gains_stated = false;     ///< false: neither kp nor kd stood in the file, so every gain is unknown
   std::map<std::string, StatedGain> kp;  ///< by joint; "*" any other joint
   std::map<std::string, StatedGain> kd;
   std::optional<double> bus_voltage;  ///< [V]
   std::string input;                  ///< of kind measured: the quantity whose logged column drove the joint, "torque"
+  std::string after_end = "hold";     ///< what follows the plan's end: "hold", "relax", "repeat"
 };
 
 /// A script of commands in place of a plan: one column a motor against time, held.
@@ -77,13 +79,16 @@ struct Dataset {
   StatedController controller;
   std::vector<Trial> trials;
   std::string provenance;
+  std::vector<std::string> notes;  ///< what the files leave open and what was taken for it, one sentence each
 };
 
 /// Reads a dataset's folder (or its dataset.yaml). Every fault is an InputError with file:line: missing file, time that runs
-/// backwards, duplicate stamps, empty or truncated CSV, unit missing or of another dimension, a channel of NaN alone is kept.
+/// backwards, duplicate stamps, empty or truncated CSV, unit missing or of another dimension, a stream that begins after the
+/// plan's end. A channel of NaN alone is kept. A trial may lack a stream's file where another trial has it (a note says so).
 Dataset read_dataset(const std::filesystem::path& folder);
 
-/// Writes the folder whole; `dataset.folder` is set to it. InputError where it can't be written.
+/// Writes dataset.yaml last, so that a folder without it is one that was interrupted. `dataset.folder` is set to it. The robot is
+/// written as stated: a relative path must hold from the new folder. InputError where it can't be written.
 void write_dataset(Dataset& dataset, const std::filesystem::path& folder);
 
 }  // namespace jaculus

@@ -1,0 +1,196 @@
+#include "jaculus/trajectory/dataset.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "jaculus/core/error.h"
+#include "trajectory/channel_units.h"
+#include "trajectory/dataset_yaml.h"
+
+namespace jaculus {
+namespace {
+
+namespace fs = std::filesystem;
+
+template <class Names>
+int index_of(const Names& names, const std::string& name) {
+  const auto found = std::find(names.begin(), names.end(), name);
+  return found == names.end() ? -1 : static_cast<int>(found - names.begin());
+}
+
+/// Line of a row in a CSV file: one header line, no blank lines between (csv.h).
+Eigen::Index line_of(Eigen::Index row) { return row + 2; }
+
+Vector read_time(const Table& table, const fs::path& file, bool borders_may_coincide) {
+  Vector time = quantity(table, "time", dimension::time, file);
+  for (Eigen::Index k = 0; k < time.size(); ++k) {
+    const auto fault = [&](const std::string& what) {
+      return InputError(fmt::format("{}:{}: time: {}", file.string(), line_of(k), what));
+    };
+    if (std::isnan(time[k])) throw fault("an empty cell given; allowed: a time in every row");
+    if (k == 0 || time[k] > time[k - 1]) continue;
+    if (time[k] < time[k - 1])
+      throw fault(fmt::format("{} s follows {} s; allowed: time that never runs backwards", time[k], time[k - 1]));
+    if (!borders_may_coincide) throw fault(fmt::format("{} s stands twice; allowed: one row a time", time[k]));
+  }
+  return time;
+}
+
+Stream read_stream(const StreamEntry& entry, const fs::path& file) {
+  const Table table = read_csv(file);
+  Stream stream;
+  stream.name = entry.name;
+  stream.rate_hz = entry.rate_hz;
+  stream.time = read_time(table, file, false);
+  std::vector<Eigen::Index> columns;
+  std::vector<double> factors;
+  for (std::size_t i = 0; i < table.columns.size(); ++i) {
+    if (table.columns[i].name == "time") continue;
+    const ChannelUnit unit = channel_unit(table.columns[i], file.string() + ":1");
+    stream.channels.push_back(table.columns[i].name);
+    stream.units.push_back(unit.si);
+    columns.push_back(static_cast<Eigen::Index>(i));
+    factors.push_back(unit.factor);
+  }
+  if (columns.empty())
+    throw InputError(fmt::format("{}:1: there is no column but time; allowed: at least one channel", file.string()));
+  stream.values.resize(static_cast<Eigen::Index>(columns.size()), stream.time.size());
+  for (std::size_t i = 0; i < columns.size(); ++i)
+    stream.values.row(static_cast<Eigen::Index>(i)) = factors[i] * table.values.col(columns[i]).transpose();
+  return stream;
+}
+
+/// The end of what was commanded, infinite where nothing tells it [s].
+double command_end(const Dataset& dataset) {
+  if (!dataset.plan) return kInfinity;
+  const int time = dataset.plan->column("time");
+  return dataset.plan->values(dataset.plan->values.rows() - 1, time);
+}
+
+void check_start(const Stream& stream, const fs::path& file, double end) {
+  if (stream.time[0] <= end) return;
+  throw InputError(fmt::format(
+      "{}:2: time: the stream begins at {} s, after the plan's end at {} s; allowed: a stream that overlaps "
+      "the plan, whose first sample is time 0",
+      file.string(), stream.time[0], end));
+}
+
+Table read_plan(const fs::path& file) {
+  Table plan = read_csv(file);
+  const Vector time = read_time(plan, file, true);
+  plan.values.col(plan.column("time")) = time;
+  plan.columns[static_cast<std::size_t>(plan.column("time"))].unit = "s";
+  if (!(time[time.size() - 1] > time[0]))
+    throw InputError(fmt::format("{}:{}: the plan ends where it begins; allowed: a plan that lasts", file.string(),
+                                 line_of(time.size() - 1)));
+  return plan;
+}
+
+InputScript read_script(const fs::path& file, const std::string& quantity_name) {
+  const Table table = read_csv(file);
+  InputScript script;
+  script.quantity = quantity_name;
+  script.time = read_time(table, file, false);
+  const std::string suffix = "_" + quantity_name;
+  std::vector<Vector> rows;
+  for (const Column& column : table.columns) {
+    if (column.name == "time") continue;
+    if (!column.name.ends_with(suffix) || column.name.size() == suffix.size())
+      throw InputError(
+          fmt::format("{}:1: column '{}' given; allowed: time and JOINT{}", file.string(), column.name, suffix));
+    script.joints.push_back(column.name.substr(0, column.name.size() - suffix.size()));
+    rows.push_back(quantity(table, column.name, command_dimension(quantity_name), file));
+    if (rows.back().hasNaN())
+      throw InputError(
+          fmt::format("{}: column '{}' has gaps; allowed: a command in every row", file.string(), column.name));
+  }
+  if (rows.empty())
+    throw InputError(fmt::format("{}:1: no command given; allowed: a column JOINT{}", file.string(), suffix));
+  script.values.resize(static_cast<Eigen::Index>(rows.size()), script.time.size());
+  for (std::size_t i = 0; i < rows.size(); ++i) script.values.row(static_cast<Eigen::Index>(i)) = rows[i].transpose();
+  return script;
+}
+
+fs::path named_file(const yaml::Node& node, const fs::path& folder) {
+  const fs::path file = folder / node.text();
+  if (!fs::is_regular_file(file)) throw node.error(fmt::format("there is no file {}", file.string()));
+  return file;
+}
+
+/// What drove the joint must have been logged where nothing was commanded.
+void check_measured(const Dataset& dataset, const yaml::Node& file) {
+  if (dataset.controller.kind != "measured") return;
+  const std::string suffix = "_" + dataset.controller.input;
+  for (const Trial& trial : dataset.trials) {
+    const bool logged = std::any_of(trial.streams.begin(), trial.streams.end(), [&](const Stream& stream) {
+      return std::any_of(stream.channels.begin(), stream.channels.end(),
+                         [&](const std::string& channel) { return channel.ends_with(suffix); });
+    });
+    if (!logged)
+      throw file.at("controller")
+          .at("input")
+          .error(fmt::format("no stream of {} has a column JOINT{}; allowed: a quantity that was logged", trial.name,
+                             suffix));
+  }
+}
+
+std::vector<Trial> read_all_trials(const DatasetOutline& outline, const fs::path& folder,
+                                   std::vector<std::string>& notes) {
+  std::vector<Trial> trials;
+  std::vector<bool> found(outline.streams.size(), false);
+  const double end = command_end(outline.dataset);
+  for (const yaml::Node& node : outline.trials) {
+    Trial trial{node.text(), {}};
+    if (!fs::is_directory(folder / trial.name))
+      throw node.error(fmt::format("there is no folder {}", (folder / trial.name).string()));
+    for (std::size_t i = 0; i < outline.streams.size(); ++i) {
+      const fs::path file = folder / trial.name / outline.streams[i].file;
+      if (!fs::exists(file)) {
+        notes.push_back(fmt::format("{} has no {}", trial.name, outline.streams[i].file));
+        continue;
+      }
+      found[i] = true;
+      trial.streams.push_back(read_stream(outline.streams[i], file));
+      check_start(trial.streams.back(), file, end);
+    }
+    trials.push_back(std::move(trial));
+  }
+  for (std::size_t i = 0; i < found.size(); ++i)
+    if (!found[i])
+      throw outline.streams[i].node.at("file").error(fmt::format("no trial has a file {}", outline.streams[i].file));
+  return trials;
+}
+
+}  // namespace
+
+int Stream::channel(const std::string& channel_name) const { return index_of(channels, channel_name); }
+
+const Stream* Trial::stream(const std::string& stream_name) const {
+  for (const Stream& stream : streams)
+    if (stream.name == stream_name) return &stream;
+  return nullptr;
+}
+
+Dataset read_dataset(const fs::path& given) {
+  const bool is_file = fs::is_regular_file(given);
+  if (!is_file && !fs::exists(given)) throw InputError(fmt::format("{}: there is no such folder", given.string()));
+  const fs::path folder = is_file ? given.parent_path() : given;
+  if (!is_file && !fs::is_regular_file(folder / "dataset.yaml"))
+    throw InputError(fmt::format("{}: no dataset.yaml here; allowed: the folder of a dataset", folder.string()));
+  const yaml::Node file = yaml::Node::load(is_file ? given : folder / "dataset.yaml");
+  DatasetOutline outline = read_outline(file);
+  if (outline.plan) outline.dataset.plan = read_plan(named_file(*outline.plan, folder));
+  if (outline.input_file)
+    outline.dataset.script = read_script(named_file(*outline.input_file, folder), outline.dataset.script->quantity);
+  Dataset dataset = std::move(outline.dataset);
+  outline.dataset = Dataset{};
+  outline.dataset.plan = dataset.plan;
+  dataset.folder = folder;
+  dataset.trials = read_all_trials(outline, folder, dataset.notes);
+  check_measured(dataset, file);
+  return dataset;
+}
+
+}  // namespace jaculus

@@ -1,0 +1,147 @@
+#include <fmt/format.h>
+
+#include <cassert>
+#include <cmath>
+#include <system_error>
+
+#include "jaculus/core/error.h"
+#include "trajectory/dataset_yaml.h"
+
+namespace jaculus {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A YAML scalar in double quotes, whatever it holds.
+std::string quoted(const std::string& text) {
+  std::string out = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') out += '\\';
+    if (c == '\n') {
+      out += "\\n";
+    } else if (static_cast<unsigned char>(c) < 0x20) {
+      out += fmt::format("\\x{:02x}", static_cast<unsigned>(c));
+    } else {
+      out += c;
+    }
+  }
+  return out + '"';
+}
+
+std::string gain_text(const StatedGain& gain) {
+  if (gain.known()) return fmt::format("{}", gain.range.lower);
+  if (std::isinf(gain.range.upper)) return "unknown";
+  return fmt::format("[{}, {}]", gain.range.lower, gain.range.upper);
+}
+
+std::string gains_text(const std::map<std::string, StatedGain>& gains) {
+  std::string out;
+  for (const auto& [joint, gain] : gains)
+    out += fmt::format("{}{}: {}", out.empty() ? "" : ", ", quoted(joint), gain_text(gain));
+  return "{" + out + "}";
+}
+
+std::string controller_text(const StatedController& controller) {
+  const bool feedback = controller.kind == "feedforward_pd";
+  std::string out = fmt::format("{{kind: {}", controller.kind);
+  if (feedback && controller.quantity_stated) out += fmt::format(", quantity: {}", controller.quantity);
+  if (controller.kind == "measured") {
+    out += fmt::format(", input: {}", controller.input);
+  } else {
+    out += fmt::format(", rate_hz: {}", controller.rate_hz);
+  }
+  if (!controller.kp.empty()) out += ", kp: " + gains_text(controller.kp);
+  if (!controller.kd.empty()) out += ", kd: " + gains_text(controller.kd);
+  if (controller.bus_voltage) out += fmt::format(", bus_voltage: {}", *controller.bus_voltage);
+  if (controller.after_end != "hold") out += fmt::format(", after_end: {}", controller.after_end);
+  return out + "}";
+}
+
+/// Streams in the order in which the trials first have them.
+std::vector<const Stream*> stream_kinds(const Dataset& dataset) {
+  std::vector<const Stream*> kinds;
+  for (const Trial& trial : dataset.trials) {
+    for (const Stream& stream : trial.streams) {
+      bool known = false;
+      for (const Stream* kind : kinds) known = known || kind->name == stream.name;
+      if (!known) kinds.push_back(&stream);
+    }
+  }
+  return kinds;
+}
+
+Table script_table(const InputScript& script) {
+  Table table;
+  table.columns.push_back({"time", "s"});
+  for (const std::string& joint : script.joints)
+    table.columns.push_back({joint + "_" + script.quantity, unit_name(command_dimension(script.quantity))});
+  table.values.resize(script.time.size(), 1 + script.values.rows());
+  table.values.col(0) = script.time;
+  table.values.rightCols(script.values.rows()) = script.values.transpose();
+  return table;
+}
+
+Table stream_table(const Stream& stream) {
+  assert(stream.channels.size() == stream.units.size());
+  assert(stream.values.rows() == static_cast<Eigen::Index>(stream.channels.size()));
+  Table table;
+  table.columns.push_back({"time", "s"});
+  for (std::size_t i = 0; i < stream.channels.size(); ++i)
+    table.columns.push_back({stream.channels[i], stream.units[i]});
+  table.values.resize(stream.time.size(), 1 + stream.values.rows());
+  table.values.col(0) = stream.time;
+  table.values.rightCols(stream.values.rows()) = stream.values.transpose();
+  return table;
+}
+
+void make_folder(const fs::path& folder) {
+  std::error_code code;
+  fs::create_directories(folder, code);
+  if (code || !fs::is_directory(folder))
+    throw InputError(fmt::format("{}: can't be made: {}", folder.string(), code ? code.message() : "it is a file"));
+}
+
+}  // namespace
+
+std::string outline_text(const Dataset& dataset) {
+  std::string out = "format: jaculus-dataset/1\n";
+  out += fmt::format("experiment: {}\nrobot: {}\n", dataset.experiment, quoted(dataset.robot));
+  if (!dataset.overrides.empty()) {
+    out += "override:\n";
+    for (const auto& [path, value] : dataset.overrides) out += fmt::format("  {}: {}\n", quoted(path), value);
+  }
+  if (dataset.plan) out += "plan: plan.csv\n";
+  if (dataset.script) out += fmt::format("input: {{quantity: {}, file: input.csv}}\n", dataset.script->quantity);
+  if (!dataset.initial.empty()) {
+    out += "initial:\n";
+    for (const auto& [name, value] : dataset.initial) out += fmt::format("  {}: {}\n", quoted(name), value);
+  }
+  out += fmt::format("controller: {}\nstreams:\n", controller_text(dataset.controller));
+  for (const Stream* stream : stream_kinds(dataset)) {
+    out += fmt::format("  {}: {{file: {}", quoted(stream->name), quoted(stream->name + ".csv"));
+    if (!std::isnan(stream->rate_hz)) out += fmt::format(", rate_hz: {}", stream->rate_hz);
+    out += "}\n";
+  }
+  out += "trials:\n";
+  for (const Trial& trial : dataset.trials) out += fmt::format("  - {}\n", quoted(trial.name));
+  if (!dataset.provenance.empty()) out += fmt::format("provenance: {}\n", quoted(dataset.provenance));
+  return out;
+}
+
+void write_dataset(Dataset& dataset, const fs::path& folder) {
+  assert(!(dataset.plan && dataset.script));
+  make_folder(folder);
+  std::error_code code;
+  fs::remove(folder / "dataset.yaml", code);
+  if (dataset.plan) write_csv(*dataset.plan, folder / "plan.csv");
+  if (dataset.script) write_csv(script_table(*dataset.script), folder / "input.csv");
+  for (const Trial& trial : dataset.trials) {
+    make_folder(folder / trial.name);
+    for (const Stream& stream : trial.streams)
+      write_csv(stream_table(stream), folder / trial.name / (stream.name + ".csv"));
+  }
+  write_file(folder / "dataset.yaml", outline_text(dataset));
+  dataset.folder = folder;
+}
+
+}  // namespace jaculus

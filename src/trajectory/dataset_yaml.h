@@ -1,0 +1,41 @@
+#pragma once
+// dataset.yaml, before any other file of the dataset is opened.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "jaculus/core/yaml.h"
+#include "jaculus/trajectory/dataset.h"
+
+namespace jaculus {
+
+struct StreamEntry {
+  std::string name;
+  std::string file;  ///< in every trial's folder
+  double rate_hz = kNaN;
+  yaml::Node node;  ///< for messages
+};
+
+/// What dataset.yaml says; files it names are not read yet.
+struct DatasetOutline {
+  Dataset dataset;                       ///< without plan, trials and a script that stands in a file
+  std::optional<yaml::Node> plan;        ///< the plan's file name
+  std::optional<yaml::Node> input_file;  ///< the script's file name
+  std::vector<StreamEntry> streams;
+  std::vector<yaml::Node> trials;
+};
+
+/// Checks keys, kinds, units and ranges. Faults: InputError with the node's place.
+DatasetOutline read_outline(const yaml::Node& file);
+
+/// The text of dataset.yaml that reads back the same. Streams and trials are taken from dataset.trials.
+std::string outline_text(const Dataset& dataset);
+
+/// Dimension of kp (per rad) or kd (per rad/s) in the controller's quantity.
+Dimension gain_dimension(const std::string& quantity, bool derivative);
+
+/// Dimension of a command: torque [N m], voltage [V], duty [-].
+Dimension command_dimension(const std::string& quantity);
+
+}  // namespace jaculus
