@@ -28,7 +28,7 @@ struct EffectParameter {
   std::string shown_as;  ///< "reciprocal" where users read 1/value (compliance as stiffness), else empty
   std::string shown_name;  ///< name and unit for users where shown_as is not empty
   std::string shown_unit;
-  /// A step from nominal, within the bounds, whose influence is plain in the experiments that excite the effect: where
+  /// A signed step from nominal, within the bounds, whose influence is plain in the experiments that excite the effect: where
   /// screening takes its sensitivity (a limit has no influence until it binds). NaN: one `scale`.
   double probe = kNaN;
 

@@ -1,0 +1,166 @@
+// From the command to the torque: loop, driver, winding, battery.
+//
+// A torque constant of s times the stated one turns a current into s times the torque, and a speed into s times the back-EMF:
+//   tau = s tau_stated(i),   V = R i + s k_t G w.
+// On a plant that is torque_scale with the motor's k_t; as values of the model the saturation law i = a tau + c tau^3 takes
+// a/s and c/s^3.
+
+#include <algorithm>
+#include <cmath>
+
+#include "effects/families.h"
+#include "jaculus/components/motor.h"
+
+namespace jaculus::effects {
+namespace {
+
+Effect on_actuation(const std::string& name, const std::string& caption) {
+  Effect effect;
+  effect.name = name;
+  effect.caption = caption;
+  effect.where = Component::actuation;
+  effect.excited_by = {"leap", "self_righting", "tail_bench", "pendulum"};
+  effect.applies = [](const PlanarModel& model) { return !model.motors.empty(); };
+  return effect;
+}
+
+bool any_electric(const PlanarModel& model) {
+  return std::any_of(model.motors.begin(), model.motors.end(), [](const PlanarMotor& m) { return !m.ideal(); });
+}
+
+void scale_torque_constant(PlanarMotor& motor, double scale, Plant& plant) {
+  motor.torque_constant *= scale;
+  plant.actuation.torque_scale.try_emplace(motor.joint, 1.0).first->second *= scale;
+}
+
+std::string path_of(const PlanarMotor& motor, const std::string& key) { return "motors." + motor.joint + "." + key; }
+
+void add_torque_constant(const PlanarMotor& motor, double scale, std::vector<ModelOverride>& values) {
+  values.emplace_back(path_of(motor, "torque_constant"), text_of(motor.torque_constant * scale));
+  values.emplace_back(path_of(motor, "saturation_linear"), text_of(motor.saturation_linear / scale));
+  values.emplace_back(path_of(motor, "saturation_cubic"), text_of(motor.saturation_cubic / std::pow(scale, 3)));
+}
+
+/// The largest current that a motor's other limits let it draw [A]: a limit above it would bind nowhere.
+double usable_current(const PlanarMotor& motor) {
+  const double at_torque = motor.torque_limit < kInfinity
+                               ? motor_current(motor, motor.torque_limit * motor.gear * motor.efficiency)
+                               : kInfinity;
+  return std::min({motor.current_limit, at_torque, motor.voltage / motor.resistance});
+}
+
+/// Copper's resistance and the magnets' strength against temperature above the stated one [K]; as the plant's winding has it.
+constexpr double kCopper = 0.0039, kMagnet = 0.001;
+
+}  // namespace
+
+Effect actuation_delay() {
+  Effect effect = on_actuation("actuation_delay", "commands reach the motors late");
+  effect.parameters = {{"delay", "s", 0.0, {0.0, 0.03}, 0.004, "", "", "", kNaN}};
+  effect.apply = [](const Vector& theta, Plant& plant) { plant.actuation.delay += theta[0]; };
+  return effect;
+}
+
+Effect late_start() {
+  Effect effect = on_actuation("late_start", "the plan as a whole starts late");
+  effect.also = {Component::sensing};
+  effect.parameters = {{"time", "s", 0.0, {0.0, 0.05}, 0.008, "", "", "", kNaN}};
+  effect.apply = [](const Vector& theta, Plant& plant) { plant.actuation.late_start += theta[0]; };
+  return effect;
+}
+
+Effect controller_gains() {
+  Effect effect = on_actuation("controller_gains", "the controller's gains are other than stated");
+  effect.parameters = {{"proportional_scale", "-", 1.0, {0.0, 6.0}, 0.4, "", "", "", kNaN},
+                       {"derivative_scale", "-", 1.0, {0.0, 6.0}, 0.4, "", "", "", kNaN}};
+  effect.apply = [](const Vector& theta, Plant& plant) {
+    plant.actuation.gain_scale_p *= theta[0];
+    plant.actuation.gain_scale_d *= theta[1];
+  };
+  return effect;
+}
+
+Effect torque_constant() {
+  Effect effect = on_actuation("torque_constant", "motors turn current into another torque than stated");
+  effect.parameters = {{"scale", "-", 1.0, {0.4, 1.6}, 0.1, "", "", "", kNaN}};
+  effect.apply = [](const Vector& theta, Plant& plant) {
+    for (PlanarMotor& motor : plant.model.motors) scale_torque_constant(motor, theta[0], plant);
+  };
+  effect.overrides = [](const Vector& theta, const PlanarModel& model) {
+    std::vector<ModelOverride> values;
+    for (const PlanarMotor& motor : model.motors) {
+      if (!motor.ideal()) add_torque_constant(motor, theta[0], values);
+    }
+    return values;
+  };
+  return effect;
+}
+
+Effect voltage_limit() {
+  Effect effect = on_actuation("voltage_limit", "the bus has less voltage than stated");
+  effect.parameters = {{"shortfall", "-", 0.0, {0.0, 0.75}, 0.15, "", "", "", 0.5}};
+  effect.applies = any_electric;
+  effect.apply = [](const Vector& theta, Plant& plant) {
+    for (PlanarMotor& motor : plant.model.motors) motor.voltage *= 1.0 - theta[0];
+  };
+  effect.overrides = [](const Vector& theta, const PlanarModel& model) {
+    std::vector<ModelOverride> values;
+    for (const PlanarMotor& motor : model.motors) {
+      if (!motor.ideal()) {
+        values.emplace_back(path_of(motor, "voltage"), text_of(motor.voltage * (1.0 - theta[0])));
+      }
+    }
+    return values;
+  };
+  return effect;
+}
+
+Effect current_limit() {
+  Effect effect = on_actuation("current_limit", "drivers cut the current below the stated limits");
+  effect.parameters = {{"shortfall", "-", 0.0, {0.0, 0.9}, 0.3, "", "", "", 0.5}};
+  effect.applies = any_electric;
+  const auto limited = [](const PlanarMotor& motor, double shortfall) {
+    return usable_current(motor) * (1.0 - shortfall);
+  };
+  effect.apply = [limited](const Vector& theta, Plant& plant) {
+    if (theta[0] == 0.0) return;
+    for (PlanarMotor& motor : plant.model.motors) {
+      if (!motor.ideal()) motor.current_limit = limited(motor, theta[0]);
+    }
+  };
+  effect.overrides = [limited](const Vector& theta, const PlanarModel& model) {
+    std::vector<ModelOverride> values;
+    for (const PlanarMotor& motor : model.motors) {
+      if (!motor.ideal()) values.emplace_back(path_of(motor, "current_limit"), text_of(limited(motor, theta[0])));
+    }
+    return values;
+  };
+  return effect;
+}
+
+Effect battery_sag() {
+  Effect effect = on_actuation("battery_sag", "the battery's voltage falls with the current drawn");
+  effect.parameters = {{"resistance", "ohm", 0.0, {0.0, 0.2}, 0.02, "", "", "", kNaN}};
+  effect.applies = any_electric;
+  effect.apply = [](const Vector& theta, Plant& plant) { plant.battery.resistance += theta[0]; };
+  return effect;
+}
+
+Effect winding_heating() {
+  Effect effect = on_actuation("winding_heating", "warm windings: more resistance, less torque for a current");
+  effect.parameters = {{"temperature", "K", 0.0, {0.0, 150.0}, 30.0, "", "", "", kNaN}};
+  effect.applies = any_electric;
+  effect.apply = [](const Vector& theta, Plant& plant) { plant.winding.initial += theta[0]; };
+  effect.overrides = [](const Vector& theta, const PlanarModel& model) {
+    std::vector<ModelOverride> values;
+    for (const PlanarMotor& motor : model.motors) {
+      if (motor.ideal()) continue;
+      values.emplace_back(path_of(motor, "resistance"), text_of(motor.resistance * (1.0 + kCopper * theta[0])));
+      add_torque_constant(motor, 1.0 - kMagnet * theta[0], values);
+    }
+    return values;
+  };
+  return effect;
+}
+
+}  // namespace jaculus::effects
