@@ -103,12 +103,13 @@ const Group& tail_group() {
 
 const Group& leg_group() {
   static const Group group = {
-      "leg", "the legs' motor joints", Component::rear_legs, {Component::front_legs}, {"leap"}, 0.1, 10.0, 7e-5};
+      "leg", "leg_link", "the legs' motor joints", Component::rear_legs, {Component::front_legs}, {"leap"}, 0.1,
+      10.0,  7e-5};
   return group;
 }
 
 const Group& other_group() {
-  static const Group group = {"joint", "the joints", Component::actuation, {}, {"pendulum"}, 0.3, 5.0, 5e-3};
+  static const Group group = {"joint", "link", "the joints", Component::actuation, {}, {"pendulum"}, 0.3, 5.0, 5e-3};
   return group;
 }
 

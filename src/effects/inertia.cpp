@@ -61,8 +61,8 @@ void edits_links(Effect& effect, const Group& group, std::function<void(const Ve
 /// Links are bodies of the robot, whoever's joint carries them; a pendulum's are its body.
 Effect on_links(const Group& group, const std::string& kind, const std::string& caption) {
   Effect effect;
-  effect.name = group.prefix + "_" + kind;
-  effect.caption = caption + " beyond " + group.caption + " is other than stated";
+  effect.name = group.link_prefix + "_" + kind;
+  effect.caption = caption + " of every link beyond " + group.caption + " is other than stated";
   effect.where = &group == &other_group() ? Component::body : group.where;
   effect.also = group.also;
   if (effect.where != Component::body) effect.also.push_back(Component::body);
@@ -100,14 +100,14 @@ Effect rotor_inertia(const Group& group) {
 }
 
 Effect link_inertia(const Group& group) {
-  Effect effect = on_links(group, "link_inertia", "moment of inertia about the centre of mass of the links");
+  Effect effect = on_links(group, "inertia", "moment of inertia about the centre of mass");
   effect.parameters = {{"scale", "-", 1.0, {0.1, 6.0}, 0.4, "", "", "", kNaN}};
   edits_links(effect, group, [](const Vector& theta, PlanarBody& link) { link.inertia *= theta[0]; });
   return effect;
 }
 
 Effect link_mass(const Group& group) {
-  Effect effect = on_links(group, "link_mass", "mass (with inertia in proportion) of the links");
+  Effect effect = on_links(group, &group == &leg_group() ? "inertia" : "mass", "mass, with inertia in proportion,");
   effect.parameters = {{"scale", "-", 1.0, {0.2, 3.0}, 0.2, "", "", "", kNaN}};
   edits_links(effect, group, [](const Vector& theta, PlanarBody& link) {
     link.mass *= theta[0];
