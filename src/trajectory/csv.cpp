@@ -2,52 +2,33 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
 #include <cmath>
 #include <fstream>
-#include <iterator>
 #include <optional>
 #include <set>
 #include <string_view>
-#include <system_error>
 
 #include "jaculus/core/error.h"
 #include "jaculus/core/yaml.h"
+#include "trajectory/line_reader.h"
 
 namespace jaculus {
 namespace {
 
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-std::string_view trim(std::string_view text) {
-  const auto first = text.find_first_not_of(" \t");
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(" \t") - first + 1);
-}
-
-/// Text as it may stand in a message: short, and printable whatever the file holds.
-std::string shown(std::string_view text) {
-  constexpr std::size_t kLongest = 40;
-  std::string out;
-  for (const char c : text.substr(0, kLongest)) out += static_cast<unsigned char>(c) < 0x20 || c == 0x7f ? '?' : c;
-  return text.size() > kLongest ? out + "..." : out;
-}
-
 class Parser {
  public:
-  Parser(std::string_view text, std::string name) : rest_(text), name_(std::move(name)) {
-    if (rest_.starts_with("\xEF\xBB\xBF")) rest_.remove_prefix(3);
-    while (!rest_.empty() && std::string_view(" \t\r\n").find(rest_.back()) != std::string_view::npos)
-      rest_.remove_suffix(1);
-  }
+  Parser(std::istream& stream, const std::string& name) : reader_(stream, name), name_(name) {}
 
   Table parse() {
-    if (rest_.empty())
+    std::string_view line;
+    if (!next_line(line))
       throw InputError(fmt::format("{}: the file is empty; a header line and rows are expected", name_));
-    header();
-    if (rest_.empty()) throw error("there is a header but no row");
-    cells_.reserve(rest_.size() / 8);
-    while (!rest_.empty()) row();
+    header(line);
+    while (next_line(line)) row(line);
+    if (cells_.empty() && table_.phase.empty())
+      throw InputError(fmt::format("{}:1: there is a header but no row", name_));
     const auto columns = static_cast<Eigen::Index>(table_.columns.size());
     table_.values =
         Eigen::Map<const RowMajor>(cells_.data(), static_cast<Eigen::Index>(cells_.size()) / columns, columns);
@@ -55,17 +36,22 @@ class Parser {
   }
 
  private:
-  [[nodiscard]] InputError error(const std::string& what) const {
-    return InputError(fmt::format("{}:{}: {}", name_, line_, what));
-  }
+  [[nodiscard]] InputError error(const std::string& what) const { return reader_.error(what); }
 
-  std::string_view next_line() {
-    const auto end = rest_.find('\n');
-    std::string_view line = rest_.substr(0, end);
-    rest_.remove_prefix(end == std::string_view::npos ? rest_.size() : end + 1);
-    if (line.ends_with('\r')) line.remove_suffix(1);
-    ++line_;
-    return line;
+  /// The next line that is not blank; blank lines may stand at the end only.
+  bool next_line(std::string_view& line) {
+    int blank = 0;
+    while (reader_.next(line)) {
+      if (trim(line).empty()) {
+        if (blank == 0) blank = reader_.line();
+        continue;
+      }
+      if (blank > 0)
+        throw InputError(fmt::format("{}:{}: a blank line stands {}", name_, blank,
+                                     columns_ == 0 ? "before the header" : "between the rows"));
+      return true;
+    }
+    return false;
   }
 
   /// Takes the next cell off `line`; `more` tells whether a comma followed. Quoted text with doubled quotes goes
@@ -101,8 +87,7 @@ class Parser {
     return trim(unquoted_);
   }
 
-  void header() {
-    std::string_view line = next_line();
+  void header(std::string_view line) {
     if (line.find(',') == std::string_view::npos && line.find(';') != std::string_view::npos)
       throw error("the header has semicolons but no comma; cells are to be separated by commas");
     std::set<std::string> seen;
@@ -135,15 +120,7 @@ class Parser {
     return {std::string(name), std::string(unit)};
   }
 
-  static bool parse_number(std::string_view cell, double& value) {
-    if (cell.starts_with('+') && !cell.starts_with("+-")) cell.remove_prefix(1);
-    const auto [end, status] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
-    return status == std::errc() && end == cell.data() + cell.size() && std::isfinite(value);
-  }
-
-  void row() {
-    std::string_view line = next_line();
-    if (trim(line).empty()) throw error("a blank line stands between the rows");
+  void row(std::string_view line) {
     int cells = 0;
     std::size_t numbers = 0;
     for (bool more = true; more; ++cells) {
@@ -165,9 +142,8 @@ class Parser {
       throw error(fmt::format("the row has {} cell{}; the header has {}", cells, cells == 1 ? "" : "s", columns_));
   }
 
-  std::string_view rest_;
+  LineReader reader_;
   std::string name_;
-  int line_ = 0;
   int columns_ = 0;        ///< of the file, the phase's among them
   int phase_column_ = -1;  ///< its place in the file
   std::string unquoted_;   ///< the text of the last quoted cell
@@ -198,7 +174,10 @@ int Table::column(const std::string& name) const {
   return -1;
 }
 
-Table parse_csv(std::string_view text, const std::string& name) { return Parser(text, name).parse(); }
+Table parse_csv(std::string_view text, const std::string& name) {
+  ViewStream stream(text);
+  return Parser(stream, name).parse();
+}
 
 Table read_csv(const std::filesystem::path& file) {
   std::error_code code;
@@ -206,9 +185,8 @@ Table read_csv(const std::filesystem::path& file) {
   if (std::filesystem::is_directory(file, code))
     throw InputError(fmt::format("{}: a folder; a CSV file is expected", file.string()));
   std::ifstream stream(file, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(stream), {}};
   if (!stream) throw InputError(fmt::format("{}: can't be read", file.string()));
-  return parse_csv(text, file.string());
+  return Parser(stream, file.string()).parse();
 }
 
 Vector quantity(const Table& table, const std::string& name, const Dimension& dimension,
