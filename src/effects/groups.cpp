@@ -95,9 +95,15 @@ JointGroups joint_groups(const PlanarModel& model) {
 }
 
 const Group& tail_group() {
-  static const Group group = {
-      "tail", "the tail's joint", Component::tail_transmission, {}, {"leap", "self_righting", "tail_bench"}, 0.2, 10.0,
-      7e-5};
+  static const Group group = {"tail",
+                              "tail",
+                              "the tail's joint",
+                              Component::tail_transmission,
+                              {},
+                              {"leap", "self_righting", "tail_bench"},
+                              0.2,
+                              10.0,
+                              7e-5};
   return group;
 }
 
