@@ -15,15 +15,16 @@
 //               Where joints and base are both measured, a second answer: the generalised force that the model lacks
 //               along the measured motion, in weak form, on the patterns that each component can exert.
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
 #include "jaculus/core/types.h"
+#include "jaculus/diagnosis/data.h"
+#include "jaculus/diagnosis/forward.h"
 #include "jaculus/effects/effect.h"
 
 namespace jaculus {
-
-inline constexpr int kComponents = static_cast<int>(Component::sensing) + 1;
 
 /// The gap in one channel.
 struct ChannelGap {
@@ -95,5 +96,16 @@ struct Localisation {
   double strength = 0.0;           ///< overall gap, rms in noise floors [-]
   std::vector<std::string> notes;  ///< what can't be told, and why
 };
+
+struct LocaliseOptions {
+  int windows = 8;         ///< restarts over a plan's duration
+  double shift = 0.01;     ///< standard deviation of a stream's time shift in a run, beyond its alignment [s]
+  std::uint64_t seed = 1;  ///< of the draws behind intervals
+};
+
+/// Localises the gap between observations and the model at parameters `p` (nominal effects; nuisances as fitted). Starts and
+/// shifts of every run are estimated from its prefix for what is judged in time, and projected out for the components.
+Localisation localise(const Observations& observations, const PlantForward& forward, const Vector& p,
+                      const LocaliseOptions& options = {});
 
 }  // namespace jaculus

@@ -1,0 +1,167 @@
+#include "diagnosis/localise_departure.h"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <boost/math/special_functions/erf.hpp>
+#include <cassert>
+#include <cmath>
+
+namespace jaculus {
+namespace {
+
+constexpr double kStays = 0.9;      // "for good": out for nine tenths of what follows
+constexpr double kAtOnce = 5e-3;    // and for this long without a break [s]
+constexpr double kGridStep = 2e-4;  // of candidate onsets [s]
+
+struct Sample {
+  double time = 0.0;
+  int channel = 0;
+  double z = 0.0;
+};
+
+std::vector<Sample> standardised(const std::vector<DepartureChannel>& channels, double until) {
+  std::vector<Sample> samples;
+  for (size_t c = 0; c < channels.size(); ++c) {
+    for (Eigen::Index k = 0; k < channels[c].time.size(); ++k) {
+      if (channels[c].time[k] > until || !std::isfinite(channels[c].mean[k])) continue;
+      samples.push_back({channels[c].time[k], static_cast<int>(c), channels[c].mean[k] / channels[c].error});
+    }
+  }
+  std::stable_sort(samples.begin(), samples.end(), [](const Sample& a, const Sample& b) { return a.time < b.time; });
+  return samples;
+}
+
+/// Whether any channel's latest sample is out, at each sample.
+std::vector<char> any_out(const std::vector<Sample>& samples, int channels, double band) {
+  std::vector<char> out(static_cast<size_t>(channels), 0), any;
+  any.reserve(samples.size());
+  int count = 0;
+  for (const Sample& s : samples) {
+    char& mine = out[static_cast<size_t>(s.channel)];
+    const char now = std::abs(s.z) > band ? 1 : 0;
+    count += now - mine;
+    mine = now;
+    any.push_back(count > 0 ? 1 : 0);
+  }
+  return any;
+}
+
+/// Index of the first sample from which on the band is left for good; -1 where there is none.
+int crossing(const std::vector<Sample>& samples, const std::vector<char>& any) {
+  const int n = static_cast<int>(samples.size());
+  std::vector<int> after(static_cast<size_t>(n) + 1, 0);
+  for (int i = n - 1; i >= 0; --i)
+    after[static_cast<size_t>(i)] = after[static_cast<size_t>(i) + 1] + any[static_cast<size_t>(i)];
+  for (int i = 0; i < n; ++i) {
+    const auto at = static_cast<size_t>(i);
+    if (any[at] == 0 || after[at] < kStays * (n - i) || n - i < 3) continue;
+    bool at_once = true;
+    for (size_t j = at; j < samples.size() && samples[j].time <= samples[at].time + kAtOnce; ++j)
+      at_once &= any[j] != 0;
+    if (at_once) return i;
+  }
+  return -1;
+}
+
+/// chi2 of the hinge model with its onset at t0, over all channels up to `end`.
+double hinge_chi2(const std::vector<DepartureChannel>& channels, double t0, double end) {
+  double chi2 = 0.0;
+  for (const DepartureChannel& c : channels) {
+    std::vector<double> before, y, s;
+    for (Eigen::Index k = 0; k < c.time.size() && c.time[k] <= end; ++k) {
+      if (!std::isfinite(c.mean[k])) continue;
+      if (c.time[k] > t0) {
+        s.push_back((c.time[k] - t0) / (end - t0));
+        y.push_back(c.mean[k]);
+      } else {
+        before.push_back(c.mean[k]);
+      }
+    }
+    double energy = 0.0;
+    for (const double v : before) energy += v * v;
+    const auto n = static_cast<Eigen::Index>(y.size());
+    if (n > 0) {
+      const Eigen::Map<const Vector> tau(s.data(), n);
+      const Eigen::Map<const Vector> value(y.data(), n);
+      const Vector square = tau.cwiseAbs2();
+      Matrix basis(n, n > 1 ? 2 : 1);
+      basis.col(0) = c.rate ? tau : square;
+      if (n > 1) basis.col(1) = c.rate ? square : Vector(square.cwiseProduct(tau));
+      energy += (value - basis * basis.colPivHouseholderQr().solve(value)).squaredNorm();
+    }
+    chi2 += energy / (c.error * c.error * c.inflation);
+  }
+  return chi2;
+}
+
+/// How long after the crossing the hinge is fitted: some samples of every channel that is out.
+double fit_end(const std::vector<DepartureChannel>& channels, double crossing, double until) {
+  double longest = 0.02;
+  for (const DepartureChannel& c : channels) {
+    if (c.time.size() < 2) continue;
+    const double period = (c.time[c.time.size() - 1] - c.time[0]) / static_cast<double>(c.time.size() - 1);
+    longest = std::max(longest, std::min(4.0 * period, 0.05));
+  }
+  return std::min(until, crossing + longest);
+}
+
+void fit_onset(const std::vector<DepartureChannel>& channels, double begin, double until, Departure& d) {
+  const double end = fit_end(channels, d.crossing, until);
+  double rows = 0.0;
+  for (const DepartureChannel& c : channels) rows += static_cast<double>((c.time.array() <= end).count()) / c.inflation;
+  std::vector<double> onset, chi2;
+  for (double t0 = begin; t0 < d.crossing; t0 += kGridStep) {
+    onset.push_back(t0);
+    chi2.push_back(hinge_chi2(channels, t0, end));
+  }
+  if (onset.empty()) {
+    d.time = d.crossing;
+    d.ci95 = {begin, d.crossing};
+    return;
+  }
+  const auto best = static_cast<size_t>(std::min_element(chi2.begin(), chi2.end()) - chi2.begin());
+  d.time = onset[best];
+  const double scale = std::max(1.0, chi2[best] / std::max(1.0, rows));
+  d.ci95 = {d.time, d.time};
+  for (size_t i = 0; i < onset.size(); ++i) {
+    if ((chi2[i] - chi2[best]) / scale > 3.84) continue;
+    d.ci95.lower = std::min(d.ci95.lower, onset[i]);
+    d.ci95.upper = std::max(d.ci95.upper, onset[i]);
+  }
+}
+
+}  // namespace
+
+Departure first_departure(const std::vector<DepartureChannel>& channels, double level, double until) {
+  Departure d;
+  const std::vector<Sample> samples = standardised(channels, until);
+  double tests = 0.0;
+  for (const DepartureChannel& c : channels) {
+    assert(c.error > 0.0 && c.inflation >= 1.0);
+    tests += static_cast<double>((c.time.array() <= until).count()) / c.inflation;
+  }
+  if (samples.empty()) return d;
+  tests = std::max(tests, static_cast<double>(channels.size()));
+  d.band = std::sqrt(2.0) * boost::math::erfc_inv(level / tests);
+  double farthest = 0.0;
+  for (const Sample& s : samples) farthest = std::max(farthest, std::abs(s.z));
+  d.false_alarm = std::min(1.0, tests * std::erfc(farthest / std::sqrt(2.0)));
+  const int at = crossing(samples, any_out(samples, static_cast<int>(channels.size()), d.band));
+  if (at < 0) return d;
+  d.found = true;
+  d.crossing = samples[static_cast<size_t>(at)].time;
+  std::vector<std::pair<double, int>> out;
+  for (size_t c = 0; c < channels.size(); ++c) {
+    double z = 0.0;
+    for (const Sample& s : samples)
+      if (s.channel == static_cast<int>(c) && std::abs(s.time - d.crossing) <= 2.0 * kAtOnce)
+        z = std::max(z, std::abs(s.z));
+    if (z > d.band) out.emplace_back(-z, static_cast<int>(c));
+  }
+  std::sort(out.begin(), out.end());
+  for (const auto& [z, c] : out) d.channels.push_back(channels[static_cast<size_t>(c)].name);
+  fit_onset(channels, samples.front().time, until, d);
+  return d;
+}
+
+}  // namespace jaculus

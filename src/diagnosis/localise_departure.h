@@ -1,0 +1,25 @@
+#pragma once
+// The first time at which the mean residual over the trials leaves its band for good, and the onset behind it. Formulae in
+// jaculus/diagnosis/localise.h.
+
+#include <string>
+#include <vector>
+
+#include "jaculus/diagnosis/localise.h"
+
+namespace jaculus {
+
+/// Mean residual of one channel over the trials.
+struct DepartureChannel {
+  std::string name;
+  bool rate = false;       ///< a velocity: it grows one power of time earlier than a position
+  Vector time;             ///< rising [s]
+  Vector mean;             ///< measured - predicted, in the channel's unit
+  double error = 1.0;      ///< standard deviation of a sample of `mean`
+  double inflation = 1.0;  ///< samples for one independent one, by autocorrelation, >= 1
+};
+
+/// `level`: chance that noise alone leaves the band somewhere. `until`: what comes later isn't looked at [s].
+Departure first_departure(const std::vector<DepartureChannel>& channels, double level = 0.05, double until = kInfinity);
+
+}  // namespace jaculus
