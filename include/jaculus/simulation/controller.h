@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "jaculus/core/types.h"
+#include "jaculus/model/planar.h"
 #include "jaculus/trajectory/csv.h"
 #include "jaculus/trajectory/dataset.h"
 

@@ -1,0 +1,165 @@
+#include "simulation/commander.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "jaculus/core/error.h"
+#include "jaculus/core/yaml.h"
+
+namespace jaculus::detail {
+
+namespace {
+
+void check_reference(const Controller& c, const PlanarModel& model) {
+  const auto count = static_cast<Eigen::Index>(c.reference.motors.size());
+  std::vector<std::string> known;
+  for (const PlanarMotor& motor : model.motors) known.push_back(motor.joint);
+  for (const std::string& name : c.reference.motors) {
+    if (model.motor_index(name) >= 0) continue;
+    const auto near = yaml::nearest_name(name, known);
+    throw InputError(fmt::format("the reference is for another robot: this one has no motor at '{}'{}", name,
+                                 near ? fmt::format("; did it mean '{}'?", *near) : ""));
+  }
+  if (!(c.rate_hz > 0.0)) throw InputError(fmt::format("controller: rate {} Hz; it must be positive", c.rate_hz));
+  const auto fits = [&](const Matrix& m, bool may_lack) {
+    return (may_lack && m.size() == 0) || (m.rows() == count && m.cols() == c.reference.time.size());
+  };
+  if (!fits(c.reference.feedforward, true) || !fits(c.reference.position, true) || !fits(c.reference.velocity, true))
+    throw InputError("the reference's samples don't match its motors and times");
+  for (const Vector* gains : {&c.kp, &c.kd})
+    if (gains->size() != 0 && gains->size() != count)
+      throw InputError(fmt::format("controller: {} gains for {} motors", gains->size(), count));
+}
+
+double value_of(const std::map<std::string, double>& values, const std::string& name, double otherwise) {
+  const auto found = values.find(name);
+  return found == values.end() ? otherwise : found->second;
+}
+
+}  // namespace
+
+Commander::Commander(const Plant& plant, const Controller& controller)
+    : controller_(controller),
+      rate_(controller.rate_hz),
+      delay_(plant.actuation.delay),
+      late_(plant.actuation.late_start),
+      latency_(value_of(plant.sensing.latency, "joints", 0.0)),
+      scale_(plant.actuation.feedforward_scale),
+      continuous_(std::isinf(controller.rate_hz)) {
+  const PlanarModel& model = plant.model;
+  check_reference(controller, model);
+  if (delay_ < 0.0 || late_ < 0.0 || latency_ < 0.0)
+    throw InputError("actuation: delay, late start and latency of sensors can't be negative");
+  now_.resize(model.motors.size());
+  bool feedback = false;
+  for (size_t k = 0; k < controller.reference.motors.size(); ++k) {
+    const std::string& joint = controller.reference.motors[k];
+    const auto i = static_cast<Eigen::Index>(k);
+    motor_.push_back(model.motor_index(joint));
+    kp_.push_back(controller.kp.size() == 0 ? 0.0 : controller.kp[i] * plant.actuation.gain_scale_p);
+    kd_.push_back(controller.kd.size() == 0 ? 0.0 : controller.kd[i] * plant.actuation.gain_scale_d);
+    ratio_.push_back(model.motors[static_cast<size_t>(motor_.back())].gear);
+    position_scale_.push_back(value_of(plant.sensing.scale, joint, 1.0));
+    position_offset_.push_back(value_of(plant.sensing.offset, joint, 0.0));
+    velocity_scale_.push_back(value_of(plant.sensing.scale, joint + "_velocity", 1.0));
+    velocity_offset_.push_back(value_of(plant.sensing.offset, joint + "_velocity", 0.0));
+    feedback = feedback || kp_.back() != 0.0 || kd_.back() != 0.0;
+  }
+  if (continuous_ && feedback && (delay_ > 0.0 || latency_ > 0.0))
+    throw InputError("controller: feedback without a rate can't be delayed; give it a rate");
+}
+
+double Commander::read_instant(long k) const { return std::max(0.0, instant(k) - latency_); }
+
+double Commander::next_change(double t) const {
+  if (!continuous_) {  // sampled
+    const double read = read_instant(next_read_), arrival = queue_.empty() ? kInfinity : queue_.front().time;
+    return std::min(read, arrival);
+  }
+  const double shift = late_ + delay_;
+  if (waiting_ && t < delay_) return delay_;
+  if (t < shift) return shift;
+  // Borders of the feed-forward; with linear ones these are kinks.
+  const Vector& time = controller_.reference.time;
+  for (Eigen::Index k = std::max<Eigen::Index>(sample_, 0); k < time.size(); ++k)
+    if (time[k] + shift > t) return time[k] + shift;
+  const double end = controller_.reference.duration + shift;
+  return end > t ? end : kInfinity;
+}
+
+void Commander::update(double t, const double* position, const double* velocity) {
+  if (continuous_) {
+    if (t >= delay_) waiting_ = false;
+    find_segment(t - delay_);
+    return;
+  }
+  while (read_instant(next_read_) <= t) {
+    // The values are read now; the reference is that of the sample's own instant.
+    queue_.push_back({instant(next_read_) + delay_, now_});
+    find_segment(instant(next_read_));
+    evaluate(instant(next_read_), position, velocity, queue_.back().commands);
+    ++next_read_;
+  }
+  while (!queue_.empty() && queue_.front().time <= t) {
+    now_ = queue_.front().commands;
+    queue_.pop_front();
+    waiting_ = false;
+  }
+}
+
+const Command* Commander::commands(double t, const double* position, const double* velocity) {
+  if (continuous_) evaluate(t - delay_, position, velocity, now_);
+  return now_.data();
+}
+
+/// The part of the reference that holds from controller time t on: its sample, and whether it has begun or ended.
+void Commander::find_segment(double t) {
+  const Reference& r = controller_.reference;
+  const double at = t - late_;
+  started_ = at >= 0.0;
+  ended_ = r.time.size() == 0 || (at >= r.duration && at > 0.0);
+  while (sample_ + 1 < r.time.size() && r.time[sample_ + 1] <= at) ++sample_;
+}
+
+Commander::Wanted Commander::wanted(Eigen::Index row, double at) const {
+  const Reference& r = controller_.reference;
+  const Eigen::Index k = sample_, next = std::min(k + 1, r.time.size() - 1);
+  const double length = r.time[next] - r.time[k];
+  const double s = length > 0.0 ? (at - r.time[k]) / length : 0.0, c = s - 1.0;
+  Wanted w;
+  const bool moves = started_ && !ended_;
+  if (r.feedforward.size() > 0 && started_ && (!ended_ || controller_.after_end == AfterEnd::repeat)) {
+    w.feedforward = r.feedforward(row, k);
+    if (r.linear) w.feedforward += s * (r.feedforward(row, next) - w.feedforward);
+  }
+  const bool rates = r.velocity.size() > 0;
+  const double v0 = rates ? r.velocity(row, k) : 0.0, v1 = rates ? r.velocity(row, next) : 0.0;
+  if (rates && moves) w.velocity = v0 + s * (v1 - v0);
+  if (r.position.size() == 0) return w;
+  const double p0 = r.position(row, k), p1 = r.position(row, next);
+  // Cubic through positions and rates; straight where there are no rates.
+  w.position = !moves || length == 0.0 || !rates ? p0 + (moves ? s : 0.0) * (p1 - p0)
+                                                 : (1.0 + 2.0 * s) * c * c * p0 + s * c * c * length * v0 +
+                                                       s * s * (3.0 - 2.0 * s) * p1 + s * s * c * length * v1;
+  return w;
+}
+
+void Commander::evaluate(double t, const double* position, const double* velocity, std::vector<Command>& out) const {
+  const Reference& r = controller_.reference;
+  for (Command& command : out) command = {};
+  if (r.time.size() == 0 || (ended_ && controller_.after_end == AfterEnd::relax)) return;
+  for (size_t i = 0; i < motor_.size(); ++i) {
+    const auto m = static_cast<size_t>(motor_[i]);
+    const Wanted w = wanted(static_cast<Eigen::Index>(i), t - late_);
+    double value = scale_ * w.feedforward;
+    if (kp_[i] != 0.0 && r.position.size() > 0)
+      value += kp_[i] * ratio_[i] * (w.position - (position_scale_[i] * position[m] + position_offset_[i]));
+    if (kd_[i] != 0.0)
+      value += kd_[i] * ratio_[i] * (w.velocity - (velocity_scale_[i] * velocity[m] + velocity_offset_[i]));
+    out[m] = {true, value};
+  }
+}
+
+}  // namespace jaculus::detail

@@ -1,0 +1,140 @@
+#include "simulation/contact_law.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace jaculus::detail {
+
+namespace {
+
+constexpr double kZero = 1e-9;
+
+/// Gaussian elimination with partial pivoting in place; false where a pivot vanishes beside the matrix.
+bool eliminate(double* K, double* x, int size, double scale) {
+  for (int j = 0; j < size; ++j) {
+    int pivot = j;
+    for (int i = j + 1; i < size; ++i)
+      if (std::abs(K[j * kStride + i]) > std::abs(K[j * kStride + pivot])) pivot = i;
+    if (!(std::abs(K[j * kStride + pivot]) > 1e-13 * scale)) return false;
+    if (pivot != j) {
+      for (int k = j; k < size; ++k) std::swap(K[k * kStride + j], K[k * kStride + pivot]);
+      std::swap(x[j], x[pivot]);
+    }
+    for (int i = j + 1; i < size; ++i) {
+      const double factor = K[j * kStride + i] / K[j * kStride + j];
+      if (factor == 0.0) continue;
+      for (int k = j + 1; k < size; ++k) K[k * kStride + i] -= factor * K[k * kStride + j];
+      x[i] -= factor * x[j];
+    }
+  }
+  for (int j = size - 1; j >= 0; --j) {
+    for (int k = j + 1; k < size; ++k) x[j] -= K[k * kStride + j] * x[k];
+    x[j] /= K[j * kStride + j];
+  }
+  return true;
+}
+
+}  // namespace
+
+bool solve_at(ContactSystem& s, const Touch* modes) {
+  // Unknown forces and the rows that they meet: a normal force each, a tangential one where it sticks.
+  int rows[kStride], size = 0;
+  for (int i = 0; i < s.count; ++i) {
+    if (modes[i] == Touch::open) continue;
+    if (modes[i] == Touch::stick && s.mu[i] >= 0.0) rows[size++] = 2 * i;
+    rows[size++] = 2 * i + 1;
+  }
+  double K[kStride * kStride], x[kStride], scale = 0.0;
+  const auto column_entry = [&](int row, int column) {
+    const int i = column / 2;
+    double value = s.A[column * kStride + row];
+    if (column % 2 == 1 && s.mu[i] >= 0.0) value -= s.mu[i] * slip_sign(modes[i]) * s.A[(column - 1) * kStride + row];
+    return value;
+  };
+  for (int k = 0; k < size; ++k) {
+    for (int r = 0; r < size; ++r) K[k * kStride + r] = column_entry(rows[r], rows[k]);
+    x[k] = (rows[k] % 2 == 1 ? s.target[rows[k] / 2] : 0.0) - s.b[rows[k]];
+    scale = std::max(scale, std::abs(s.A[rows[k] * kStride + rows[k]]));
+    if (K[k * kStride + k] <= 0.0 && rows[k] % 2 == 1 && slip_sign(modes[rows[k] / 2]) != 0.0) return false;
+  }
+  double copy[kStride * kStride], y[kStride];
+  std::copy(K, K + size * kStride, copy);
+  std::copy(x, x + size, y);
+  if (!eliminate(copy, y, size, scale)) {
+    // More contacts than the robot has freedom: the forces are not unique, a slight compliance chooses among them.
+    for (int k = 0; k < size; ++k) K[k * kStride + k] += 1e-10 * scale;
+    std::copy(x, x + size, y);
+    if (!eliminate(K, y, size, 0.0)) return false;
+  }
+  std::fill(s.lambda, s.lambda + 2 * s.count, 0.0);
+  for (int k = 0; k < size; ++k) {
+    const int i = rows[k] / 2;
+    s.lambda[rows[k]] = y[k];
+    if (rows[k] % 2 == 1 && slip_sign(modes[i]) != 0.0) s.lambda[2 * i] = -s.mu[i] * slip_sign(modes[i]) * y[k];
+  }
+  for (int r = 0; r < 2 * s.count; ++r) {
+    double sum = s.b[r];
+    for (int k = 0; k < 2 * s.count; ++k) sum += s.A[k * kStride + r] * s.lambda[k];
+    s.w[r] = sum;
+  }
+  for (int r = 0; r < 2 * s.count; ++r)
+    if (!std::isfinite(s.lambda[r])) return false;
+  return true;
+}
+
+bool consistent(const ContactSystem& s, const Touch* modes) {
+  const double force = kZero * s.scale_force, rate = kZero * s.scale_w;
+  for (int i = 0; i < s.count; ++i) {
+    const double normal = s.lambda[2 * i + 1], tangential = s.lambda[2 * i];
+    if (modes[i] == Touch::open) {
+      if (s.w[2 * i + 1] < s.target[i] - rate) return false;
+      continue;
+    }
+    if (normal < -force) return false;
+    if (std::abs(s.w[2 * i + 1] - s.target[i]) > 1e3 * rate) return false;  // contacts at odds with each other
+    if (s.mu[i] < 0.0) continue;
+    if (modes[i] == Touch::stick) {
+      if (std::abs(tangential) > s.mu[i] * normal + force) return false;
+    } else if (!s.moving[i] && slip_sign(modes[i]) * s.w[2 * i] < -rate) {
+      return false;
+    }
+  }
+  return true;
+}
+
+bool find_modes(ContactSystem& s, Touch* modes, const Touch* excluded, int excluded_contact) {
+  static constexpr Touch kOrder[4] = {Touch::stick, Touch::slip_plus, Touch::slip_minus, Touch::open};
+  const auto allowed = [&](int i, Touch mode) {
+    if (s.mu[i] < 0.0) return mode == Touch::open || mode == Touch::stick;
+    if (!s.moving[i]) return true;
+    return mode == Touch::open || slip_sign(mode) == s.direction[i];
+  };
+  const auto barred = [&](const Touch* m) { return excluded != nullptr && m[excluded_contact] == *excluded; };
+  const auto try_at = [&](const Touch* m) { return solve_at(s, m) && consistent(s, m); };
+  bool valid = true;
+  for (int i = 0; i < s.count; ++i) valid = valid && allowed(i, modes[i]);
+  if (valid && !barred(modes) && try_at(modes)) return true;
+  long combinations = 1;
+  for (int i = 0; i < s.count; ++i) combinations *= 4;
+  for (int pass = 0; pass < (excluded == nullptr ? 1 : 2); ++pass) {
+    for (long code = 0; code < combinations; ++code) {
+      Touch trial[kMaxTouching];
+      bool fits = true;
+      long rest = code;
+      for (int i = 0; i < s.count && fits; ++i, rest /= 4) {
+        trial[i] = kOrder[rest % 4];
+        fits = allowed(i, trial[i]);
+      }
+      if (!fits || (pass == 0) == barred(trial)) {
+        if (!fits || pass == 0) continue;
+        continue;
+      }
+      if (!try_at(trial)) continue;
+      std::copy(trial, trial + s.count, modes);
+      return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace jaculus::detail

@@ -1,0 +1,108 @@
+#include "simulation/drive.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <boost/math/tools/toms748_solve.hpp>
+#include <cmath>
+
+#include "jaculus/components/motor.h"
+#include "jaculus/core/error.h"
+
+namespace jaculus::detail {
+
+Drive::Drive(const Plant& plant, CommandQuantity quantity)
+    : quantity_(quantity), resistance_(plant.battery.resistance), open_voltage_(kInfinity) {
+  warm_ = plant.winding.heat != 0.0 || plant.winding.initial != 0.0;
+  for (const PlanarMotor& motor : plant.model.motors) {
+    if (motor.ideal() && quantity != CommandQuantity::torque)
+      throw InputError(fmt::format("motor of '{}': it is ideal, so it takes torque, no duty or voltage", motor.joint));
+    const auto scale = plant.actuation.torque_scale.find(motor.joint);
+    const double ratio = motor.gear * motor.efficiency;
+    data_.push_back({motor, ratio, motor.ideal() ? motor.torque_limit : largest_joint_torque(motor).value / ratio,
+                     scale == plant.actuation.torque_scale.end() ? 1.0 : scale->second});
+    if (!motor.ideal()) open_voltage_ = std::min(open_voltage_, motor.voltage);
+  }
+  motors.resize(data_.size());
+}
+
+MotorState Drive::one(size_t m, const Command& command, double rate, double temperature, double bus) const {
+  if (!command.on) return {};
+  const Motor& motor = data_[m];
+  const PlanarMotor& d = motor.data;
+  if (d.ideal()) {
+    const double t = std::clamp(command.value, -motor.largest, motor.largest);
+    return {motor.scale * motor.ratio * t, 0.0, 0.0, t != command.value};
+  }
+  const double strength = 1.0 - 0.001 * temperature;
+  const double resistance = warm_ ? d.resistance * (1.0 + 0.0039 * temperature) : d.resistance;
+  const double emf = (warm_ ? d.torque_constant * strength : d.torque_constant) * d.gear * rate;
+  const auto torque_at = [&](double voltage) {
+    const double t = saturated_torque(d.saturation_linear, d.saturation_cubic, (voltage - emf) / resistance);
+    return warm_ ? t * strength : t;
+  };
+  const auto current_of = [&](double t) {
+    const double cold = warm_ ? t / strength : t;
+    return cold * (d.saturation_linear + d.saturation_cubic * cold * cold);
+  };
+  MotorState state;
+  double t = command.value;
+  if (quantity_ == CommandQuantity::torque) {
+    t = std::clamp(t, -motor.largest, motor.largest);
+    state.limited = t != command.value;
+    state.current = current_of(t);
+    state.voltage = resistance * state.current + emf;
+    if (std::abs(state.voltage) > bus) {
+      state.limited = true;
+      state.voltage = std::copysign(bus, state.voltage);
+      t = std::clamp(torque_at(state.voltage), -motor.largest, motor.largest);
+      state.current = current_of(t);
+    }
+  } else {
+    const double wanted = quantity_ == CommandQuantity::duty ? command.value * bus : command.value;
+    state.voltage = std::clamp(wanted, -bus, bus);
+    const double free = torque_at(state.voltage);
+    t = std::clamp(free, -motor.largest, motor.largest);
+    state.limited = t != free || state.voltage != wanted;
+    state.current = current_of(t);
+    if (t != free) state.voltage = resistance * state.current + emf;
+  }
+  state.torque = motor.scale * motor.ratio * t;
+  return state;
+}
+
+double Drive::set_at(double bus, const Command* commands, const double* rates, const double* temperatures) {
+  double power = 0.0;
+  for (size_t m = 0; m < data_.size(); ++m) {
+    const double limit = std::min(bus, data_[m].data.voltage);
+    motors[m] = one(m, commands[m], rates[m], temperatures == nullptr ? 0.0 : temperatures[m],
+                    resistance_ == 0.0 ? data_[m].data.voltage : limit);
+    power += data_[m].data.count * motors[m].voltage * motors[m].current;
+  }
+  return power;
+}
+
+double Drive::set(const Command* commands, const double* rates, const double* temperatures) {
+  if (resistance_ == 0.0 || std::isinf(open_voltage_)) {
+    set_at(open_voltage_, commands, rates, temperatures);
+    return open_voltage_;
+  }
+  // V_0 - R_b P(V)/V - V falls with V near the working point; below half of V_0 a battery gives no more power.
+  const auto gap = [&](double bus) {
+    return open_voltage_ - resistance_ * set_at(bus, commands, rates, temperatures) / bus - bus;
+  };
+  double low = 0.5 * open_voltage_, high = open_voltage_;
+  double at_low = gap(low), at_high = gap(high);
+  while (at_high > 0.0 && high < 4.0 * open_voltage_) at_high = gap(high *= 1.25);  // braking motors feed it
+  double bus = at_low <= 0.0 ? low : high;
+  if (at_low > 0.0 && at_high < 0.0) {
+    std::uintmax_t iterations = 60;
+    const auto close = [&](double a, double b) { return b - a <= 1e-13 * open_voltage_; };
+    const auto root = boost::math::tools::toms748_solve(gap, low, high, at_low, at_high, close, iterations);
+    bus = 0.5 * (root.first + root.second);
+  }
+  set_at(bus, commands, rates, temperatures);
+  return bus;
+}
+
+}  // namespace jaculus::detail

@@ -1,0 +1,301 @@
+#include "simulation/mechanism.h"
+
+#include <fmt/format.h>
+
+#include <cassert>
+#include <cmath>
+
+#include "jaculus/core/error.h"
+
+namespace jaculus::detail {
+
+namespace {
+
+Row to_row(const Eigen::Ref<const Eigen::RowVectorXd>& values) {
+  Row row{};
+  for (Eigen::Index i = 0; i < values.size(); ++i) row[static_cast<size_t>(i)] = values[i];
+  return row;
+}
+
+double dot(const Row& row, const double* v, int n) {
+  double sum = 0.0;
+  for (int i = 0; i < n; ++i) sum += row[static_cast<size_t>(i)] * v[i];
+  return sum;
+}
+
+}  // namespace
+
+Mechanism::Mechanism(const Plant& plant) {
+  const PlanarModel& model = plant.model;
+  n = n_model = model.size();
+  if (n > kMaxSize)
+    throw InputError(fmt::format("{} generalised coordinates: a plant may have {} at most", n, kMaxSize));
+  for (size_t b = 0; b < model.bodies.size(); ++b) {
+    const PlanarBody& link = model.bodies[b];
+    const auto row = static_cast<Eigen::Index>(b);
+    bodies_.push_back({link.parent, link.kind == JointKind::prismatic, false, link.origin, link.axis, link.com,
+                       link.angle_offset, std::cos(link.angle_offset), std::sin(link.angle_offset), link.sign,
+                       link.mass, link.inertia, model.joint_offset[row], to_row(model.joint_map.row(row))});
+    total_mass_ += link.mass;
+  }
+  for (int b : model.dependent) bodies_[static_cast<size_t>(b)].dependent = true;
+  frames_.resize(bodies_.size());
+  loops_ = model.loops;
+  int column = 0;
+  for (size_t i = 0; i < 3; ++i)
+    if (model.base_free[i]) base_[i] = column++;
+  base_pose_ = model.base_pose;
+  gravity_ = model.gravity;
+  for (const PlanarMotor& motor : model.motors) {
+    const Body& link = bodies_[static_cast<size_t>(motor.body)];
+    motor_row.push_back(link.map);
+    motor_offset_.push_back(link.joint_offset);
+  }
+  add_transmissions(plant);
+  add_step_order(model);
+  armature_ = Matrix::Zero(kMaxSize, kMaxSize);
+  for (size_t m = 0; m < model.motors.size(); ++m) {
+    const PlanarMotor& motor = model.motors[m];
+    const Eigen::Map<const Vector> row(motor_row[m].data(), kMaxSize);
+    armature_ += motor.count * motor.gear * motor.gear * motor.rotor_inertia * row * row.transpose();
+  }
+}
+
+void Mechanism::add_transmissions(const Plant& plant) {
+  for (const Transmission& t : plant.transmissions) {
+    if (t.compliance == 0.0 && t.play == 0.0) continue;
+    const int motor = plant.model.motor_index(t.joint);
+    if (motor < 0) throw InputError(fmt::format("transmission of '{}': no motor turns that joint", t.joint));
+    if (n == kMaxSize) throw InputError(fmt::format("more than {} coordinates with the hinges", kMaxSize));
+    const PlanarMotor& m = plant.model.motors[static_cast<size_t>(motor)];
+    Body& link = bodies_[static_cast<size_t>(m.body)];
+    if (m.rotor_inertia == 0.0) {
+      // The link's inertia holds the rotor: half of it stays with the motor, so that a stiff hinge leaves the robot as it was.
+      Spin spin{link.parent, 0.5 * link.inertia, link.map};
+      for (double& value : spin.row) value *= link.sign;
+      link.inertia -= spin.inertia;
+      spins_.push_back(spin);
+    }
+    link.map[static_cast<size_t>(n)] = 1.0;
+    hinges.push_back({motor, m.body, n});
+    ++n;
+  }
+}
+
+/// Links that a loop carries wait until both of its sides are placed.
+void Mechanism::add_step_order(const PlanarModel& model) {
+  std::vector<bool> placed(bodies_.size(), false);
+  placed[0] = true;
+  size_t count = 1;
+  const auto is_placed = [&](int body) { return placed[static_cast<size_t>(body)]; };
+  for (bool progress = true; progress && count < bodies_.size();) {
+    progress = false;
+    for (size_t b = 1; b < bodies_.size(); ++b) {
+      if (placed[b] || bodies_[b].dependent || !is_placed(bodies_[b].parent)) continue;
+      order_.push_back({false, static_cast<int>(b)});
+      placed[b] = progress = true;
+      ++count;
+    }
+    for (size_t l = 0; l < model.loops.size(); ++l) {
+      const PlanarLoop& loop = model.loops[l];
+      if (is_placed(loop.body_a) || !is_placed(bodies_[static_cast<size_t>(loop.body_a)].parent) ||
+          !is_placed(bodies_[static_cast<size_t>(loop.body_b)].parent))
+        continue;
+      order_.push_back({true, static_cast<int>(l)});
+      placed[static_cast<size_t>(loop.body_a)] = placed[static_cast<size_t>(loop.body_b)] = progress = true;
+      count += 2;
+    }
+  }
+  assert(count == bodies_.size() && "every body hangs on the base");
+}
+
+void Mechanism::set_base(const double* q, const double* v) {
+  Frame& f = frames_[0];
+  const auto value = [&](size_t i) { return base_[i] < 0 ? base_pose_[static_cast<Eigen::Index>(i)] : q[base_[i]]; };
+  const auto rate = [&](size_t i) { return base_[i] < 0 ? 0.0 : v[base_[i]]; };
+  f.px = value(0);
+  f.pz = value(1);
+  f.c = std::cos(value(2));
+  f.s = std::sin(value(2));
+  f.vx = rate(0);
+  f.vz = rate(1);
+  f.omega = rate(2);
+  f.ax = f.az = f.alpha = 0.0;
+  if (base_[0] >= 0) f.jx[static_cast<size_t>(base_[0])] = 1.0;
+  if (base_[1] >= 0) f.jz[static_cast<size_t>(base_[1])] = 1.0;
+  if (base_[2] >= 0) f.w[static_cast<size_t>(base_[2])] = 1.0;
+}
+
+/// Origin of a frame at r in the frame of its parent.
+void Mechanism::place(const Frame& p, const Vec2& r, Frame& f) const {
+  const double ex = p.c * r.x() + p.s * r.y(), ez = -p.s * r.x() + p.c * r.y();
+  const double square = p.omega * p.omega;
+  f.px = p.px + ex;
+  f.pz = p.pz + ez;
+  f.vx = p.vx + ez * p.omega;
+  f.vz = p.vz - ex * p.omega;
+  f.ax = p.ax + ez * p.alpha - ex * square;
+  f.az = p.az - ex * p.alpha - ez * square;
+  for (size_t i = 0; i < static_cast<size_t>(n); ++i) {
+    f.jx[i] = p.jx[i] + ez * p.w[i];
+    f.jz[i] = p.jz[i] - ex * p.w[i];
+  }
+}
+
+void Mechanism::set_joint(int b, const double* q, const double* v) {
+  const Body& body = bodies_[static_cast<size_t>(b)];
+  const Frame& p = frames_[static_cast<size_t>(body.parent)];
+  Frame& f = frames_[static_cast<size_t>(b)];
+  const double theta = dot(body.map, q, n) + body.joint_offset, rate = dot(body.map, v, n);
+  if (!body.prismatic) {
+    place(p, body.origin, f);
+    const double angle = body.offset + body.sign * theta, c = std::cos(angle), s = std::sin(angle);
+    f.c = p.c * c - p.s * s;
+    f.s = p.s * c + p.c * s;
+    f.omega = p.omega + body.sign * rate;
+    f.alpha = p.alpha;
+    for (size_t i = 0; i < static_cast<size_t>(n); ++i) f.w[i] = p.w[i] + body.sign * body.map[i];
+    return;
+  }
+  place(p, body.origin + body.axis * theta, f);
+  const double ex = p.c * body.axis.x() + p.s * body.axis.y(), ez = -p.s * body.axis.x() + p.c * body.axis.y();
+  f.vx += ex * rate;
+  f.vz += ez * rate;
+  f.ax += 2.0 * p.omega * rate * ez;
+  f.az -= 2.0 * p.omega * rate * ex;
+  for (size_t i = 0; i < static_cast<size_t>(n); ++i) {
+    f.jx[i] += ex * body.map[i];
+    f.jz[i] += ez * body.map[i];
+  }
+  f.c = p.c * body.cos_offset - p.s * body.sin_offset;
+  f.s = p.s * body.cos_offset + p.c * body.sin_offset;
+  f.omega = p.omega;
+  f.alpha = p.alpha;
+  f.w = p.w;
+}
+
+bool Mechanism::close_loop(const PlanarLoop& loop) {
+  const Body &link_a = bodies_[static_cast<size_t>(loop.body_a)], &link_b = bodies_[static_cast<size_t>(loop.body_b)];
+  Frame &a = frames_[static_cast<size_t>(loop.body_a)], &b = frames_[static_cast<size_t>(loop.body_b)];
+  place(frames_[static_cast<size_t>(link_a.parent)], link_a.origin, a);
+  place(frames_[static_cast<size_t>(link_b.parent)], link_b.origin, b);
+  const double ux = b.px - a.px, uz = b.pz - a.pz, distance2 = ux * ux + uz * uz;
+  const double ra2 = loop.point_a.squaredNorm(), rb2 = loop.point_b.squaredNorm();
+  const double along = 0.5 * (distance2 + ra2 - rb2) / distance2;  // of u
+  const double height2 = ra2 - along * along * distance2;
+  if (!(height2 > 1e-12 * ra2)) return false;  // stretched out, or the circles are concentric (NaN)
+  const double across = loop.branch * std::sqrt(height2 / distance2);
+  // Arms from the roots to the pin.
+  const double ax = along * ux + across * uz, az = along * uz - across * ux, bx = ax - ux, bz = az - uz;
+  a.c = (loop.point_a.x() * ax + loop.point_a.y() * az) / ra2;
+  a.s = (loop.point_a.y() * ax - loop.point_a.x() * az) / ra2;
+  b.c = (loop.point_b.x() * bx + loop.point_b.y() * bz) / rb2;
+  b.s = (loop.point_b.y() * bx - loop.point_b.x() * bz) / rb2;
+  // [e'_a -e'_b] (x_a, x_b) = (x, z), e'_a = (az, -ax).
+  const double inverse = 1.0 / (az * bx - ax * bz);
+  const auto solve_a = [&](double x, double z) { return (bx * x + bz * z) * inverse; };
+  const auto solve_b = [&](double x, double z) { return (ax * x + az * z) * inverse; };
+  for (size_t i = 0; i < static_cast<size_t>(n); ++i) {
+    const double x = b.jx[i] - a.jx[i], z = b.jz[i] - a.jz[i];
+    a.w[i] = solve_a(x, z);
+    b.w[i] = solve_b(x, z);
+  }
+  a.omega = solve_a(b.vx - a.vx, b.vz - a.vz);
+  b.omega = solve_b(b.vx - a.vx, b.vz - a.vz);
+  const double sa = a.omega * a.omega, sb = b.omega * b.omega;
+  const double x = b.ax - bx * sb - a.ax + ax * sa, z = b.az - bz * sb - a.az + az * sa;
+  a.alpha = solve_a(x, z);
+  b.alpha = solve_b(x, z);
+  return true;
+}
+
+bool Mechanism::set(const double* q, const double* v) {
+  set_base(q, v);
+  for (const Step& step : order_) {
+    if (!step.loop) {
+      set_joint(step.index, q, v);
+    } else if (!close_loop(loops_[static_cast<size_t>(step.index)])) {
+      return false;
+    }
+  }
+  return true;
+}
+
+void Mechanism::assemble(double* mass, double* bias) const {
+  const auto size = static_cast<size_t>(n);
+  for (size_t j = 0; j < size; ++j) {
+    for (size_t i = j; i < size; ++i) mass[j * kMaxSize + i] = armature_.data()[j * kMaxSize + i];
+    bias[j] = 0.0;
+  }
+  Row jx, jz;
+  for (size_t b = 0; b < bodies_.size(); ++b) {
+    const Body& body = bodies_[b];
+    const Frame& f = frames_[b];
+    const double ex = f.c * body.com.x() + f.s * body.com.y(), ez = -f.s * body.com.x() + f.c * body.com.y();
+    const double square = f.omega * f.omega, m = body.mass, inertia = body.inertia;
+    const double force_x = m * (f.ax + ez * f.alpha - ex * square);
+    const double force_z = m * (f.az - ex * f.alpha - ez * square + gravity_), moment = inertia * f.alpha;
+    for (size_t i = 0; i < size; ++i) {
+      jx[i] = f.jx[i] + ez * f.w[i];
+      jz[i] = f.jz[i] - ex * f.w[i];
+      bias[i] += jx[i] * force_x + jz[i] * force_z + f.w[i] * moment;
+    }
+    for (size_t j = 0; j < size; ++j) {
+      const double x = m * jx[j], z = m * jz[j], w = inertia * f.w[j];
+      for (size_t i = j; i < size; ++i) mass[j * kMaxSize + i] += x * jx[i] + z * jz[i] + w * f.w[i];
+    }
+  }
+  for (const Spin& spin : spins_) {
+    const Frame& f = frames_[static_cast<size_t>(spin.body)];
+    for (size_t i = 0; i < size; ++i) {
+      jx[i] = f.w[i] + spin.row[i];
+      bias[i] += jx[i] * spin.inertia * f.alpha;
+    }
+    for (size_t j = 0; j < size; ++j)
+      for (size_t i = j; i < size; ++i) mass[j * kMaxSize + i] += spin.inertia * jx[j] * jx[i];
+  }
+}
+
+void Mechanism::point(int b, const Vec2& r, PointState& out) const {
+  const Frame& f = frames_[static_cast<size_t>(b)];
+  const double ex = f.c * r.x() + f.s * r.y(), ez = -f.s * r.x() + f.c * r.y();
+  const double square = f.omega * f.omega;
+  out.px = f.px + ex;
+  out.pz = f.pz + ez;
+  out.vx = f.vx + ez * f.omega;
+  out.vz = f.vz - ex * f.omega;
+  out.ax = f.ax + ez * f.alpha - ex * square;
+  out.az = f.az - ex * f.alpha - ez * square;
+  for (size_t i = 0; i < static_cast<size_t>(n); ++i) {
+    out.jx[i] = f.jx[i] + ez * f.w[i];
+    out.jz[i] = f.jz[i] - ex * f.w[i];
+  }
+}
+
+void Mechanism::joint(int b, const double* q, const double* v, JointState& out) const {
+  const Body& body = bodies_[static_cast<size_t>(b)];
+  if (!body.dependent) {
+    out.row = body.map;
+    out.value = dot(body.map, q, n) + body.joint_offset;
+    out.rate = dot(body.map, v, n);
+    out.bias = 0.0;
+    return;
+  }
+  const Frame &f = frames_[static_cast<size_t>(b)], &p = frames_[static_cast<size_t>(body.parent)];
+  const double c = f.c * p.c + f.s * p.s, s = f.s * p.c - f.c * p.s;  // of the angle to the parent
+  const double c0 = body.cos_offset, s0 = body.sin_offset;
+  out.value = body.sign * std::atan2(s * c0 - c * s0, c * c0 + s * s0);
+  out.rate = body.sign * (f.omega - p.omega);
+  out.bias = body.sign * (f.alpha - p.alpha);
+  for (size_t i = 0; i < static_cast<size_t>(n); ++i) out.row[i] = body.sign * (f.w[i] - p.w[i]);
+}
+
+double Mechanism::motor_angle(int motor, const double* q) const {
+  return dot(motor_row[static_cast<size_t>(motor)], q, n) + motor_offset_[static_cast<size_t>(motor)];
+}
+
+double Mechanism::motor_rate(int motor, const double* v) const {
+  return dot(motor_row[static_cast<size_t>(motor)], v, n);
+}
+
+}  // namespace jaculus::detail

@@ -1,0 +1,107 @@
+#pragma once
+// The plant's equations of motion at a state and at given contact modes:
+//     M a + h = B tau + Q_drag + Q_friction + Q_hinges + Q_push + J^T lambda,    J a + gamma = 0 on closed rows,
+// by Cholesky M = L L^T and Delassus' matrix of the rows that touch (contact_law.h). State y = (q, v, winding temperatures),
+// q with the hinges behind the model's coordinates.
+
+#include <string>
+#include <vector>
+
+#include "jaculus/simulation/simulate.h"
+#include "simulation/commander.h"
+#include "simulation/contact_law.h"
+#include "simulation/drive.h"
+#include "simulation/mechanism.h"
+
+namespace jaculus::detail {
+
+/// A contact that pushes only: a foot, another point, or a joint's stop.
+struct Unilateral {
+  std::string name;
+  int body = 0;
+  Vec2 position = Vec2::Zero();
+  double radius = 0.0;  ///< of a foot [m]
+  int count = 1;        ///< left and right
+  double mu = -1.0;     ///< negative: a stop
+  double side = 0.0;    ///< of a stop: +1 keeps above `bound`, -1 below
+  double bound = 0.0;   ///< [rad or m]
+  double restitution = 0.0;
+  int foot = -1;  ///< index of the model's feet
+  [[nodiscard]] bool stop() const { return side != 0.0; }
+};
+
+/// A unilateral contact at a state.
+struct ContactState {
+  double gap, normal_rate, tangential_rate, normal_bias, tangential_bias;
+  Row normal, tangential;
+  Row solved_normal, solved_tangential;  ///< L^-1 of the rows, where computed
+};
+
+class PlantEquations {
+ public:
+  PlantEquations(const Plant& plant, const Controller& controller);
+
+  [[nodiscard]] int n() const { return mechanism.n; }
+  [[nodiscard]] int states() const { return 2 * mechanism.n + (warm_ ? static_cast<int>(drive.motors.size()) : 0); }
+
+  /// Takes what changes by a jump at t: commands, pushes. After set_state.
+  void update(double t, const double* y);
+  [[nodiscard]] double next_change(double t) const;
+  /// Positions and rates alone: frames, contacts' gaps and rates.
+  bool set_state(const double* y);
+  /// Everything up to the free acceleration (no contact): after set_state of the same y.
+  bool set_forces(double t, const double* y);
+  /// Rows of the contacts in `touching` into `system`; after set_forces (or set_mass alone, `impact`: b from the rates v).
+  void fill_system(const std::vector<int>& touching, bool impact, const double* v);
+  /// The whole right-hand side at `modes`. False: no loop closes, or M or the contacts are singular.
+  bool evaluate(double t, const double* y, double* dydt);
+  /// M at the state, factorised; after set_state.
+  bool set_mass();
+  /// x += M^-1 J^T lambda of the system's contacts.
+  void add_response(const std::vector<int>& touching, const double* lambda, double* x) const;
+
+  Mechanism mechanism;
+  Drive drive;
+  Commander commander;
+  std::vector<Unilateral> unilaterals;
+  std::vector<ContactState> contacts;
+  std::vector<Touch> modes;
+  std::vector<double> lambda;  ///< 2 a unilateral: tangential, normal
+  ContactSystem system;
+  double bus = 0.0;
+  long evaluations = 0;
+  std::vector<double> motor_position, motor_velocity;
+  double force_scale = 1.0;
+
+ private:
+  void add_unilaterals();
+  void read_motors(const double* y);
+  void add_drag();
+  void add_joint_friction();
+  void add_hinges(const double* y);
+  void set_contact(size_t i, const double* y);
+  void fill_rows(const std::vector<int>& touching);
+  void forward(double* x) const;   ///< x = L^-1 x
+  void backward(double* x) const;  ///< x = L^-T x
+
+  struct Friction {
+    const JointFriction* data;
+    int body, motor, count;
+  };
+  struct Spring {
+    double stiffness, damping_ratio, half_play, smoothing;
+    double damping = -1.0;  ///< set at the first state, whose inertia it goes by
+  };
+  const Plant& plant_;
+  std::vector<Friction> friction_;
+  std::vector<Spring> springs_;
+  double heat_ = 0.0;
+  bool warm_ = false;  ///< windings' temperatures are states
+  std::vector<bool> pushing_;
+  std::vector<int> touching_;
+  std::vector<Touch> touching_modes_;
+  double L_[kMaxSize * kMaxSize], h_[kMaxSize], force_[kMaxSize], free_[kMaxSize];
+  double inverse_diagonal_[kMaxSize];
+};
+
+}  // namespace jaculus::detail

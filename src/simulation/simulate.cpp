@@ -1,0 +1,106 @@
+#include "jaculus/simulation/simulate.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+
+#include "jaculus/core/error.h"
+#include "jaculus/core/yaml.h"
+#include "jaculus/dynamics/rigid_body.h"
+#include "simulation/simulator.h"
+
+namespace jaculus {
+
+const char* status_name(SimulationStatus status) {
+  switch (status) {
+    case SimulationStatus::done:
+      return "done";
+    case SimulationStatus::diverged:
+      return "diverged";
+    case SimulationStatus::event_cluster:
+      return "event_cluster";
+    case SimulationStatus::singular:
+      return "singular";
+    case SimulationStatus::contact_unresolved:
+      return "contact_unresolved";
+  }
+  return "";
+}
+
+Simulation simulate(const Plant& plant, const Controller& controller, const StartState& start,
+                    const SimulationOptions& options) {
+  return detail::Simulator(plant, controller, start, options).run();
+}
+
+namespace {
+
+/// Coordinates from named values: of coordinates themselves and of joints that follow from them.
+Vector initial_coordinates(const PlanarModel& model, const std::map<std::string, double>& values) {
+  std::vector<Eigen::RowVectorXd> rows;
+  std::vector<double> right;
+  std::vector<std::string> known;
+  for (const Coordinate& c : model.coordinates) known.push_back(c.name);
+  for (const PlanarBody& body : model.bodies) known.push_back(body.joint);
+  for (const auto& [name, value] : values) {
+    const int i = model.coordinate_index(name), b = model.body_of_joint(name);
+    if (i >= 0) {
+      rows.emplace_back(Eigen::RowVectorXd::Unit(model.size(), i));
+      right.push_back(value);
+    } else if (b >= 0) {
+      if (std::find(model.dependent.begin(), model.dependent.end(), b) != model.dependent.end()) continue;
+      if (model.joint_map.row(b).isZero(0.0)) continue;  // locked
+      rows.emplace_back(model.joint_map.row(b));
+      right.push_back(value - model.joint_offset[b]);
+    } else {
+      const auto near = yaml::nearest_name(name, known);
+      throw InputError(fmt::format("initial: '{}' is no coordinate or joint of the robot{}", name,
+                                   near ? fmt::format("; did it mean '{}'?", *near) : ""));
+    }
+  }
+  for (const char* name : {"x", "z", "pitch"}) {  // a base that is not mentioned is level at the origin
+    const int i = model.coordinate_index(name);
+    if (i < 0 || values.count(name) > 0) continue;
+    rows.emplace_back(Eigen::RowVectorXd::Unit(model.size(), i));
+    right.push_back(0.0);
+  }
+  Matrix map(static_cast<Eigen::Index>(rows.size()), model.size());
+  Vector b(map.rows());
+  for (Eigen::Index r = 0; r < map.rows(); ++r) {
+    map.row(r) = rows[static_cast<size_t>(r)];
+    b[r] = right[static_cast<size_t>(r)];
+  }
+  const Eigen::ColPivHouseholderQR<Matrix> qr(map);
+  if (qr.rank() < model.size()) {
+    std::vector<std::string> missing;
+    for (const Coordinate& c : model.coordinates) {
+      const auto i = static_cast<Eigen::Index>(model.coordinate_index(c.name));
+      if (map.col(i).isZero(0.0)) missing.push_back(c.name);
+    }
+    throw InputError(
+        fmt::format("initial: the pose leaves {} open; every coordinate needs a value",
+                    missing.empty() ? std::string("coordinates") : fmt::format("'{}'", fmt::join(missing, "', '"))));
+  }
+  return qr.solve(b);
+}
+
+}  // namespace
+
+StartState reference_start(const Plant& plant, const Reference& reference) {
+  const PlanarModel& model = plant.model;
+  StartState start{initial_coordinates(model, reference.initial), Vector::Zero(model.size())};
+  const int z = model.coordinate_index("z");
+  if (z < 0 || model.feet.empty()) return start;
+  const AbsoluteTree tree(model);
+  Motion motion(tree);
+  if (!set_configuration(tree, start.q, motion)) throw InputError("initial: the loops can't be closed in this pose");
+  double lowest = kInfinity;
+  for (size_t f = 0; f < model.feet.size(); ++f)
+    lowest = std::min(lowest, foot_position(tree, motion, static_cast<int>(f)).y() - plant.ground.foot_radius);
+  start.q[z] += plant.ground.height - lowest;
+  return start;
+}
+
+}  // namespace jaculus

@@ -1,0 +1,80 @@
+#pragma once
+// The loop of a simulation: steps of Dormand-Prince 5(4) between instants at which something jumps (commands, pushes), events
+// located on its dense output, transitions of the contacts.
+//
+// Why this integrator: a held command ends a step each millisecond or less, over which the motion is smooth, so one explicit step
+// of order five meets 1e-6 with seven evaluations of a microsecond each; multistep methods (CVODE) would restart at every
+// command, and ARKODE's root finding evaluates event functions on an interpolant all the same. Event functions of forces need the
+// equations themselves: they are evaluated at the ends of a step, where they come for free, and where one has changed its sign
+// the instant is bracketed on the dense output by Boost's toms748. A gap that closes and opens again within a step is found from
+// the sign of its rate.
+
+#include <boost/numeric/odeint/stepper/runge_kutta_dopri5.hpp>
+#include <vector>
+
+#include "simulation/plant_equations.h"
+
+namespace jaculus::detail {
+
+class Simulator {
+ public:
+  Simulator(const Plant& plant, const Controller& controller, const StartState& start,
+            const SimulationOptions& options);
+  Simulation run();
+
+ private:
+  using State = std::vector<double>;
+  using Stepper = boost::numeric::odeint::runge_kutta_dopri5<State>;
+  /// What must not fall below zero within a step: a gap, a normal force, the two sides of the cone, the rate of a slip.
+  enum class Function { gap, lift, cone_plus, cone_minus, slide };
+  struct EventFunction {
+    Function kind;
+    int contact;
+    double tolerance;
+    double at_start = 0.0, at_end = 0.0;
+    double rate_at_start = 0.0;  ///< of a gap
+  };
+
+  void prepare(const StartState& start);
+  bool enter(double t);
+  bool evaluate_start();
+  bool step(double limit);
+  bool attempt(double limit);
+  bool handle_events();
+  [[nodiscard]] double value(const EventFunction& f) const;
+  [[nodiscard]] bool forces_at(const EventFunction& f) const {
+    return f.kind != Function::gap && f.kind != Function::slide;
+  }
+  double value_at(const EventFunction& f, double t);
+  double first_crossing(const EventFunction& f);
+  [[nodiscard]] bool dips(EventFunction& f, double& bottom);
+  void list_functions();
+  void dense(double t, State& out);
+  bool transition(const EventFunction& f);
+  bool impact();
+  bool settle(const Touch* excluded, int excluded_contact);
+  void limit_rebound(const std::vector<int>& touching, const Touch* modes);
+  void project();
+  void record_before(double t);
+  void record(double t, const State& y);
+  bool fail(SimulationStatus status, const std::string& message);
+  void log(EventKind kind, int contact);
+  void set_mode(int contact, Touch mode);
+  [[nodiscard]] std::vector<int> candidates(bool approaching) const;
+  [[nodiscard]] bool touching_anything() const;
+
+  SimulationOptions options_;
+  PlantEquations equations_;
+  Stepper stepper_;
+  State y_, dydt_, y_new_, dydt_new_, error_, y_dense_, dydt_dense_;
+  std::vector<EventFunction> functions_;
+  double t_ = 0.0, t_new_ = 0.0, step_ = 0.0, h_ = 1e-3;
+  bool broken_ = false;  ///< the equations failed within a step
+  bool touched_ = false;
+  int crowded_ = 0;
+  double last_event_ = -1.0;
+  Eigen::Index sample_ = 0;
+  Simulation out_;
+};
+
+}  // namespace jaculus::detail
