@@ -32,7 +32,8 @@ Vector read_time(const Table& table, const fs::path& file, bool borders_may_coin
     if (std::isnan(time[k])) throw fault("an empty cell given; allowed: a time in every row");
     if (k == 0 || time[k] > time[k - 1]) continue;
     if (time[k] < time[k - 1])
-      throw fault(fmt::format("{} s follows {} s; allowed: time that never runs backwards", time[k], time[k - 1]));
+      throw fault(
+          fmt::format("{:.10g} s follows {:.10g} s; allowed: time that never runs backwards", time[k], time[k - 1]));
     if (!borders_may_coincide) throw fault(fmt::format("{} s stands twice; allowed: one row a time", time[k]));
   }
   return time;

@@ -90,7 +90,8 @@ std::vector<std::pair<double, double>> read_steps(const yaml::Node& node, const 
     if (parts.size() != 2) throw step.error("allowed: [time, value]");
     const double time = parts[0].number(dimension::time);
     if (!steps.empty() && !(time > steps.back().first))
-      throw step.error(fmt::format("time {} s follows {} s; allowed: rising times", time, steps.back().first));
+      throw step.error(
+          fmt::format("time {:.10g} s follows {:.10g} s; allowed: rising times", time, steps.back().first));
     steps.emplace_back(time, parts[1].number(dimension));
   }
   if (steps.empty()) throw node.error("an empty list given; allowed: [[time, value], ...]");

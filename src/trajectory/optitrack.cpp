@@ -214,7 +214,7 @@ class Reader {
     double time = kNaN;
     if (!parse_number(cell(index), time)) throw reader_.error(fmt::format("'{}' is not a time", shown(cell(index))));
     if (!times_.empty() && !(time > times_.back()))
-      throw reader_.error(fmt::format("time {} s follows {} s; allowed: rising times", time, times_.back()));
+      throw reader_.error(fmt::format("time {:.10g} s follows {:.10g} s; allowed: rising times", time, times_.back()));
     times_.push_back(time);
   }
 

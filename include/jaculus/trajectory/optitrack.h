@@ -42,10 +42,10 @@ MocapTake read_optitrack(std::istream& stream, const std::string& name);
 struct MocapAxes {
   std::string up = "y";  ///< file axis that points up: "y" (Motive's own), "z"
   std::string forward =
-      "auto";         ///< "+x", "-x", "+y", ..., "motion": along the body's displacement; "auto": the file's axis
-                      ///< within 15 degrees of that, or else that
-  std::string body;   ///< which is the robot's base; empty: the first
-  double rest = 0.1;  ///< the first seconds, at rest; zero of x, y and the angles is their mean [s]
+      "auto";          ///< "+x", "-x", "+y", ..., "motion": along the body's displacement; "auto": the file's axis
+                       ///< within 15 degrees of that, or else that
+  std::string body{};  ///< which is the robot's base; empty: the first
+  double rest = 0.1;   ///< the first seconds, at rest; zero of x, y and the angles is their mean [s]
 };
 
 /// The channels of a dataset's mocap stream: of the base x, y (from rest), z (absolute), pitch (from rest, nose-down positive),

@@ -1,0 +1,231 @@
+#include "jaculus/trajectory/openlog.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <fstream>
+
+#include "jaculus/core/error.h"
+
+namespace jaculus {
+namespace {
+
+/// A window over a stream of bytes that is read by blocks.
+class Bytes {
+ public:
+  explicit Bytes(std::istream& stream) : stream_(stream) {}
+
+  /// Whether `count` bytes are at hand from the present place.
+  bool have(std::size_t count) {
+    constexpr std::size_t kBlock = std::size_t{1} << 18;
+    while (buffer_.size() - at_ < count && !ended_) {
+      buffer_.erase(buffer_.begin(), buffer_.begin() + static_cast<std::ptrdiff_t>(at_));
+      at_ = 0;
+      const std::size_t before = buffer_.size();
+      buffer_.resize(before + kBlock);
+      stream_.read(reinterpret_cast<char*>(buffer_.data()) + before, static_cast<std::streamsize>(kBlock));
+      const auto got = static_cast<std::size_t>(stream_.gcount());
+      buffer_.resize(before + got);
+      ended_ = got < kBlock;
+    }
+    return buffer_.size() - at_ >= count;
+  }
+  [[nodiscard]] const std::uint8_t* data() const { return buffer_.data() + at_; }
+  [[nodiscard]] std::size_t left() const { return buffer_.size() - at_; }
+  [[nodiscard]] std::uint64_t place() const { return place_; }  ///< of data() in the file
+  void advance(std::size_t count) {
+    at_ += count;
+    place_ += count;
+  }
+
+ private:
+  std::istream& stream_;
+  std::vector<std::uint8_t> buffer_;
+  std::size_t at_ = 0;
+  std::uint64_t place_ = 0;
+  bool ended_ = false;
+};
+
+std::uint64_t raw_bits(const std::uint8_t* bytes, std::size_t count, bool big_endian) {
+  std::uint64_t bits = 0;
+  for (std::size_t i = 0; i < count; ++i) bits = bits << 8 | bytes[big_endian ? i : count - 1 - i];
+  return bits;
+}
+
+double raw_value(const OpenLogField& field, const std::uint8_t* record, bool big_endian) {
+  const std::uint64_t bits = raw_bits(record + field.offset, field.bytes, big_endian);
+  if (field.kind == 'u') return static_cast<double>(bits);
+  if (field.kind == 'f') {
+    return field.bytes == 4 ? static_cast<double>(std::bit_cast<float>(static_cast<std::uint32_t>(bits)))
+                            : std::bit_cast<double>(bits);
+  }
+  const int unused = 64 - 8 * static_cast<int>(field.bytes);
+  return static_cast<double>(static_cast<std::int64_t>(bits << unused) >> unused);
+}
+
+bool checksum_holds(const OpenLogFormat& format, const std::uint8_t* record) {
+  std::uint8_t sum = 0;
+  for (std::size_t i = format.sync.size(); i + 1 < format.record_bytes; ++i)
+    sum = format.checksum == "sum8" ? static_cast<std::uint8_t>(sum + record[i])
+                                    : static_cast<std::uint8_t>(sum ^ record[i]);
+  return sum == record[format.record_bytes - 1];
+}
+
+class Reader {
+ public:
+  Reader(std::istream& stream, std::string name, const OpenLogFormat& format)
+      : bytes_(stream), name_(std::move(name)), format_(format) {
+    stream_.name = format.stream;
+    stream_.rate_hz = format.rate_hz;
+    for (const OpenLogField& field : format.fields) {
+      channel_.push_back(-1);
+      if (field.channel.empty() || field.channel == "time") continue;
+      channel_.back() = stream_.channel(field.channel);
+      if (channel_.back() < 0) {
+        channel_.back() = static_cast<int>(stream_.channels.size());
+        stream_.channels.push_back(field.channel);
+        stream_.units.push_back(field.unit);
+        shares_.push_back(0);
+      }
+      ++shares_[static_cast<std::size_t>(channel_.back())];
+    }
+  }
+
+  Stream read(std::vector<std::string>& notes) {
+    skip_header();
+    while (bytes_.have(format_.record_bytes)) {
+      const std::uint8_t* record = bytes_.data();
+      const bool in_step = std::equal(format_.sync.begin(), format_.sync.end(), record);
+      if (!in_step || (!format_.checksum.empty() && !checksum_holds(format_, record))) {
+        if (in_step) ++bad_sums_;
+        resynchronise();
+        continue;
+      }
+      take(record);
+      bytes_.advance(format_.record_bytes);
+    }
+    if (times_.empty())
+      throw InputError(fmt::format("{}: no record of {} bytes is in this log; allowed: a log that the description fits",
+                                   name_, format_.record_bytes));
+    report(notes);
+    return finish();
+  }
+
+ private:
+  void skip_header() {
+    std::size_t left = format_.header_bytes;
+    while (left > 0 && bytes_.have(1)) {
+      const std::size_t step = std::min(left, bytes_.left());
+      bytes_.advance(step);
+      left -= step;
+    }
+    if (left > 0) throw InputError(fmt::format("{}: ends within its header of {} bytes", name_, format_.header_bytes));
+    const auto& until = format_.header_until;
+    if (until.empty()) return;
+    for (; bytes_.have(until.size()); bytes_.advance(1)) {
+      if (!std::equal(until.begin(), until.end(), bytes_.data())) continue;
+      bytes_.advance(until.size());
+      return;
+    }
+    throw InputError(fmt::format("{}: the bytes that end the header are nowhere in it", name_));
+  }
+
+  /// To the next place where a record may begin. Without sync there is none but the next record.
+  void resynchronise() {
+    if (format_.sync.empty()) {
+      bytes_.advance(format_.record_bytes);
+      return;
+    }
+    do {
+      bytes_.advance(1);
+      ++skipped_;
+    } while (bytes_.have(format_.sync.size()) && !std::equal(format_.sync.begin(), format_.sync.end(), bytes_.data()));
+  }
+
+  void take(const std::uint8_t* record) {
+    const std::size_t first = values_.size();
+    values_.resize(first + stream_.channels.size(), 0.0);
+    for (std::size_t i = 0; i < format_.fields.size(); ++i) {
+      const OpenLogField& field = format_.fields[i];
+      if (field.channel.empty()) continue;
+      const double raw = raw_value(field, record, format_.big_endian);
+      if (channel_[i] < 0) {
+        add_time(field, raw);
+        continue;
+      }
+      const double value = field.scale * raw + field.shift;
+      // What no number is (a sensor's fault written as NaN) is a gap.
+      values_[first + static_cast<std::size_t>(channel_[i])] +=
+          std::isfinite(value) ? value / shares_[static_cast<std::size_t>(channel_[i])] : kNaN;
+    }
+  }
+
+  void add_time(const OpenLogField& field, double raw) {
+    const double range = std::ldexp(1.0, 8 * static_cast<int>(field.bytes));
+    if (field.kind == 'u' && !times_.empty() && raw < last_raw_ && last_raw_ - raw > 0.5 * range) {
+      wraps_ += range;
+      ++wrapped_;
+    }
+    last_raw_ = raw;
+    const double time = field.scale * (raw + wraps_) + field.shift;
+    const auto fault = [&](const std::string& what) {
+      return InputError(fmt::format("{}: byte {}, record {}: {}", name_, bytes_.place(), times_.size() + 1, what));
+    };
+    if (!std::isfinite(time)) throw fault("time is no number");
+    if (!times_.empty() && !(time > times_.back()))
+      throw fault(fmt::format("time {:.10g} s follows {:.10g} s; allowed: rising times", time, times_.back()));
+    times_.push_back(time);
+  }
+
+  void report(std::vector<std::string>& notes) const {
+    notes.push_back(fmt::format("{} records of {} bytes were read", times_.size(), format_.record_bytes));
+    if (skipped_ > 0) notes.push_back(fmt::format("{} bytes belong to no record and were passed over", skipped_));
+    if (bad_sums_ > 0) notes.push_back(fmt::format("{} records have a wrong checksum and were dropped", bad_sums_));
+    if (wrapped_ > 0) notes.push_back(fmt::format("the clock wrapped {} times and was unwrapped", wrapped_));
+    if (bytes_.left() > 0)
+      notes.push_back(fmt::format("the last record is cut short: {} of {} bytes are there and were dropped",
+                                  bytes_.left(), format_.record_bytes));
+    for (std::size_t c = 0; c < shares_.size(); ++c)
+      if (shares_[c] > 1) notes.push_back(fmt::format("{} is the mean of {} fields", stream_.channels[c], shares_[c]));
+  }
+
+  Stream finish() {
+    const auto samples = static_cast<Eigen::Index>(times_.size());
+    stream_.time = Eigen::Map<const Vector>(times_.data(), samples);
+    stream_.values =
+        Eigen::Map<const Matrix>(values_.data(), static_cast<Eigen::Index>(stream_.channels.size()), samples);
+    return std::move(stream_);
+  }
+
+  Bytes bytes_;
+  std::string name_;
+  const OpenLogFormat& format_;
+  Stream stream_;
+  std::vector<int> channel_;  ///< of each field, -1 where it is none or time
+  std::vector<int> shares_;   ///< fields of each channel
+  std::vector<double> times_, values_;
+  double last_raw_ = 0.0, wraps_ = 0.0;
+  std::uint64_t skipped_ = 0;
+  int bad_sums_ = 0, wrapped_ = 0;
+};
+
+}  // namespace
+
+Stream read_openlog(std::istream& stream, const std::string& name, const OpenLogFormat& format,
+                    std::vector<std::string>& notes) {
+  return Reader(stream, name, format).read(notes);
+}
+
+Stream read_openlog(const std::filesystem::path& file, const OpenLogFormat& format, std::vector<std::string>& notes) {
+  std::error_code code;
+  if (!std::filesystem::exists(file, code)) throw InputError(fmt::format("{}: there is no such file", file.string()));
+  if (std::filesystem::is_directory(file, code))
+    throw InputError(fmt::format("{}: a folder; a binary log is expected", file.string()));
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) throw InputError(fmt::format("{}: can't be read", file.string()));
+  return read_openlog(stream, file.string(), format, notes);
+}
+
+}  // namespace jaculus
