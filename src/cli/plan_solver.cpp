@@ -1,6 +1,7 @@
 // The solver of the library behind `solve` and `compare`: a plan and its figures.
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <cmath>
 
@@ -57,7 +58,6 @@ void fill_peaks(const Plan& plan, Summary& s) {
     MotorFigures& f = s.motors[m];
     f.joint_torque = peak(t.torque, m);
     f.motor_torque = peak(t.motor_torque, m);
-    if (plan.programme->equations().model().motors[m].ideal()) continue;
     f.current = peak(t.current, m);
     f.voltage = peak(t.voltage, m);
   }
@@ -116,11 +116,25 @@ void add_warnings(const Plan& plan, Summary& s) {
     if (phase.at_bound) s.warnings.push_back(fmt::format("the duration of {} stands at its bound", phase.name));
   }
   if (plan.starts.count > 1) {
-    s.warnings.push_back(fmt::format("{} of {} starts converged, {} within 0.5 % of the best; start {} was taken",
-                                     plan.starts.converged, plan.starts.count, plan.starts.near_best,
-                                     plan.starts.best));
+    const auto percent = [&](int part) { return 100.0 * part / plan.starts.count; };
+    s.warnings.push_back(
+        fmt::format("{} of {} starts converged ({:.0f} %), {} within 0.5 % of the best ({:.0f} %); start {} was taken; "
+                    "every random "
+                    "start went through a feasibility stage first",
+                    plan.starts.converged, plan.starts.count, percent(plan.starts.converged), plan.starts.near_best,
+                    percent(plan.starts.near_best), plan.starts.best));
   }
-  if (plan.refinements > 0) s.warnings.push_back(fmt::format("the mesh was refined {} times", plan.refinements));
+  if (plan.result.feasibility_iterations > 0) {
+    s.warnings.push_back(
+        fmt::format("{} of the iterations went into a point that satisfies the constraints to start from",
+                    plan.result.feasibility_iterations));
+  }
+  for (std::size_t k = 1; k < plan.mesh_rounds.size(); ++k) {
+    const MeshRound &before = plan.mesh_rounds[k - 1], &round = plan.mesh_rounds[k];
+    s.warnings.push_back(fmt::format("mesh refined to {} intervals: the objective went from {:.6g} to {:.6g}",
+                                     fmt::join(round.intervals, " + "), before.objective, round.objective));
+  }
+  if (!plan.refinement_failure.empty()) s.warnings.push_back(plan.refinement_failure);
 }
 
 Summary summarise(const Plan& plan, const Problem& problem) {

@@ -141,6 +141,8 @@ Conflict find_conflict(Nlp& nlp, const Vector& x, const ElasticOptions& options)
   const NlpResult result = solve_nlp(elastic, {elastic.start(), {}}, options.solver);
   Conflict conflict;
   conflict.status = result.status;
+  conflict.iterations = result.iterations;
+  conflict.wall_seconds = result.wall_seconds;
   if (result.last_iterate().size() == 0) return conflict;  // contradictory bounds: nothing ran
   conflict.x = result.last_iterate().head(nlp.variables());
   conflict.relaxed = relaxed_rows(nlp, elastic.excess(result.last_iterate()), conflict.x, options.tolerance);

@@ -208,6 +208,14 @@ Json solution_json(const Plan& plan) {
                        {"lower_multipliers", array(result.lower_multipliers)},
                        {"upper_multipliers", array(result.upper_multipliers)}};
   json["rows"] = {{"names", rows}, {"multipliers", array(result.row_multipliers)}};
+  for (const MeshRound& round : plan.mesh_rounds) {
+    json["mesh_rounds"].push_back({{"intervals", round.intervals},
+                                   {"objective", round.objective},
+                                   {"duration_s", round.duration},
+                                   {"liftoff_velocity_m_s", round.final_velocity},
+                                   {"interval_error", round.interval_error},
+                                   {"iterations", round.iterations}});
+  }
   json["trajectory"] = trajectory_json(*plan.trajectory);
   return json;
 }

@@ -25,7 +25,7 @@ constexpr std::array<std::pair<Status, const char*>, 13> kStatusNames{
      {Status::no_freedom, "no_freedom"},
      {Status::failed, "failed"}}};
 
-constexpr std::string_view kMagic = "jaculus-result/1";
+constexpr std::string_view kMagic = "jaculus-result/2";
 
 class Writer {
  public:
@@ -145,8 +145,8 @@ std::string serialise(const NlpResult& result) {
   out.put(result.upper_multipliers);
   for (const double v : {result.objective, result.max_violation, result.max_scaled_violation}) out.put(v);
   const EvaluationCounts& counts = result.evaluations;
-  for (const int v :
-       {result.iterations, counts.objective, counts.gradient, counts.constraints, counts.jacobian, counts.hessian}) {
+  for (const int v : {result.iterations, result.feasibility_iterations, counts.objective, counts.gradient,
+                      counts.constraints, counts.jacobian, counts.hessian}) {
     out.put(v);
   }
   const WallSeconds& wall = result.wall_seconds;
@@ -174,8 +174,8 @@ NlpResult deserialise_result(std::string_view bytes) {
   result.upper_multipliers = in.vector();
   for (double* v : {&result.objective, &result.max_violation, &result.max_scaled_violation}) *v = in.get<double>();
   EvaluationCounts& counts = result.evaluations;
-  for (int* v : {&result.iterations, &counts.objective, &counts.gradient, &counts.constraints, &counts.jacobian,
-                 &counts.hessian}) {
+  for (int* v : {&result.iterations, &result.feasibility_iterations, &counts.objective, &counts.gradient,
+                 &counts.constraints, &counts.jacobian, &counts.hessian}) {
     *v = in.get<int>();
   }
   WallSeconds& wall = result.wall_seconds;

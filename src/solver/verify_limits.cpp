@@ -8,13 +8,6 @@ namespace {
 
 constexpr double kFootScale = 0.1;  // [m], as the rows that put feet on the ground have it
 
-/// Whether a term holds at `position` among its phase's collocation points, 0 to `last`; terms of the last point hold there alone.
-bool applies(const PathTerm& term, double position, int last) {
-  constexpr double kRounding = 1e-9;
-  if (term.only_last) return position >= last - kRounding;
-  return position >= term.skip_first - kRounding && position <= last - term.skip_last + kRounding;
-}
-
 }  // namespace
 
 LimitWatch::LimitWatch(const Programme& programme) : programme_(programme) {}
@@ -49,12 +42,9 @@ void LimitWatch::look(int k, double s, double time, const Vector& u, EquationsPo
 void LimitWatch::look_at_terms(int k, double s, const Vector& u, EquationsPoint& point) {
   const Layout& layout = programme_.layout();
   const IntervalBlock& block = layout.intervals[static_cast<size_t>(k)];
-  const PhaseBlock& phase = layout.phases[static_cast<size_t>(block.phase)];
-  const int step = programme_.intervals()[static_cast<size_t>(k)].has_middle() ? 2 : 1;
-  const int last = step * (phase.last_interval - phase.first_interval + 1);
   const PointView view{programme_.equations(), point, u, layout.n, layout.n_u};
   for (const PathTerm& term : programme_.path_terms()[static_cast<size_t>(block.phase)]) {
-    if (!applies(term, step * (block.number + s), last)) continue;
+    if (!term.holds_at(block.begin + s * block.fraction)) continue;
     Vector values(static_cast<int>(term.rows.size()));
     term.evaluate(view, values, nullptr, nullptr, nullptr);
     for (size_t i = 0; i < term.rows.size(); ++i)

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <stdexcept>
+
 #include "transcription/terms/factories.h"
 
 namespace jaculus {
@@ -45,11 +47,23 @@ void make(const TermSpec& spec, bool cost, TermContext& context) {
                                     fmt::join(names, ", ")));
 }
 
+/// The scratch of intervals is sized for so many rows; who writes a term with more learns it here.
+void check_sizes(const TermContext& context) {
+  const auto check = [](const PathTerm& term) {
+    if (term.rows.size() > static_cast<size_t>(kMaxTermRows))
+      throw std::logic_error(
+          fmt::format("term '{}' has {} rows; at most {} fit, so split it", term.name, term.rows.size(), kMaxTermRows));
+  };
+  for (const std::vector<PathTerm>& phase : context.path)
+    for (const PathTerm& term : phase) check(term);
+  for (const auto& [term, weight] : context.integral_costs) check(term);
+}
+
 /// Where a foot is stated to carry nothing, its friction pyramid has no interior: the point is left out.
 void open_pyramids(TermContext& context) {
   for (const auto& [phase, foot] : context.unloaded) {
     for (PathTerm& term : context.path[static_cast<size_t>(phase)])
-      if (term.foot == foot) term.skip_last = std::max(term.skip_last, 1);
+      if (term.foot == foot) term.before = std::min(term.before, 1.0);
   }
 }
 
@@ -63,6 +77,7 @@ TermContext make_terms(const Problem& problem, const Equations& equations, Layou
   for (const TermSpec& spec : problem.constraints) make(spec, false, context);
   for (const TermSpec& spec : problem.objective) make(spec, true, context);
   open_pyramids(context);
+  check_sizes(context);
   return context;
 }
 

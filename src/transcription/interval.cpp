@@ -1,12 +1,6 @@
 #include "jaculus/transcription/interval.h"
 
-#include <cassert>
-
 namespace jaculus {
-
-namespace {
-constexpr int kMaxTermRows = 32;
-}
 
 Interval::Interval(const Equations& equations, const Layout& layout, const IntervalBlock& block, Scheme scheme)
     : equations_(equations),
@@ -44,10 +38,13 @@ Interval::Interval(const Equations& equations, const Layout& layout, const Inter
   mu_ = Vector::Zero(points_[0].Z.rows());
   J_xi_ = Matrix::Zero(kMaxTermRows, xi);
   by_s_ = Matrix::Zero(kMaxTermRows, s);
-  path_w_ = Matrix::Zero(kMaxTermRows, w);
   H_xi_ = Matrix::Zero(xi, xi);
   H_s_ = Matrix::Zero(s, s);
   HS_ = Matrix::Zero(s, w);
+  values_ = Vector::Zero(kMaxTermRows);
+  pull_ = Vector::Zero(2 * n_);
+  half_ = Matrix::Zero(xi - s, s);
+  product_ = Matrix::Zero(s, s);
   build_maps();
 }
 
@@ -151,13 +148,11 @@ void Interval::path_values(const PathRows& rows, VectorRef out) {
   rows.term->evaluate(view(rows.point), out, nullptr, nullptr, nullptr);
 }
 
-/// Jacobian of a term by (q, v, u) of its point: direct, and through accelerations and forces.
+/// Jacobian of a term by (q, v, u) of its point: direct, and through accelerations and forces. Values are left in values_.
 void Interval::chain_term(int i, const PathTerm& term, Matrix& by_s) {
   const int rows = static_cast<int>(term.rows.size()), s = 2 * n_ + n_u_;
-  assert(rows <= kMaxTermRows);
-  Vector unused(rows);
-  J_xi_.setZero();
-  term.evaluate(view(i), unused, &J_xi_, nullptr, nullptr);
+  J_xi_.topRows(rows).setZero();
+  term.evaluate(view(i), values_.head(rows), &J_xi_, nullptr, nullptr);
   by_s.topRows(rows) = J_xi_.topRows(rows).leftCols(s);
   if (term.reads.dynamics()) {
     const EquationsPoint& p = points_[static_cast<size_t>(i)];
@@ -168,36 +163,42 @@ void Interval::chain_term(int i, const PathTerm& term, Matrix& by_s) {
 void Interval::path_jacobian(const PathRows& rows, Matrix& out) {
   const int count = static_cast<int>(rows.term->rows.size());
   chain_term(rows.point, *rows.term, by_s_);
-  out.topRows(count).noalias() = by_s_.topRows(count) * S_[static_cast<size_t>(rows.point)];
+  out.topRows(count) = by_s_.topRows(count).lazyProduct(S_[static_cast<size_t>(rows.point)]);
 }
 
 double Interval::integral(const IntegralCost& cost) {
   double sum = 0.0;
-  Vector value(1);
   for (int i = 0; i < 3; ++i) {
     if (weight(i) == 0.0) continue;
-    cost.term->evaluate(view(i), value, nullptr, nullptr, nullptr);
-    sum += weight(i) * value[0];
+    cost.term->evaluate(view(i), values_.head(1), nullptr, nullptr, nullptr);
+    sum += weight(i) * values_[0];
   }
   return cost.weight * h_ * sum;
 }
 
 void Interval::add_integral_gradient(const IntegralCost& cost, double scale, Vector& gradient_w) {
-  Vector value(1);
   for (int i = 0; i < 3; ++i) {
     if (weight(i) == 0.0) continue;
     const double factor = scale * cost.weight * weight(i);
     chain_term(i, *cost.term, by_s_);
-    gradient_w += factor * h_ * (S_[static_cast<size_t>(i)].transpose() * by_s_.row(0).transpose());
-    cost.term->evaluate(view(i), value, nullptr, nullptr, nullptr);
-    gradient_w[size() - 1] += factor * fraction_ * value[0];
+    gradient_w.noalias() += factor * h_ * S_[static_cast<size_t>(i)].transpose().lazyProduct(by_s_.row(0).transpose());
+    gradient_w[size() - 1] += factor * fraction_ * values_[0];
   }
+}
+
+/// Adds a term at one point, weighted: its Hessian to H_xi_, its gradient to grad_s_ and, by accelerations and forces, to mu_.
+void Interval::add_point_term(int i, const PathTerm& term, const ConstVectorRef& multipliers) {
+  const int rows = static_cast<int>(term.rows.size()), s = 2 * n_ + n_u_;
+  J_xi_.topRows(rows).setZero();
+  term.evaluate(view(i), values_.head(rows), &J_xi_, &multipliers, &H_xi_);
+  const auto J = J_xi_.topRows(rows);
+  grad_s_ += J.leftCols(s).transpose().lazyProduct(multipliers);
+  if (term.reads.dynamics()) mu_ += J.rightCols(mu_.size()).transpose().lazyProduct(multipliers);
 }
 
 /// Gradient (grad_s_) and Hessian (H_s_) by (q, v, u) of phi . f + path rows + costs at one point.
 void Interval::point_hessian(int i, const Vector& phi, const ConstVectorRef& row_multipliers, double sigma,
                              const std::vector<IntegralCost>& costs) {
-  const int s = 2 * n_ + n_u_;
   EquationsPoint& p = points_[static_cast<size_t>(i)];
   grad_s_.setZero();
   H_s_.setZero();
@@ -206,34 +207,32 @@ void Interval::point_hessian(int i, const Vector& phi, const ConstVectorRef& row
   grad_s_.segment(n_, n_) = phi.head(n_);
   bool curved = false;
   H_xi_.setZero();
-  const auto add = [&](const PathTerm& term, const Vector& multipliers) {
-    const int rows = static_cast<int>(term.rows.size());
-    Vector unused(rows);
-    J_xi_.setZero();
-    term.evaluate(view(i), unused, &J_xi_, &multipliers, &H_xi_);
-    grad_s_ += J_xi_.topRows(rows).leftCols(s).transpose() * multipliers;
-    if (term.reads.dynamics()) mu_ += J_xi_.topRows(rows).rightCols(mu_.size()).transpose() * multipliers;
-    curved = true;
-  };
   for (const PathRows& rows : path) {
-    if (rows.point == i) add(*rows.term, row_multipliers.segment(rows.row, static_cast<int>(rows.term->rows.size())));
+    if (rows.point != i) continue;
+    add_point_term(i, *rows.term, row_multipliers.segment(rows.row, static_cast<int>(rows.term->rows.size())));
+    curved = true;
   }
   for (const IntegralCost& cost : costs) {
-    if (weight(i) != 0.0) add(*cost.term, Vector::Constant(1, sigma * cost.weight * weight(i) * h_));
+    if (weight(i) == 0.0) continue;
+    const Eigen::Matrix<double, 1, 1> factor(sigma * cost.weight * weight(i) * h_);
+    add_point_term(i, *cost.term, factor);
+    curved = true;
   }
   equations_.add_hessian(mu_, p, H_s_);
-  if (curved) {
-    const auto xs = H_xi_.topLeftCorner(s, s);
-    H_s_ += xs;
-    const auto zz = H_xi_.bottomRightCorner(mu_.size(), mu_.size());
-    const auto zs = H_xi_.bottomLeftCorner(mu_.size(), s);
-    if (!zz.isZero(0.0) || !zs.isZero(0.0)) {
-      const Matrix half = zz * p.Z + 2.0 * zs;
-      const Matrix product = p.Z.transpose() * half;
-      H_s_ += 0.5 * (product + product.transpose());
-    }
-  }
+  if (curved) add_term_curvature(p.Z);
   grad_s_ += p.Z.transpose().lazyProduct(mu_);
+}
+
+/// H_s_ += second derivatives of the terms, of those that read accelerations and forces through Z = d(a, f)/d(q, v, u).
+void Interval::add_term_curvature(const Matrix& Z) {
+  const auto s = H_s_.rows(), z = H_xi_.rows() - s;
+  H_s_ += H_xi_.topLeftCorner(s, s);
+  const auto zz = H_xi_.bottomRightCorner(z, z);
+  const auto zs = H_xi_.bottomLeftCorner(z, s);
+  if (zz.isZero(0.0) && zs.isZero(0.0)) return;
+  half_ = zz.lazyProduct(Z) + 2.0 * zs;
+  product_ = Z.transpose().lazyProduct(half_);
+  H_s_ += 0.5 * (product_ + product_.transpose());
 }
 
 /// H += scale * (gradient_w e_T^T + e_T gradient_w^T).
@@ -245,17 +244,19 @@ void Interval::add_time_coupling(const Vector& gradient_w, double scale, Matrix&
 void Interval::add_hessian(const Vector& eta, const ConstVectorRef& row_multipliers, double sigma,
                            const std::vector<IntegralCost>& costs, Matrix& H) {
   const int x = 2 * n_;
-  Vector pull = Vector::Zero(x);  // gradient by x_m, which f_0 and f_2 move
+  pull_.setZero();  // gradient by x_m, which f_0 and f_2 move
   if (has_middle()) {
-    point_hessian(1, -h_ * weight(1) * eta, row_multipliers, sigma, costs);
+    phi_ = -h_ * weight(1) * eta;
+    point_hessian(1, phi_, row_multipliers, sigma, costs);
     HS_.noalias() = H_s_ * S_[1];
     H.noalias() += S_[1].transpose() * HS_;
-    pull = grad_s_.head(x);
-    grad_w_ = F_w_[0].transpose() * pull - F_w_[2].transpose() * pull;
+    pull_ = grad_s_.head(x);
+    grad_w_.noalias() = F_w_[0].transpose() * pull_;
+    grad_w_.noalias() -= F_w_[2].transpose() * pull_;
     add_time_coupling(grad_w_, fraction_ / 8.0, H);
   }
   for (int i = 0; i < 3; i += 2) {
-    phi_ = -h_ * weight(i) * eta + (i == 0 ? h_ / 8.0 : -h_ / 8.0) * pull;
+    phi_ = -h_ * weight(i) * eta + (i == 0 ? h_ / 8.0 : -h_ / 8.0) * pull_;
     point_hessian(i, phi_, row_multipliers, sigma, costs);
     const int at = i == 0 ? 0 : x, u = i == 0 || held_ ? 4 * n_ : 4 * n_ + n_u_;
     H.block(at, at, x, x) += H_s_.topLeftCorner(x, x);
@@ -266,11 +267,11 @@ void Interval::add_hessian(const Vector& eta, const ConstVectorRef& row_multipli
   for (int i = 0; i < 3; ++i) {
     if (weight(i) == 0.0) continue;
     const auto k = static_cast<size_t>(i);
-    grad_w_ = F_w_[k].transpose() * eta;
+    grad_w_.noalias() = F_w_[k].transpose() * eta;
     add_time_coupling(grad_w_, -fraction_ * weight(i), H);
     for (const IntegralCost& cost : costs) {
       chain_term(i, *cost.term, by_s_);
-      grad_w_ = S_[k].transpose() * by_s_.row(0).transpose();
+      grad_w_ = S_[k].transpose().lazyProduct(by_s_.row(0).transpose());
       add_time_coupling(grad_w_, sigma * cost.weight * weight(i) * fraction_, H);
     }
   }

@@ -94,6 +94,7 @@ void append_phase(Writer& w, int p) {
   phase.first_interval = static_cast<int>(layout.intervals.size());
   int input = append_input(w, p, 0);
   const std::vector<double> mesh = fractions(spec);
+  double begin = 0.0;
   for (int k = 0; k < spec.intervals; ++k) {
     IntervalBlock interval;
     interval.phase = p;
@@ -102,6 +103,8 @@ void append_phase(Writer& w, int p) {
     interval.last = interval.first + 1;
     interval.u_first = interval.u_last = input;
     interval.fraction = mesh[static_cast<size_t>(k)];
+    interval.begin = begin;
+    begin += interval.fraction;
     layout.nodes.push_back(append_node(w, p, k + 1));
     if (!layout.held || k + 1 < spec.intervals) input = append_input(w, p, k + 1);
     if (!layout.held) interval.u_last = input;

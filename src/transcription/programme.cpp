@@ -22,15 +22,18 @@ Programme::Programme(const Problem& problem, const PlanarModel& model)
   notes_ = remove_redundant_rows(context);
   sign_ = problem.maximise ? -1.0 : 1.0;
   path_terms_ = context.path;
-  node_rows_ = context.node_rows;
-  node_costs_ = context.node_costs;
+  for (const NodeTerm& term : context.node_rows) node_rows_.emplace_back(term);
+  for (const auto& [term, weight] : context.node_costs) {
+    node_costs_.emplace_back(term);
+    node_costs_.back().weight = sign_ * weight;
+  }
   for (const auto& [term, weight] : context.integral_costs) integral_terms_.push_back(term);
   for (size_t i = 0; i < integral_terms_.size(); ++i)
     integral_costs_.push_back({&integral_terms_[i], sign_ * context.integral_costs[i].second});
   intervals_.reserve(layout_.intervals.size());
   for (const IntervalBlock& block : layout_.intervals)
     intervals_.emplace_back(*equations_, layout_, block, problem_.transcription.scheme);
-  place_rows(context);
+  place_rows();
   find_sparsity();
   find_hessian_pattern();
   x_ = Vector::Constant(variables(), kNaN);
@@ -38,7 +41,7 @@ Programme::Programme(const Problem& problem, const PlanarModel& model)
   const int w = intervals_.front().size();
   gradient_w_ = Vector::Zero(w);
   H_w_ = Matrix::Zero(w, w);
-  path_w_ = Matrix::Zero(32, w);
+  path_w_ = Matrix::Zero(kMaxTermRows, w);
 }
 
 int Programme::add_row(const RowSpec& row) {
@@ -46,7 +49,7 @@ int Programme::add_row(const RowSpec& row) {
   return rows() - 1;
 }
 
-void Programme::place_rows(const TermContext& context) {
+void Programme::place_rows() {
   for (size_t k = 0; k < intervals_.size(); ++k) {
     const IntervalBlock& block = layout_.intervals[k];
     const PhaseBlock& phase = layout_.phases[static_cast<size_t>(block.phase)];
@@ -63,11 +66,11 @@ void Programme::place_rows(const TermContext& context) {
            {0.0, 0.0},
            0.1 * scale});
     }
-    place_path_rows(context, interval, block);
+    place_path_rows(interval, block);
   }
-  for (const NodeTerm& term : node_rows_) {
-    node_row_at_.push_back(rows());
-    for (const RowSpec& row : term.rows) add_row(row);
+  for (NodeEntry& entry : node_rows_) {
+    entry.row = rows();
+    for (const RowSpec& row : entry.term.rows) add_row(row);
   }
   row_lower_.resize(rows());
   row_upper_.resize(rows());
@@ -79,20 +82,17 @@ void Programme::place_rows(const TermContext& context) {
   }
 }
 
-void Programme::place_path_rows(const TermContext&, Interval& interval, const IntervalBlock& block) {
+void Programme::place_path_rows(Interval& interval, const IntervalBlock& block) {
   const PhaseBlock& phase = layout_.phases[static_cast<size_t>(block.phase)];
   const bool middle = interval.has_middle();
-  const int step = middle ? 2 : 1, intervals = phase.last_interval - phase.first_interval + 1;
-  const int last_point = step * intervals;
-  const bool last = block.number + 1 == intervals;
+  const bool last = block.number == phase.last_interval - phase.first_interval;
   for (const PathTerm& term : path_terms_[static_cast<size_t>(block.phase)]) {
     for (int point = 0; point < 3; ++point) {
       if (point == 1 && !middle) continue;
-      const int index = step * block.number + (middle ? point : point / 2);
       const bool extra_end = point == 2 && !last;  // the next interval's start is the same node with another input
       if (extra_end && !(problem_.transcription.check_interval_end && term.reads.held())) continue;
-      if (term.only_last && index != last_point) continue;
-      if (index < term.skip_first || index > last_point - term.skip_last) continue;
+      if (term.only_last && (!last || point != 2)) continue;
+      if (!term.holds_at(block.begin + 0.5 * point * block.fraction)) continue;
       PathRows rows{&term, point, this->rows()};
       for (RowSpec row : term.rows) {
         row.name = point_name(phase, block.number, point, extra_end) + row.name;
@@ -162,10 +162,10 @@ void Programme::find_sparsity() {
         put(interval.path[k].row + static_cast<int>(i), patterns[static_cast<size_t>(2 * n) + k]);
     patterns_.push_back(std::move(patterns));
   }
-  for (size_t k = 0; k < node_rows_.size(); ++k) {
-    for (int i = 0; i < static_cast<int>(node_rows_[k].rows.size()); ++i) {
-      for (int column : node_rows_[k].columns) {
-        jacobian_.rows.push_back(node_row_at_[k] + i);
+  for (const NodeEntry& entry : node_rows_) {
+    for (int i = 0; i < static_cast<int>(entry.term.rows.size()); ++i) {
+      for (int column : entry.term.columns) {
+        jacobian_.rows.push_back(entry.row + i);
         jacobian_.columns.push_back(column);
       }
     }
@@ -187,22 +187,27 @@ bool Programme::update(const ConstVectorRef& x, int level) {
   return true;
 }
 
-bool Programme::node_term(const NodeTerm& term, const ConstVectorRef& x, Matrix* J, const Vector* multipliers,
-                          Matrix* H) {
-  const auto size = static_cast<int>(term.columns.size()), rows = static_cast<int>(term.rows.size());
-  y_.resize(size);
-  value_.resize(rows);
-  for (int i = 0; i < size; ++i) y_[i] = x[term.columns[static_cast<size_t>(i)]];
-  if (J) J->setZero(rows, size);
-  if (H) H->setZero(size, size);
-  return term.evaluate(y_, value_, J, multipliers, H);
+Programme::NodeEntry::NodeEntry(NodeTerm of)
+    : term(std::move(of)),
+      y(Vector::Zero(static_cast<Eigen::Index>(term.columns.size()))),
+      value(Vector::Zero(static_cast<Eigen::Index>(term.rows.size()))),
+      J(Matrix::Zero(value.size(), y.size())),
+      H(Matrix::Zero(y.size(), y.size())) {}
+
+/// Values; J where `first`; H, weighted, where multipliers are given.
+bool Programme::evaluate(NodeEntry& entry, const ConstVectorRef& x, bool first, const ConstVectorRef* multipliers) {
+  for (Eigen::Index i = 0; i < entry.y.size(); ++i) entry.y[i] = x[entry.term.columns[static_cast<size_t>(i)]];
+  if (first) entry.J.setZero();
+  if (multipliers) entry.H.setZero();
+  return entry.term.evaluate(entry.y, entry.value, first ? &entry.J : nullptr, multipliers,
+                             multipliers ? &entry.H : nullptr);
 }
 
 bool Programme::objective(const ConstVectorRef& x, double& value) {
   value = 0.0;
-  for (const auto& [term, weight] : node_costs_) {
-    if (!node_term(term, x, nullptr, nullptr, nullptr)) return false;
-    value += sign_ * weight * value_[0];
+  for (NodeEntry& entry : node_costs_) {
+    if (!evaluate(entry, x, false, nullptr)) return false;
+    value += entry.weight * entry.value[0];
   }
   if (integral_costs_.empty()) return true;
   if (!update(x, 1)) return false;
@@ -213,11 +218,10 @@ bool Programme::objective(const ConstVectorRef& x, double& value) {
 
 bool Programme::gradient(const ConstVectorRef& x, VectorRef gradient) {
   gradient.setZero();
-  Matrix J;
-  for (const auto& [term, weight] : node_costs_) {
-    if (!node_term(term, x, &J, nullptr, nullptr)) return false;
-    for (size_t i = 0; i < term.columns.size(); ++i)
-      gradient[term.columns[i]] += sign_ * weight * J(0, static_cast<int>(i));
+  for (NodeEntry& entry : node_costs_) {
+    if (!evaluate(entry, x, true, nullptr)) return false;
+    for (size_t i = 0; i < entry.term.columns.size(); ++i)
+      gradient[entry.term.columns[i]] += entry.weight * entry.J(0, static_cast<int>(i));
   }
   if (integral_costs_.empty()) return true;
   if (!update(x, 2)) return false;
@@ -236,9 +240,9 @@ bool Programme::constraints(const ConstVectorRef& x, VectorRef values) {
     for (const PathRows& rows : interval.path)
       interval.path_values(rows, values.segment(rows.row, static_cast<int>(rows.term->rows.size())));
   }
-  for (size_t k = 0; k < node_rows_.size(); ++k) {
-    if (!node_term(node_rows_[k], x, nullptr, nullptr, nullptr)) return false;
-    values.segment(node_row_at_[k], value_.size()) = value_;
+  for (NodeEntry& entry : node_rows_) {
+    if (!evaluate(entry, x, false, nullptr)) return false;
+    values.segment(entry.row, entry.value.size()) = entry.value;
   }
   return true;
 }
@@ -260,11 +264,10 @@ bool Programme::jacobian(const ConstVectorRef& x, VectorRef values) {
         put(patterns_[k][static_cast<size_t>(2 * layout_.n) + t], path_w_.row(i));
     }
   }
-  Matrix J;
-  for (const NodeTerm& term : node_rows_) {
-    if (!node_term(term, x, &J, nullptr, nullptr)) return false;
-    for (int i = 0; i < J.rows(); ++i)
-      for (int j = 0; j < J.cols(); ++j) values[at++] = J(i, j);
+  for (NodeEntry& entry : node_rows_) {
+    if (!evaluate(entry, x, true, nullptr)) return false;
+    for (int i = 0; i < entry.J.rows(); ++i)
+      for (int j = 0; j < entry.J.cols(); ++j) values[at++] = entry.J(i, j);
   }
   return true;
 }

@@ -60,8 +60,8 @@ void Programme::find_hessian_pattern() {
     }
     interval_hessian_at_.push_back(std::move(at));
   }
-  for (const NodeTerm& term : node_rows_) node_row_hessian_at_.push_back(node_places(term, places));
-  for (const auto& [term, weight] : node_costs_) node_cost_hessian_at_.push_back(node_places(term, places));
+  for (NodeEntry& entry : node_rows_) entry.hessian_at = node_places(entry.term, places);
+  for (NodeEntry& entry : node_costs_) entry.hessian_at = node_places(entry.term, places);
 }
 
 bool Programme::hessian(const ConstVectorRef& x, double sigma, const ConstVectorRef& lambda, VectorRef values) {
@@ -73,18 +73,18 @@ bool Programme::hessian(const ConstVectorRef& x, double sigma, const ConstVector
     intervals_[k].add_hessian(eta_, lambda, sigma, integral_costs_, H_w_);
     scatter(interval_hessian_at_[k], H_w_, 1.0, values);
   }
-  Matrix J, H;
-  for (size_t k = 0; k < node_rows_.size(); ++k) {
-    if (node_rows_[k].linear) continue;
-    const Vector multipliers = lambda.segment(node_row_at_[k], static_cast<int>(node_rows_[k].rows.size()));
-    if (!node_term(node_rows_[k], x, &J, &multipliers, &H)) return false;
-    scatter(node_row_hessian_at_[k], H, 1.0, values);
+  for (NodeEntry& entry : node_rows_) {
+    if (entry.term.linear) continue;
+    const ConstVectorRef multipliers = lambda.segment(entry.row, entry.value.size());
+    if (!evaluate(entry, x, true, &multipliers)) return false;
+    scatter(entry.hessian_at, entry.H, 1.0, values);
   }
-  for (size_t k = 0; k < node_costs_.size(); ++k) {
-    if (node_costs_[k].first.linear) continue;
-    const Vector multipliers = Vector::Constant(1, sigma * sign_ * node_costs_[k].second);
-    if (!node_term(node_costs_[k].first, x, &J, &multipliers, &H)) return false;
-    scatter(node_cost_hessian_at_[k], H, 1.0, values);
+  for (NodeEntry& entry : node_costs_) {
+    if (entry.term.linear) continue;
+    const Eigen::Matrix<double, 1, 1> weight(sigma * entry.weight);
+    const ConstVectorRef multipliers(weight);
+    if (!evaluate(entry, x, true, &multipliers)) return false;
+    scatter(entry.hessian_at, entry.H, 1.0, values);
   }
   return true;
 }

@@ -4,6 +4,7 @@
 
 #include <Eigen/QR>
 #include <map>
+#include <memory>
 
 namespace jaculus {
 
@@ -70,15 +71,21 @@ NodeTerm select_rows(const NodeTerm& term, const std::vector<int>& kept) {
   part.rows.clear();
   for (int i : kept) part.rows.push_back(term.rows[static_cast<size_t>(i)]);
   const int all = static_cast<int>(term.rows.size()), count = static_cast<int>(kept.size());
-  part.evaluate = [whole = term.evaluate, kept, all, count](const Vector& y, VectorRef values, Matrix* J,
-                                                            const Vector* multipliers, Matrix* H) {
-    Vector v(all), m = Vector::Zero(all);
-    Matrix J_all = Matrix::Zero(all, y.size());
-    for (int i = 0; i < count && multipliers; ++i) m[kept[static_cast<size_t>(i)]] = (*multipliers)[i];
-    if (!whole(y, v, J ? &J_all : nullptr, multipliers ? &m : nullptr, H)) return false;
+  struct Scratch {
+    Vector v, m;
+    Matrix J;
+  };
+  const auto size = static_cast<Eigen::Index>(term.columns.size());
+  auto s = std::make_shared<Scratch>(Scratch{Vector::Zero(all), Vector::Zero(all), Matrix::Zero(all, size)});
+  part.evaluate = [whole = term.evaluate, kept, count, s](const ConstVectorRef& y, VectorRef values, Matrix* J,
+                                                          const ConstVectorRef* multipliers, Matrix* H) {
+    s->J.setZero();
+    for (int i = 0; i < count && multipliers; ++i) s->m[kept[static_cast<size_t>(i)]] = (*multipliers)[i];
+    const ConstVectorRef m(s->m);
+    if (!whole(y, s->v, J ? &s->J : nullptr, multipliers ? &m : nullptr, H)) return false;
     for (int i = 0; i < count; ++i) {
-      values[i] = v[kept[static_cast<size_t>(i)]];
-      if (J) J->row(i) = J_all.row(kept[static_cast<size_t>(i)]);
+      values[i] = s->v[kept[static_cast<size_t>(i)]];
+      if (J) J->row(i) = s->J.row(kept[static_cast<size_t>(i)]);
     }
     return true;
   };

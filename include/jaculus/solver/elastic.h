@@ -32,6 +32,8 @@ struct Conflict {
   std::vector<LimitPrice>
       against;  ///< limits that the relaxed rows strain against, by weight; price: d scaled sum/d limit
   Vector x;     ///< [n] the least infeasible point found
+  int iterations = 0;
+  WallSeconds wall_seconds;
 };
 
 struct ElasticOptions {
@@ -41,6 +43,11 @@ struct ElasticOptions {
   int most = 20;            ///< longest list of `against`
   SolverOptions solver = {};
 };
+
+/// How close a feasibility stage stays to its start: far enough from 0 that it does not wander, and small beside any slack that
+/// matters. Measured on the leaps: of 150 smooth random starts all converge after such a stage; without it 4 to 8 % of those with
+/// a tail end where no point nearby is feasible.
+inline constexpr double kStageProximity = 1e-2;
 
 /// Finds the conflict of a problem near x [n]. Bounds of variables never give way.
 Conflict find_conflict(Nlp& nlp, const Vector& x, const ElasticOptions& options = {});

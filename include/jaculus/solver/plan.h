@@ -55,12 +55,24 @@ struct PlanPrice {
   double gain = 0.0;  ///< improvement of the objective a unit [objective's unit over `unit`]; positive is better
 };
 
+/// The plan on one mesh of a refinement.
+struct MeshRound {
+  std::vector<int> intervals;    ///< by phase
+  double objective = kNaN;       ///< in the problem's sense
+  double duration = kNaN;        ///< [s]
+  double final_velocity = kNaN;  ///< v_x of the base at the end [m/s]; NaN where it has none
+  double interval_error = kNaN;  ///< largest of all intervals, see interval_errors [-]
+  int iterations = 0;            ///< of this round
+};
+
 /// A solved problem. `programme` is that of the last mesh; everything else refers to it.
 struct Plan {
   std::unique_ptr<Programme> programme;
   NlpResult result;
   StartFigures starts;
   int refinements = 0;                   ///< rounds of mesh refinement that were made
+  std::vector<MeshRound> mesh_rounds;    ///< where refinement was asked for: the first mesh, then each finer one
+  std::string refinement_failure;        ///< one sentence where a finer solve did not converge; empty otherwise
   std::optional<Trajectory> trajectory;  ///< of the solution or of the last iterate; nothing where undefined there
   std::optional<PlanVerification> verification;  ///< likewise
   std::vector<PlanLimit> limits;                 ///< where converged

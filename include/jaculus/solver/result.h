@@ -79,6 +79,7 @@ class NlpResult {
   double max_violation = kNaN;         ///< largest violation of rows and bounds, unscaled
   double max_scaled_violation = kNaN;  ///< the same, each divided by its scale [-]
   int iterations = 0;
+  int feasibility_iterations = 0;  ///< of `iterations`, those of a feasibility stage that came first
   EvaluationCounts evaluations;
   WallSeconds wall_seconds;
   std::vector<IterationInfo> history;

@@ -70,6 +70,8 @@ class Interval {
   void differentiate_defects();
   void point_hessian(int i, const Vector& phi, const ConstVectorRef& row_multipliers, double sigma,
                      const std::vector<IntegralCost>& costs);
+  void add_point_term(int i, const PathTerm& term, const ConstVectorRef& multipliers);
+  void add_term_curvature(const Matrix& Z);
   void chain_term(int i, const PathTerm& term, Matrix& by_s);
   void add_time_coupling(const Vector& gradient_w, double scale, Matrix& H);
 
@@ -85,8 +87,8 @@ class Interval {
   std::array<Matrix, 3> F_w_;  ///< d f/dw, total
   Matrix defect_w_;
   // Scratch.
-  Vector w_, phi_, grad_s_, mu_, grad_w_;
-  Matrix J_xi_, by_s_, H_xi_, H_s_, HS_, path_w_;
+  Vector w_, phi_, grad_s_, mu_, grad_w_, values_, pull_;
+  Matrix J_xi_, by_s_, H_xi_, H_s_, HS_, half_, product_;
 };
 
 }  // namespace jaculus

@@ -29,6 +29,7 @@ struct IntervalBlock {
   int first = 0, last = 0;      ///< nodes
   int u_first = 0, u_last = 0;  ///< columns of the inputs at its ends; equal where held
   double fraction = 0.0;        ///< of the phase's duration
+  double begin = 0.0;           ///< fraction of the phase's duration that lies before it
 };
 
 struct PhaseBlock {

@@ -19,6 +19,7 @@ struct PhaseSpec {
   int intervals = 0;                  ///< collocation intervals
   Bounds duration;                    ///< [s], both positive; equal where fixed
   std::vector<double> mesh;           ///< relative lengths of the intervals; empty: uniform
+  std::vector<double> stated_mesh;    ///< those of the file where `mesh` is a refined one; else empty
   yaml::Node node;                    ///< its place in the file
 };
 

@@ -51,16 +51,25 @@ class Programme : public Nlp {
   [[nodiscard]] const std::vector<std::string>& notes() const { return notes_; }  ///< redundant rows left out, and why
 
  private:
-  struct DefectEntry;
-  void place_rows(const TermContext& context);
-  void place_path_rows(const TermContext& context, Interval& interval, const IntervalBlock& block);
+  void place_rows();
+  void place_path_rows(Interval& interval, const IntervalBlock& block);
   void find_sparsity();
   void find_hessian_pattern();
   [[nodiscard]] std::vector<char> path_pattern(const Interval& interval, const PathRows& rows) const;
   [[nodiscard]] std::vector<char> dynamic_columns(const Interval& interval) const;
   int add_row(const RowSpec& row);
   bool update(const ConstVectorRef& x, int level);
-  bool node_term(const NodeTerm& term, const ConstVectorRef& x, Matrix* J, const Vector* multipliers, Matrix* H);
+  /// A node term with its scratch.
+  struct NodeEntry {
+    explicit NodeEntry(NodeTerm of);
+    NodeTerm term;
+    int row = -1;         ///< first row in the programme; costs have none
+    double weight = 1.0;  ///< costs only
+    Vector y, value;
+    Matrix J, H;
+    std::vector<int> hessian_at;  ///< places of the lower triangle; empty where linear
+  };
+  static bool evaluate(NodeEntry& entry, const ConstVectorRef& x, bool first, const ConstVectorRef* multipliers);
 
   Problem problem_;
   std::unique_ptr<Equations> equations_;
@@ -68,9 +77,7 @@ class Programme : public Nlp {
   std::vector<std::vector<PathTerm>> path_terms_;
   std::vector<PathTerm> integral_terms_;
   std::vector<IntegralCost> integral_costs_;
-  std::vector<NodeTerm> node_rows_;
-  std::vector<int> node_row_at_;
-  std::vector<std::pair<NodeTerm, double>> node_costs_;
+  std::vector<NodeEntry> node_rows_, node_costs_;
   double sign_ = 1.0;  ///< -1 where the problem maximises
   std::vector<Interval> intervals_;
   std::vector<RowSpec> rows_;
@@ -78,14 +85,13 @@ class Programme : public Nlp {
   Sparsity jacobian_, hessian_;
   std::vector<std::vector<std::vector<char>>> patterns_;  ///< per interval: defect rows, then path terms
   std::vector<std::vector<int>> interval_hessian_at_;     ///< per interval: place of (i, j <= i), or -1
-  std::vector<std::vector<int>> node_row_hessian_at_, node_cost_hessian_at_;
   std::vector<std::string> notes_;
   // Cache of the point last evaluated: 0 nothing, 1 values, 2 first derivatives.
   Vector x_;
   int level_ = 0;
   bool defined_ = false;
   // Scratch.
-  Vector y_, value_, eta_, gradient_w_;
+  Vector eta_, gradient_w_;
   Matrix H_w_, path_w_;
 };
 

@@ -44,16 +44,25 @@ struct RowSpec {
   double scale = 1.0;
 };
 
+/// Most rows that one path term may have; more are several terms. Scratch is sized by it, make_terms checks it.
+inline constexpr int kMaxTermRows = 32;
+
 struct PathTerm {
   std::string name;
   std::vector<RowSpec> rows;
   Reads reads;
-  int skip_first = 0;      ///< collocation points at the phase's start that are left out
-  int skip_last = 0;       ///< the same at its end
+  double after = -1.0;     ///< holds at the points of a phase that lie after this fraction of its duration ...
+  double before = 2.0;     ///< ... and before this one: a window in time, which a finer mesh does not move
   bool only_last = false;  ///< only the phase's last point, with the last interval's input
   int foot = -1;           ///< the foot whose friction it limits, -1 for other terms
   /// values (rows); J (rows x xi, zero on entry) where not null; adds sum_i multipliers_i d2 row_i/dxi2 to H where not null.
-  std::function<void(const PointView&, VectorRef values, Matrix* J, const Vector* multipliers, Matrix* H)> evaluate;
+  std::function<void(const PointView&, VectorRef values, Matrix* J, const ConstVectorRef* multipliers, Matrix* H)>
+      evaluate;
+  /// Whether it holds at the fraction s in [0, 1] of its phase.
+  [[nodiscard]] bool holds_at(double s) const {
+    constexpr double kRounding = 1e-9;
+    return only_last ? s > 1.0 - kRounding : s > after + kRounding && s < before - kRounding;
+  }
 };
 
 /// A term on chosen columns of the programme: boundary conditions, impacts, objectives.
@@ -64,7 +73,9 @@ struct NodeTerm {
   bool linear = false;  ///< no second derivatives
   bool stance = false;  ///< places feet on the ground: rows that fixed variables make redundant are left out
   /// y = x[columns]. False where not defined at y. J and H are zero on entry.
-  std::function<bool(const Vector& y, VectorRef values, Matrix* J, const Vector* multipliers, Matrix* H)> evaluate;
+  std::function<bool(const ConstVectorRef& y, VectorRef values, Matrix* J, const ConstVectorRef* multipliers,
+                     Matrix* H)>
+      evaluate;
 };
 
 /// What the factories of terms fill.

@@ -19,8 +19,8 @@ PathTerm motor_voltage_term(const PlanarModel& model, int m, double limit) {
   term.name = motor.joint + " voltage";
   term.rows.push_back({term.name, "V", {-limit, limit}, limit});
   term.reads.velocity = term.reads.input = true;
-  term.evaluate = [motor, rate, m](const PointView& view, VectorRef values, Matrix* J, const Vector* multipliers,
-                                   Matrix* H) {
+  term.evaluate = [motor, rate, m](const PointView& view, VectorRef values, Matrix* J,
+                                   const ConstVectorRef* multipliers, Matrix* H) {
     const MotorVoltage voltage = motor_voltage(motor, view.u[m], rate.dot(view.point.v));
     values[0] = voltage.value;
     if (J) {
@@ -68,7 +68,7 @@ void joint_range(const TermSpec& spec, TermContext& context) {
     term.name = range.joint + " range";
     term.rows.push_back({range.joint, "rad", {range.range.lower - offset, range.range.upper - offset}, 1.0});
     term.reads.position = true;
-    term.evaluate = [row](const PointView& view, VectorRef values, Matrix* J, const Vector*, Matrix*) {
+    term.evaluate = [row](const PointView& view, VectorRef values, Matrix* J, const ConstVectorRef*, Matrix*) {
       values[0] = row.dot(view.point.q);
       if (J) J->row(0).head(view.n) = row.transpose();
     };
@@ -88,7 +88,8 @@ void torque_squared(const TermSpec& spec, TermContext& context) {
     const double ratio = motor.gear * motor.efficiency;
     factor[m] = motor.count / (ratio * ratio);
   }
-  term.evaluate = [factor](const PointView& view, VectorRef values, Matrix* J, const Vector* multipliers, Matrix* H) {
+  term.evaluate = [factor](const PointView& view, VectorRef values, Matrix* J, const ConstVectorRef* multipliers,
+                           Matrix* H) {
     values[0] = factor.dot(view.u.cwiseAbs2());
     if (J) J->row(0).segment(view.u_at(), view.n_u) = (2.0 * factor.cwiseProduct(view.u)).transpose();
     if (H) H->diagonal().segment(view.u_at(), view.n_u) += 2.0 * (*multipliers)[0] * factor;
@@ -106,7 +107,7 @@ void electrical_energy(const TermSpec& spec, TermContext& context) {
   const std::vector<PlanarMotor> motors = model.motors;
   Matrix rates(context.layout.n_u, model.size());
   for (int m = 0; m < context.layout.n_u; ++m) rates.row(m) = model.joint_map.row(motors[static_cast<size_t>(m)].body);
-  term.evaluate = [motors, rates](const PointView& view, VectorRef values, Matrix* J, const Vector* multipliers,
+  term.evaluate = [motors, rates](const PointView& view, VectorRef values, Matrix* J, const ConstVectorRef* multipliers,
                                   Matrix* H) {
     values[0] = 0.0;
     for (int m = 0; m < view.n_u; ++m) {

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <numeric>
 
 #include "transcription/terms/factories.h"
@@ -55,6 +56,24 @@ int needed_coordinate(const char* name, const TermSpec& spec, const TermContext&
   if (index < 0)
     throw spec.node.error(fmt::format("{} needs the coordinate {}, which this robot's base has not", spec.type, name));
   return index;
+}
+
+bool leave_out(int first, int last, const PhaseSpec& phase, Scheme scheme, PathTerm& term) {
+  std::vector<double> mesh = phase.stated_mesh.empty() ? phase.mesh : phase.stated_mesh;
+  if (mesh.empty()) mesh.assign(static_cast<size_t>(phase.intervals), 1.0);
+  const double whole = std::accumulate(mesh.begin(), mesh.end(), 0.0);
+  std::vector<double> points = {0.0};  // fractions of the duration
+  double end = 0.0;
+  for (double length : mesh) {
+    if (scheme == Scheme::hermite_simpson) points.push_back((end + 0.5 * length) / whole);
+    end += length;
+    points.push_back(end / whole);
+  }
+  const int count = static_cast<int>(points.size());
+  if (first + last >= count) return false;
+  if (first > 0) term.after = std::max(term.after, points[static_cast<size_t>(first - 1)]);
+  if (last > 0) term.before = std::min(term.before, points[static_cast<size_t>(count - last)]);
+  return true;
 }
 
 std::vector<int> node_columns(const TermContext& context, int node) {

@@ -24,7 +24,7 @@ PathTerm pyramid(const std::string& foot_name, int foot, int slot, double mu, do
   for (const char* side : {"forward", "backward"})
     term.rows.push_back({fmt::format("{} friction {}", foot_name, side), "N", {0.0, kInfinity}, scale});
   term.reads.force = true;
-  term.evaluate = [slot, mu](const PointView& view, VectorRef values, Matrix* J, const Vector*, Matrix*) {
+  term.evaluate = [slot, mu](const PointView& view, VectorRef values, Matrix* J, const ConstVectorRef*, Matrix*) {
     const double fx = view.point.force[2 * slot], fz = view.point.force[2 * slot + 1];
     values[0] = mu * fz - fx;
     values[1] = mu * fz + fx;
@@ -43,7 +43,8 @@ PathTerm force_component(const std::string& name, int slot, int component, const
   term.name = name;
   term.rows.push_back({name, "N", bounds, scale});
   term.reads.force = true;
-  term.evaluate = [slot, component](const PointView& view, VectorRef values, Matrix* J, const Vector*, Matrix*) {
+  term.evaluate = [slot, component](const PointView& view, VectorRef values, Matrix* J, const ConstVectorRef*,
+                                    Matrix*) {
     values[0] = view.point.force[2 * slot + component];
     if (J) (*J)(0, view.f_at() + 2 * slot + component) = 1.0;
   };
@@ -85,8 +86,10 @@ void normal_force(const TermSpec& spec, TermContext& context) {
       const PlanarPoint& point = context.model().feet[static_cast<size_t>(foot)];
       PathTerm term = force_component(point.name + " normal force", slot, 1,
                                       {each.lower * point.count, each.upper * point.count}, weight_scale(context));
-      term.skip_first = skip("skip_first");
-      term.skip_last = skip("skip_last");
+      const PhaseSpec& phase = context.problem.phases[static_cast<size_t>(p)];
+      if (!leave_out(skip("skip_first"), skip("skip_last"), phase, context.problem.transcription.scheme, term))
+        throw spec.node.error(
+            fmt::format("skip_first and skip_last leave out every point of phase '{}'; allowed: fewer", phase.name));
       context.path[static_cast<size_t>(p)].push_back(term);
     }
   }
@@ -126,16 +129,18 @@ void swing_clearance(const TermSpec& spec, TermContext& context) {
       term.rows.push_back({point.name + " height", "m", {min, kInfinity}, 0.1});
       term.reads.position = true;
       // A foot takes off from the ground and lands on it: the row holds between.
-      term.skip_first = term.skip_last = 1;
+      term.after = 0.0;
+      term.before = 1.0;
       auto f = std::make_shared<PointFunction>(context.equations.tree(), foot_point(context.equations.tree(), foot));
-      term.evaluate = [f](const PointView& view, VectorRef values, Matrix* J, const Vector* multipliers, Matrix* H) {
+      term.evaluate = [f](const PointView& view, VectorRef values, Matrix* J, const ConstVectorRef* multipliers,
+                          Matrix* H) {
         const AbsoluteTree& tree = view.equations.tree();
         values[0] = point_position(f->point, view.point.motion).y();
         const Vec2 up(0.0, 1.0), none = Vec2::Zero();
         if (J) {
-          Vector gradient = Vector::Zero(2 * view.n);
-          add_point_gradient(tree, view.point.motion, f->point, up, none, gradient, f->scratch);
-          J->row(0).head(2 * view.n) = gradient.transpose();
+          f->gradient.setZero();
+          add_point_gradient(tree, view.point.motion, f->point, up, none, f->gradient, f->scratch);
+          J->row(0).head(2 * view.n) = f->gradient.transpose();
         }
         if (H)
           add_point_hessian(tree, view.point.motion, f->point, (*multipliers)[0] * up, none,

@@ -28,7 +28,7 @@ NodeTerm velocity_term(const TermSpec& spec, TermContext& context) {
     const int coordinate = needed_coordinate(up ? "z" : "x", spec, context);
     term.columns = {context.layout.nodes.back().v + coordinate};
     term.linear = true;
-    term.evaluate = [](const Vector& y, VectorRef values, Matrix* J, const Vector*, Matrix*) {
+    term.evaluate = [](const ConstVectorRef& y, VectorRef values, Matrix* J, const ConstVectorRef*, Matrix*) {
       values[0] = y[0];
       if (J) (*J)(0, 0) = 1.0;
       return true;
@@ -39,23 +39,30 @@ NodeTerm velocity_term(const TermSpec& spec, TermContext& context) {
   const AbsoluteTree& tree = context.equations.tree();
   auto f = std::make_shared<PointFunction>(tree, centre_of_mass_point(tree));
   const Vec2 axis(up ? 0.0 : 1.0, up ? 1.0 : 0.0), none = Vec2::Zero();
-  term.evaluate = [f, &tree, axis, none](const Vector& y, VectorRef values, Matrix* J, const Vector* multipliers,
-                                         Matrix* H) {
+  term.evaluate = [f, &tree, axis, none](const ConstVectorRef& y, VectorRef values, Matrix* J,
+                                         const ConstVectorRef* multipliers, Matrix* H) {
     const int n = tree.n;
     if (!set_configuration(tree, y.head(n), f->motion)) return false;
     set_rates(tree, y.tail(n), f->motion);
     set_rate_sensitivity(tree, f->motion);
     values[0] = axis.dot(point_velocity(f->point, f->motion));
     if (J) {
-      Vector gradient = Vector::Zero(2 * n);
-      add_point_gradient(tree, f->motion, f->point, none, axis, gradient, f->scratch);
-      J->row(0) = gradient.transpose();
+      f->gradient.setZero();
+      add_point_gradient(tree, f->motion, f->point, none, axis, f->gradient, f->scratch);
+      J->row(0) = f->gradient.transpose();
     }
     if (H) add_point_hessian(tree, f->motion, f->point, none, (*multipliers)[0] * axis, *H, f->scratch);
     return true;
   };
   return term;
 }
+
+struct MeanScratch {
+  explicit MeanScratch(int size)
+      : v(Vector::Zero(1)), multiplier(Vector::Zero(1)), J(Matrix::Zero(1, size)), H(Matrix::Zero(size, size)) {}
+  Vector v, multiplier;
+  Matrix J, H;
+};
 
 /// A linear function of the programme's variables.
 NodeTerm linear_term(const std::string& name, const std::string& unit, const std::vector<int>& columns,
@@ -65,7 +72,7 @@ NodeTerm linear_term(const std::string& name, const std::string& unit, const std
   term.rows.push_back({name, unit, {}, 1.0});
   term.columns = columns;
   term.linear = true;
-  term.evaluate = [factors](const Vector& y, VectorRef values, Matrix* J, const Vector*, Matrix*) {
+  term.evaluate = [factors](const ConstVectorRef& y, VectorRef values, Matrix* J, const ConstVectorRef*, Matrix*) {
     values[0] = 0.0;
     for (int i = 0; i < y.size(); ++i) {
       values[0] += factors[static_cast<size_t>(i)] * y[i];
@@ -93,12 +100,17 @@ void mean_acceleration(const TermSpec& spec, TermContext& context) {
   const int size = static_cast<int>(velocity.columns.size());
   for (int column : duration_columns(context)) term.columns.push_back(column);
   // c = v/T: dc = dv/T - v/T^2 dT, and the second derivatives that follow.
-  term.evaluate = [velocity, size](const Vector& y, VectorRef values, Matrix* J, const Vector* multipliers, Matrix* H) {
+  auto s = std::make_shared<MeanScratch>(size);
+  term.evaluate = [velocity, size, s](const ConstVectorRef& y, VectorRef values, Matrix* J,
+                                      const ConstVectorRef* multipliers, Matrix* H) {
     const int durations = static_cast<int>(y.size()) - size;
     const double T = y.tail(durations).sum();
-    Vector v(1);
-    Matrix J_v = Matrix::Zero(1, size), H_v = Matrix::Zero(size, size);
-    const Vector scaled = multipliers ? Vector(*multipliers / T) : Vector::Zero(1);
+    Vector& v = s->v;
+    Matrix &J_v = s->J, &H_v = s->H;
+    J_v.setZero();
+    H_v.setZero();
+    s->multiplier[0] = multipliers ? (*multipliers)[0] / T : 0.0;
+    const ConstVectorRef scaled(s->multiplier);
     if (!(T > 0.0) ||
         !velocity.evaluate(y.head(size), v, J ? &J_v : nullptr, H ? &scaled : nullptr, H ? &H_v : nullptr))
       return false;
@@ -110,8 +122,10 @@ void mean_acceleration(const TermSpec& spec, TermContext& context) {
     if (H) {
       const double m = (*multipliers)[0];
       H->topLeftCorner(size, size) += H_v;
-      H->topRightCorner(size, durations).colwise() -= m / (T * T) * Vector(J_v.row(0).transpose());
-      H->bottomLeftCorner(durations, size).rowwise() -= Eigen::RowVectorXd(m / (T * T) * J_v.row(0));
+      for (int d = size; d < size + durations; ++d) {
+        H->col(d).head(size) -= m / (T * T) * J_v.row(0).transpose();
+        H->row(d).head(size) -= m / (T * T) * J_v.row(0);
+      }
       H->bottomRightCorner(durations, durations).array() += 2.0 * m * v[0] / (T * T * T);
     }
     return true;
@@ -156,7 +170,8 @@ void touchdown_pitch(const TermSpec& spec, TermContext& context) {
   term.rows = {{"touchdown: height of the base", "m", {height, height}, 0.1},
                {"touchdown: pitch", "rad", pitch, 0.1},
                {"touchdown: on the way down", "m/s", {-kInfinity, 0.0}, 1.0}};
-  term.evaluate = [g](const Vector& y, VectorRef values, Matrix* J, const Vector* multipliers, Matrix* H) {
+  term.evaluate = [g](const ConstVectorRef& y, VectorRef values, Matrix* J, const ConstVectorRef* multipliers,
+                      Matrix* H) {
     const double time = y[4];
     values << y[0] + y[2] * time - 0.5 * g * time * time, y[1] + y[3] * time, y[2] - g * time;
     if (J) {
@@ -167,7 +182,7 @@ void touchdown_pitch(const TermSpec& spec, TermContext& context) {
       (*J)(2, 4) = -g;
     }
     if (H) {
-      const Vector& m = *multipliers;
+      const ConstVectorRef& m = *multipliers;
       (*H)(2, 4) = (*H)(4, 2) = m[0];
       (*H)(3, 4) = (*H)(4, 3) = m[1];
       (*H)(4, 4) = -g * m[0];

@@ -36,6 +36,8 @@ int phase_index(const yaml::Node& node, const TermContext& context);
 int foot_index(const yaml::Node& node, const TermContext& context);
 /// Index of a coordinate that a term cannot do without.
 int needed_coordinate(const char* name, const TermSpec& spec, const TermContext& context);
+/// Leaves out the first and last collocation points of a phase, counted on the grid of the file. False where none remains.
+bool leave_out(int first, int last, const PhaseSpec& phase, Scheme scheme, PathTerm& term);
 /// Columns of q and v of a node.
 std::vector<int> node_columns(const TermContext& context, int node);
 /// A force that is large for this robot: its weight, or 1 N where it has none [N].
@@ -43,10 +45,12 @@ double weight_scale(const TermContext& context);
 
 /// Kinematics of a node term's point functions; shared by the copies of the term.
 struct PointFunction {
-  PointFunction(const AbsoluteTree& tree, PointSum sum) : point(std::move(sum)), motion(tree), scratch(tree) {}
+  PointFunction(const AbsoluteTree& tree, PointSum sum)
+      : point(std::move(sum)), motion(tree), scratch(tree), gradient(Vector::Zero(2 * tree.n)) {}
   PointSum point;
   Motion motion;
   PointScratch scratch;
+  Vector gradient;  // by (q, v)
 };
 
 }  // namespace jaculus::terms

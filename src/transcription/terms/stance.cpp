@@ -26,8 +26,8 @@ NodeTerm standing_foot(const TermContext& context, int node, int foot, bool with
   }
   const AbsoluteTree& tree = context.equations.tree();
   auto f = std::make_shared<PointFunction>(tree, foot_point(tree, foot));
-  term.evaluate = [f, &tree, with_velocity](const Vector& y, VectorRef values, Matrix* J, const Vector* multipliers,
-                                            Matrix* H) {
+  term.evaluate = [f, &tree, with_velocity](const ConstVectorRef& y, VectorRef values, Matrix* J,
+                                            const ConstVectorRef* multipliers, Matrix* H) {
     const int n = tree.n;
     if (!set_configuration(tree, y.head(n), f->motion)) return false;
     set_rates(tree, y.tail(n), f->motion);
@@ -37,9 +37,9 @@ NodeTerm standing_foot(const TermContext& context, int node, int foot, bool with
     const Vec2 weights[3][2] = {{{0, 1}, {0, 0}}, {{0, 0}, {1, 0}}, {{0, 0}, {0, 1}}};
     for (int i = 0; i < values.size(); ++i) {
       if (J) {
-        Vector gradient = Vector::Zero(2 * n);
-        add_point_gradient(tree, f->motion, f->point, weights[i][0], weights[i][1], gradient, f->scratch);
-        J->row(i) = gradient.transpose();
+        f->gradient.setZero();
+        add_point_gradient(tree, f->motion, f->point, weights[i][0], weights[i][1], f->gradient, f->scratch);
+        J->row(i) = f->gradient.transpose();
       }
       if (H) {
         const double m = (*multipliers)[i];
@@ -50,6 +50,14 @@ NodeTerm standing_foot(const TermContext& context, int node, int foot, bool with
   };
   return term;
 }
+
+struct ImpactScratch {
+  ImpactScratch(const Equations& equations, const std::vector<int>& feet)
+      : point(equations, feet), mu(Vector::Zero(point.Z.rows())), full(Matrix::Zero(point.Z.cols(), point.Z.cols())) {}
+  EquationsPoint point;
+  Vector mu;
+  Matrix full;
+};
 
 /// Columns: q and v before, q and v after. Rows: q stays (n), v jumps by the impact (n), normal impulses (one a foot).
 NodeTerm impact(const TermContext& context, int phase) {
@@ -74,10 +82,11 @@ NodeTerm impact(const TermContext& context, int phase) {
          0.1 * weight_scale(context)});
   }
   const Equations& equations = context.equations;
-  auto p = std::make_shared<EquationsPoint>(equations, block.feet);
+  auto s = std::make_shared<ImpactScratch>(equations, block.feet);
   const int feet = static_cast<int>(block.feet.size());
-  term.evaluate = [p, &equations, n, feet](const Vector& y, VectorRef values, Matrix* J, const Vector* multipliers,
-                                           Matrix* H) {
+  term.evaluate = [s, &equations, n, feet](const ConstVectorRef& y, VectorRef values, Matrix* J,
+                                           const ConstVectorRef* multipliers, Matrix* H) {
+    EquationsPoint* const p = &s->point;
     if (!equations.evaluate_impact(y.head(n), y.segment(n, n), *p)) return false;
     values.head(n) = y.segment(2 * n, n) - y.head(n);
     values.segment(n, n) = y.tail(n) - y.segment(n, n) - p->a;
@@ -91,10 +100,12 @@ NodeTerm impact(const TermContext& context, int phase) {
     J->block(n, 0, n, 2 * n) -= p->Z.topLeftCorner(n, 2 * n);
     for (int k = 0; k < feet; ++k) J->row(2 * n + k).head(2 * n) = p->Z.row(n + 2 * k + 1).head(2 * n);
     if (!H) return true;
-    Vector mu = Vector::Zero(p->Z.rows());
+    Vector& mu = s->mu;
+    Matrix& full = s->full;
+    mu.setZero();
+    full.setZero();
     mu.head(n) = -multipliers->segment(n, n);
     for (int k = 0; k < feet; ++k) mu[n + 2 * k + 1] = (*multipliers)[2 * n + k];
-    Matrix full = Matrix::Zero(p->Z.cols(), p->Z.cols());
     equations.add_hessian(mu, *p, full);
     H->topLeftCorner(2 * n, 2 * n) += full.topLeftCorner(2 * n, 2 * n);
     return true;

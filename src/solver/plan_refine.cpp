@@ -1,0 +1,94 @@
+// Finer meshes, on request.
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "solver/plan_solve.h"
+
+namespace jaculus::detail {
+namespace {
+
+/// What the plan has come to on its present mesh.
+MeshRound mesh_round(Plan& plan, int iterations) {
+  const Programme& programme = *plan.programme;
+  const Layout& layout = programme.layout();
+  MeshRound round;
+  for (const PhaseBlock& phase : layout.phases)
+    round.intervals.push_back(phase.last_interval - phase.first_interval + 1);
+  round.objective = programme.problem().maximise ? -plan.result.objective : plan.result.objective;
+  round.iterations = iterations;
+  round.duration = 0.0;
+  const Vector& x = plan.result.x();
+  for (const PhaseBlock& phase : layout.phases) round.duration += x[phase.duration];
+  const int forward = programme.equations().model().coordinate_index("x");
+  if (forward >= 0) round.final_velocity = x[layout.nodes.back().v + forward];
+  round.interval_error = interval_errors(*plan.programme, x).maxCoeff();
+  return round;
+}
+
+/// Halves every interval whose error is above the tolerance; false where none is.
+bool refine(Problem& problem, const Layout& layout, const Vector& errors) {
+  bool any = false;
+  for (std::size_t p = 0; p < problem.phases.size(); ++p) {
+    const PhaseBlock& block = layout.phases[p];
+    PhaseSpec& phase = problem.phases[p];
+    // Counts of points in the file go on meaning the file's grid.
+    if (phase.stated_mesh.empty())
+      phase.stated_mesh =
+          phase.mesh.empty() ? std::vector<double>(static_cast<std::size_t>(phase.intervals), 1.0) : phase.mesh;
+    std::vector<double> mesh;
+    for (int k = block.first_interval; k <= block.last_interval; ++k) {
+      const double fraction = layout.intervals[static_cast<std::size_t>(k)].fraction;
+      const bool split = errors[k] > problem.refinement.tolerance;
+      mesh.insert(mesh.end(), split ? 2 : 1, split ? 0.5 * fraction : fraction);
+      any = any || split;
+    }
+    phase.intervals = static_cast<int>(mesh.size());
+    phase.mesh = mesh;
+  }
+  return any;
+}
+
+/// The start is nearly optimal: stay close to it and to its active bounds.
+SolverOptions near_options(const Problem& problem, const PlanOptions& options) {
+  SolverOptions near = solver_options(problem, options);
+  near.ipopt = {{"mu_init", "1e-4"},
+                {"bound_push", "1e-8"},
+                {"bound_frac", "1e-8"},
+                {"slack_bound_push", "1e-8"},
+                {"slack_bound_frac", "1e-8"}};
+  return near;
+}
+
+}  // namespace
+
+void refine_mesh(Plan& plan, Problem problem, const PlanarModel& model, const PlanOptions& options) {
+  if (!plan.converged() || problem.refinement.max_rounds == 0) return;
+  plan.mesh_rounds.push_back(mesh_round(plan, plan.result.iterations));
+  for (int number = 1; number <= problem.refinement.max_rounds; ++number) {
+    const Vector errors = interval_errors(*plan.programme, plan.result.x());
+    if (!refine(problem, plan.programme->layout(), errors)) return;
+    const Trajectory before = to_trajectory(*plan.programme, plan.result.x());
+    auto finer = std::make_unique<Programme>(problem, model);
+    GuessSpec spec = problem.guess;
+    spec.kind = "file";
+    NlpResult result = solve_nlp(*finer, {initial_guess(*finer, spec, 0, &before)}, near_options(problem, options));
+    if (!result.converged()) {
+      std::vector<int> intervals;
+      for (const PhaseSpec& phase : problem.phases) intervals.push_back(phase.intervals);
+      plan.refinement_failure =
+          fmt::format("round {} of the mesh refinement, {} intervals, ended '{}'; the plan is that before it", number,
+                      fmt::join(intervals, " + "), to_string(result.status));
+      return;
+    }
+    const int own = result.iterations;
+    result.iterations += plan.result.iterations;
+    result.feasibility_iterations = plan.result.feasibility_iterations;
+    plan.result = std::move(result);
+    plan.programme = std::move(finer);
+    ++plan.refinements;
+    plan.mesh_rounds.push_back(mesh_round(plan, own));
+  }
+}
+
+}  // namespace jaculus::detail

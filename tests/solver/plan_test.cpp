@@ -1,0 +1,82 @@
+// make_plan: feasibility stages before random starts, finer meshes, and what is said where they fail.
+
+#include "jaculus/solver/plan.h"
+
+#include <gtest/gtest.h>
+
+#include "transcription/programmes.h"
+
+namespace jaculus {
+namespace {
+
+Plan solve(const Problem& problem) {
+  const Robot robot = read_robot(problem.robot_folder, problem.overrides);
+  return make_plan(problem, robot.planar);
+}
+
+Problem coarse_leap(const std::string& lines) {
+  Problem problem = test::extended_problem("leap_tail", lines);
+  problem.phases[0].intervals = 6;
+  problem.phases[0].mesh = {1, 1, 1, 1, 1, 0.6};
+  problem.phases[1].intervals = 4;
+  return problem;
+}
+
+TEST(Plan, RandomStartsPassThroughAFeasibilityStage) {
+  Problem problem = coarse_leap("solver: {starts: 5}");
+  const Plan plan = solve(problem);
+  ASSERT_TRUE(plan.converged());
+  EXPECT_EQ(plan.starts.converged, 5);
+  EXPECT_GE(plan.starts.near_best, 1);
+  problem.solver.starts = 1;
+  problem.guess.kind = "random";
+  const Plan random = solve(problem);
+  ASSERT_TRUE(random.converged());
+  EXPECT_GT(random.result.feasibility_iterations, 0);
+  EXPECT_LT(random.result.feasibility_iterations, random.result.iterations);
+}
+
+/// Times [s] at which the least normal force of the front foot is asked for.
+std::vector<double> window_times(Programme& programme, const Vector& x) {
+  std::vector<double> times;
+  double start = 0.0;
+  EXPECT_TRUE(programme.evaluate_at(x));
+  for (const Interval& interval : programme.intervals()) {
+    for (const PathRows& rows : interval.path)
+      if (rows.term->name == "front_foot normal force") times.push_back(start + 0.5 * rows.point * interval.length());
+    start += interval.length();
+  }
+  return times;
+}
+
+TEST(Plan, RefinementKeepsTheWindowOfALimitInTime) {
+  Problem problem = coarse_leap("refinement: {max_rounds: 1, tolerance: 1e-12}");
+  const Plan plan = solve(problem);
+  ASSERT_TRUE(plan.converged());
+  ASSERT_EQ(plan.refinements, 1) << plan.refinement_failure;
+  ASSERT_EQ(plan.mesh_rounds.size(), 2u);
+  EXPECT_EQ(plan.mesh_rounds[1].intervals, (std::vector<int>{12, 8}));
+  const double first_phase = plan.result.x()[plan.programme->layout().phases[0].duration];
+  const std::vector<double> times = window_times(*plan.programme, plan.result.x());
+  ASSERT_FALSE(times.empty());
+  // The file leaves out three points of a grid of six intervals: everything from the start of its last one, 5/5.6 of the phase.
+  // On the finer grid the last point before that is the middle of the tenth interval, 4.75/5.6.
+  EXPECT_NEAR(times.back() / first_phase, 4.75 / 5.6, 1e-9);
+}
+
+TEST(Plan, AFinerSolveThatFailsIsTold) {
+  Problem problem = coarse_leap("refinement: {max_rounds: 1, tolerance: 1e-12}");
+  const Plan whole = solve(problem);
+  ASSERT_EQ(whole.refinements, 1) << whole.refinement_failure;
+  // As many iterations as the first mesh takes, which the finer one does not get by with.
+  problem.solver.max_iterations = whole.mesh_rounds[0].iterations;
+  ASSERT_GT(whole.mesh_rounds[1].iterations, problem.solver.max_iterations);
+  const Plan cut = solve(problem);
+  EXPECT_TRUE(cut.converged());
+  EXPECT_EQ(cut.refinements, 0);
+  EXPECT_NE(cut.refinement_failure.find("12 + 8 intervals, ended 'iteration_limit'"), std::string::npos)
+      << cut.refinement_failure;
+}
+
+}  // namespace
+}  // namespace jaculus
