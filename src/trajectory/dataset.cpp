@@ -78,17 +78,6 @@ void check_start(const Stream& stream, const fs::path& file, double end) {
       file.string(), stream.time[0], end));
 }
 
-Table read_plan(const fs::path& file) {
-  Table plan = read_csv(file);
-  const Vector time = read_time(plan, file, true);
-  plan.values.col(plan.column("time")) = time;
-  plan.columns[static_cast<std::size_t>(plan.column("time"))].unit = "s";
-  if (!(time[time.size() - 1] > time[0]))
-    throw InputError(fmt::format("{}:{}: the plan ends where it begins; allowed: a plan that lasts", file.string(),
-                                 line_of(time.size() - 1)));
-  return plan;
-}
-
 InputScript read_script(const fs::path& file, const std::string& quantity_name) {
   const Table table = read_csv(file);
   InputScript script;
@@ -166,6 +155,24 @@ std::vector<Trial> read_all_trials(const DatasetOutline& outline, const fs::path
 
 }  // namespace
 
+Table read_plan(const fs::path& file) {
+  Table plan = read_csv(file);
+  const Vector time = read_time(plan, file, true);
+  plan.values.col(plan.column("time")) = time;
+  plan.columns[static_cast<std::size_t>(plan.column("time"))].unit = "s";
+  if (!(time[time.size() - 1] > time[0]))
+    throw InputError(fmt::format("{}:{}: the plan ends where it begins; allowed: a plan that lasts", file.string(),
+                                 line_of(time.size() - 1)));
+  return plan;
+}
+
+void load_commands(DatasetOutline& outline, const fs::path& folder) {
+  Dataset& dataset = outline.dataset;
+  if (outline.plan) dataset.plan = read_plan(named_file(*outline.plan, folder));
+  if (outline.input_file)
+    dataset.script = read_script(named_file(*outline.input_file, folder), dataset.script->quantity);
+}
+
 int Stream::channel(const std::string& channel_name) const { return index_of(channels, channel_name); }
 
 const Stream* Trial::stream(const std::string& stream_name) const {
@@ -182,9 +189,7 @@ Dataset read_dataset(const fs::path& given) {
     throw InputError(fmt::format("{}: no dataset.yaml here; allowed: the folder of a dataset", folder.string()));
   const yaml::Node file = yaml::Node::load(is_file ? given : folder / "dataset.yaml");
   DatasetOutline outline = read_outline(file);
-  if (outline.plan) outline.dataset.plan = read_plan(named_file(*outline.plan, folder));
-  if (outline.input_file)
-    outline.dataset.script = read_script(named_file(*outline.input_file, folder), outline.dataset.script->quantity);
+  load_commands(outline, folder);
   Dataset dataset = std::move(outline.dataset);
   outline.dataset = Dataset{};
   outline.dataset.plan = dataset.plan;

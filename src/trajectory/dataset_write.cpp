@@ -28,6 +28,11 @@ std::string quoted(const std::string& text) {
   return out + '"';
 }
 
+std::string yaml_number(double value) {
+  if (std::isinf(value)) return value < 0.0 ? "-.inf" : ".inf";
+  return fmt::format("{}", value);
+}
+
 std::string gain_text(const StatedGain& gain) {
   if (gain.known()) return fmt::format("{}", gain.range.lower);
   if (std::isinf(gain.range.upper)) return "unknown";
@@ -53,7 +58,7 @@ std::string controller_text(const StatedController& controller) {
   if (!controller.kp.empty()) out += ", kp: " + gains_text(controller.kp);
   if (!controller.kd.empty()) out += ", kd: " + gains_text(controller.kd);
   if (controller.bus_voltage) out += fmt::format(", bus_voltage: {}", *controller.bus_voltage);
-  if (controller.after_end != "hold") out += fmt::format(", after_end: {}", controller.after_end);
+  if (!controller.after_end.empty()) out += fmt::format(", after_end: {}", controller.after_end);
   return out + "}";
 }
 
@@ -116,6 +121,10 @@ std::string outline_text(const Dataset& dataset) {
     out += "initial:\n";
     for (const auto& [name, value] : dataset.initial) out += fmt::format("  {}: {}\n", quoted(name), value);
   }
+  if (!dataset.stops.empty()) out += "stops:\n";
+  for (const auto& [joint, stop] : dataset.stops)
+    out += fmt::format("  {}: {{range: [{}, {}], restitution: {}}}\n", quoted(joint), yaml_number(stop.range.lower),
+                       yaml_number(stop.range.upper), stop.restitution);
   out += fmt::format("controller: {}\nstreams:\n", controller_text(dataset.controller));
   for (const Stream* stream : stream_kinds(dataset)) {
     out += fmt::format("  {}: {{file: {}", quoted(stream->name), quoted(stream->name + ".csv"));

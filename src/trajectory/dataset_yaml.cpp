@@ -203,10 +203,10 @@ Dimension gain_dimension(const std::string& quantity, bool derivative) {
   return dimension;
 }
 
-DatasetOutline read_outline(const yaml::Node& file) {
-  file.only({"format", "experiment", "robot", "override", "plan", "input", "initial", "controller", "streams", "trials",
-             "provenance"});
-  (void)file.at("format").choice({"jaculus-dataset/1"});
+const std::vector<std::string> kSetupKeys = {"experiment", "robot",   "override", "plan",
+                                             "input",      "initial", "stops",    "controller"};
+
+DatasetOutline read_setup(const yaml::Node& file) {
   DatasetOutline outline;
   Dataset& dataset = outline.dataset;
   dataset.experiment = file.at("experiment").choice({"leap", "self_righting", "tail_bench", "pendulum"});
@@ -224,13 +224,30 @@ DatasetOutline read_outline(const yaml::Node& file) {
   if (const auto initial = file.find("initial")) {
     for (const auto& [name, value] : initial->entries()) dataset.initial[name] = angle_or_length(value);
   }
+  if (const auto stops = file.find("stops")) {
+    for (const auto& [joint, stop] : stops->entries()) {
+      stop.only({"range", "restitution"});
+      StatedStop stated{stop.at("range").bounds(dimension::angle), 0.0};
+      if (const auto r = stop.find("restitution")) stated.restitution = r->number(dimension::none, {0.0, 1.0});
+      dataset.stops[joint] = stated;
+    }
+  }
   check_commands(file, outline);
+  return outline;
+}
+
+DatasetOutline read_outline(const yaml::Node& file) {
+  std::vector<std::string> keys = {"format", "streams", "trials", "provenance"};
+  keys.insert(keys.begin() + 1, kSetupKeys.begin(), kSetupKeys.end());
+  file.only(keys);
+  (void)file.at("format").choice({"jaculus-dataset/1"});
+  DatasetOutline outline = read_setup(file);
   read_streams(file.at("streams"), outline);
   read_trials(file.at("trials"), outline);
   if (const auto provenance = file.find("provenance")) {
-    dataset.provenance = provenance->text();
+    outline.dataset.provenance = provenance->text();
   } else {
-    dataset.notes.emplace_back("no provenance is stated");
+    outline.dataset.notes.emplace_back("no provenance is stated");
   }
   return outline;
 }

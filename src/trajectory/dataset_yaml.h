@@ -29,6 +29,15 @@ struct DatasetOutline {
 /// Checks keys, kinds, units and ranges. Faults: InputError with the node's place.
 DatasetOutline read_outline(const yaml::Node& file);
 
+/// The part that experiments have as well: robot, override, plan, input, initial, stops, controller. Other keys are the caller's.
+DatasetOutline read_setup(const yaml::Node& file);
+extern const std::vector<std::string> kSetupKeys;
+
+/// Reads plan and script, which stand in `folder`, into outline.dataset.
+void load_commands(DatasetOutline& outline, const std::filesystem::path& folder);
+/// A plan's table, its time checked and in seconds.
+Table read_plan(const std::filesystem::path& file);
+
 /// The text of dataset.yaml that reads back the same. Streams and trials are taken from dataset.trials.
 std::string outline_text(const Dataset& dataset);
 

@@ -25,6 +25,7 @@ robot: minitaur
 override: {motors.front_a.resistance: 0.2 ohm, friction: 0.7}
 plan: plan.csv
 initial: {pitch: 5 deg, z: 20 cm}
+stops: {tail: {range: [-90 deg, .inf], restitution: 0.3}}
 controller: {kind: feedforward_pd, quantity: duty, rate_hz: 1 kHz, kp: {front_a: 0.4, "*": unknown}, kd: [0.01, 0.02], bus_voltage: 16 V}
 streams:
   mocap: {file: mocap.csv, rate_hz: 240}
@@ -96,6 +97,8 @@ TEST(Dataset, ReadsBackWhatItWrote) {
   EXPECT_EQ(copy.provenance, dataset.provenance);
   EXPECT_EQ(copy.overrides, dataset.overrides);
   EXPECT_EQ(copy.initial, dataset.initial);
+  EXPECT_EQ(copy.stops.at("tail").range.lower, dataset.stops.at("tail").range.lower);
+  EXPECT_EQ(copy.stops.at("tail").restitution, 0.3);
   EXPECT_EQ(copy.plan->values, dataset.plan->values);
   EXPECT_EQ(copy.trials[1].streams[0].values, dataset.trials[1].streams[0].values);
   write_dataset(copy, sample.folder / "again");
@@ -156,12 +159,12 @@ TEST(Dataset, SaysWhereItsDescriptionIsWrong) {
     std::string what, by, message;
   };
   const std::vector<Case> cases = {
-      {"rate_hz: 1 kHz", "rate_hz: 0", "dataset.yaml:7: controller.rate_hz: 0 is out of range"},
+      {"rate_hz: 1 kHz", "rate_hz: 0", "dataset.yaml:8: controller.rate_hz: 0 is out of range"},
       {"experiment: leap", "experiment: lep", "dataset.yaml:2: experiment: 'lep' given, did you mean 'leap'?"},
-      {"mocap.csv, rate_hz", "mocp.csv, rate_hz", "dataset.yaml:9: streams.mocap.file: no trial has a file mocp.csv"},
+      {"mocap.csv, rate_hz", "mocp.csv, rate_hz", "dataset.yaml:10: streams.mocap.file: no trial has a file mocp.csv"},
       {"mocap.csv, rate_hz", "../mocap.csv, rate_hz", "allowed: a file in the trials' folders"},
-      {"trial_01, trial_02", "trial_01, trial_03", "dataset.yaml:11: trials[1]: there is no folder"},
-      {"trial_01, trial_02", "trial_01, trial_01", "dataset.yaml:11: trials[1]: 'trial_01' stands twice"},
+      {"trial_01, trial_02", "trial_01, trial_03", "dataset.yaml:12: trials[1]: there is no folder"},
+      {"trial_01, trial_02", "trial_01, trial_01", "dataset.yaml:12: trials[1]: 'trial_01' stands twice"},
       {"plan: plan.csv", "plan: plann.csv", "dataset.yaml:5: plan: there is no file"},
       {"plan: plan.csv\n", "", "key 'plan' is missing; a controller of kind feedforward_pd needs plan or input"},
       {"kind: feedforward_pd", "kind: pid", "controller.kind: 'pid' given; allowed: feedforward_pd"},

@@ -57,7 +57,13 @@ struct StatedController {
   std::map<std::string, StatedGain> kd;
   std::optional<double> bus_voltage;  ///< [V]
   std::string input;                  ///< of kind measured: the quantity whose logged column drove the joint, "torque"
-  std::string after_end = "hold";     ///< what follows the plan's end: "hold", "relax", "repeat"
+  std::string after_end;              ///< "hold", "relax", "repeat"; empty: hold after a plan, repeat after a script
+};
+
+/// End of a joint's travel as it was built into the experiment.
+struct StatedStop {
+  Bounds range;              ///< [rad]
+  double restitution = 0.0;  ///< [-]
 };
 
 /// A script of commands in place of a plan: one column a motor against time, held.
@@ -76,6 +82,7 @@ struct Dataset {
   std::optional<Table> plan;                     ///< what was commanded, columns of plan.csv
   std::optional<InputScript> script;             ///< or this
   std::map<std::string, double> initial;         ///< stated initial coordinates, SI, where no plan gives them
+  std::map<std::string, StatedStop> stops;       ///< by joint
   StatedController controller;
   std::vector<Trial> trials;
   std::string provenance;
