@@ -21,6 +21,7 @@ struct FreeParameter {
   double nominal = 0.0;
   double scale = 1.0;  ///< standard deviation of the normal prior about nominal
   Bounds bounds;
+  double probe = kNaN;  ///< signed step from nominal whose influence is plain; NaN: one scale
 
   /// Nominal is an end of the range, so that the prior is the half of a normal one.
   [[nodiscard]] bool one_sided() const { return nominal <= bounds.lower || nominal >= bounds.upper; }

@@ -1,0 +1,47 @@
+#pragma once
+// Most probable parameters of a model, and its evidence.
+//
+//   u = (p - nominal)/scale of the free parameters,  cost(u) = |r(u)|^2/2 + |u|^2/2,  r = T (y - A m - f(p)) (evidence_space.h)
+// minimised by Ceres (Levenberg-Marquardt with bounds), Jacobian by forward differences through simulation, backward at an upper end.
+// Laplace's evidence, relative to that of white noise, with H = J^T J + I, gradient g, mean mu = u - H^-1 g:
+//   log Z = -cost + g^T H^-1 g/2 - log det(H)/2 + sum over one-sided parameters [log 2 + log Phi(+-mu_i/sqrt(H^-1_ii))]
+// so that a parameter which starts at its boundary carries half a prior and the part of its posterior that the boundary leaves;
+// g vanishes but for parameters held at a bound. Limits of validity: one mode, nearly Gaussian in u; intervals are checked by profile.
+
+#include <string>
+#include <vector>
+
+#include "jaculus/diagnosis/evidence_space.h"
+
+namespace jaculus {
+
+struct Fit {
+  bool valid = false;
+  std::string message;    ///< why not valid
+  std::vector<int> free;  ///< indices of the free parameters
+  Vector p;               ///< all parameters, at the optimum
+  Vector residual;        ///< r there
+  Matrix jacobian;        ///< dr/du, rows x free
+  Matrix covariance;      ///< of u, H^-1
+  double chi2 = 0.0;      ///< |r|^2
+  double cost = 0.0;      ///< at the optimum
+  double log_evidence = 0.0;
+  long predictions = 0;  ///< sets of simulations that it took
+};
+
+struct FitOptions {
+  int iterations = 12;  ///< at most, a start
+};
+
+/// Fits the parameters `free` from each of `starts` (full vectors; their other entries count as fixed) and keeps the best.
+Fit fit_model(const Problem& problem, const EvidenceSpace& space, const std::vector<int>& free,
+              const std::vector<Vector>& starts, const FitOptions& options = {});
+
+/// Fixed parameters: r and log evidence alone.
+Fit evaluate_model(const Problem& problem, const EvidenceSpace& space, const Vector& p);
+
+/// 95 % interval of one free parameter: +-1.96 standard deviations, cut at the bounds, where the cost there rises as the curvature
+/// says within a third; else ends where the profile (others refitted) has risen by 1.92.
+Bounds interval95(const Problem& problem, const EvidenceSpace& space, const Fit& fit, int parameter);
+
+}  // namespace jaculus

@@ -1,0 +1,29 @@
+#pragma once
+// Screening: what each candidate could explain of a residual, from one or two probing simulations and no fit.
+//
+//   columns of a candidate: g_i = T (f(p + h_i) - f(p))/h_i, at a small step and at its probing step, because friction, play and
+//   limits are not linear from nominal on; second parameters (a damping) are probed with the first one set.
+//   score = log evidence of the linear Gaussian model with these columns and those of the base model, prior N(0, I) in u, less that
+//   of the base model alone:  b^T A^-1 b/2 - log det(A)/2,  A = I + G^T G,  b = G^T r.
+
+#include <vector>
+
+#include "jaculus/diagnosis/fit.h"
+
+namespace jaculus {
+
+/// Signatures of one candidate about a base model.
+struct Probe {
+  bool valid = false;
+  Matrix small, full;  ///< rows x parameters, per prior scale, at the two strengths
+  double score = -kInfinity;
+  Vector estimate;  ///< u of its parameters by the better linear model, within bounds
+};
+
+/// Probes every candidate that `base` has not freed, in parallel. Order of candidates; freed ones stay invalid.
+std::vector<Probe> screen(const Problem& problem, const EvidenceSpace& space, const Fit& base);
+
+/// Energy |.|^2 of a signature that the columns `own`, with prior N(0, I) times `stretch`^2, can't reproduce.
+double unexplained_energy(const Vector& signature, const Matrix& own);
+
+}  // namespace jaculus

@@ -1,0 +1,205 @@
+#include "diagnosis/align.h"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+namespace jaculus {
+namespace {
+
+constexpr double kMostShift = 0.03;  // s
+constexpr double kRidge = 0.01;      // s, weak prior of a shift while aligning
+constexpr int kHats = 40;            // of the mean over runs
+constexpr double kMostCorrelation = 0.98;
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+bool relative_to_rest(const Channel& channel) { return channel.name == "x" || channel.name == "pitch"; }
+
+/// Residual of one span, less its mean where the channel is relative to rest, and minus its slope in time likewise.
+void span_system(const Condition& condition, const RowSpan& span, const Prediction& prediction, double shift,
+                 Vector& residual, Vector& slope) {
+  const Run& run = condition.runs[at(span.run)];
+  const Vector& time = run.time[at(span.channel)];
+  residual.resize(span.count);
+  slope.resize(span.count);
+  for (int i = 0; i < span.count; ++i) {
+    const double t = time[i] - run.start - shift, h = prediction.step;
+    residual[i] = run.value[at(span.channel)][i] - prediction.at(span.channel, t);
+    slope[i] = -(prediction.at(span.channel, t + h) - prediction.at(span.channel, t - h)) / (2.0 * h);
+  }
+  if (relative_to_rest(condition.channels[at(span.channel)])) {
+    residual.array() -= residual.mean();
+    slope.array() -= slope.mean();
+  }
+}
+
+/// Misfit of every channel over all runs as they are aligned: the unit in which alignment weighs it.
+Vector misfits(const Condition& condition, const std::vector<const Prediction*>& predictions) {
+  Vector squares = Vector::Zero(static_cast<Eigen::Index>(condition.channels.size())), counts = squares;
+  for (const RowSpan& span : row_spans(condition)) {
+    const int stream = condition.stream_index(condition.channels[at(span.channel)].stream);
+    Vector residual, slope;
+    span_system(condition, span, *predictions[at(span.run)], condition.runs[at(span.run)].shift[at(stream)], residual,
+                slope);
+    squares[span.channel] += residual.squaredNorm();
+    counts[span.channel] += span.count;
+  }
+  return (squares.array() / counts.array().max(1.0)).sqrt().max(1e-12);
+}
+
+/// Cost of a shift of one stream of one run, with the Gauss-Newton step from there.
+double shift_cost(const Condition& condition, const std::vector<RowSpan>& spans, const Prediction& prediction,
+                  const Vector& unit, double shift, double& step) {
+  double cost = std::pow(shift / kRidge, 2), gradient = -shift / (kRidge * kRidge), curvature = 1.0 / (kRidge * kRidge);
+  for (const RowSpan& span : spans) {
+    Vector residual, slope;
+    span_system(condition, span, prediction, shift, residual, slope);
+    const double weight = 1.0 / (unit[span.channel] * unit[span.channel]);
+    cost += weight * residual.squaredNorm();
+    gradient += weight * slope.dot(residual);
+    curvature += weight * slope.squaredNorm();
+  }
+  step = gradient / curvature;
+  return cost;
+}
+
+double best_shift(const Condition& condition, const std::vector<RowSpan>& spans, const Prediction& prediction,
+                  const Vector& unit, double shift) {
+  double step = 0.0;
+  double cost = shift_cost(condition, spans, prediction, unit, shift, step);
+  for (int i = 0; i < 8 && std::abs(step) > 1e-7; ++i) {
+    const double next = std::clamp(shift + step, -kMostShift, kMostShift);
+    double next_step = 0.0;
+    const double next_cost = shift_cost(condition, spans, prediction, unit, next, next_step);
+    if (next_cost >= cost) {
+      step *= 0.3;
+      continue;
+    }
+    shift = next;
+    cost = next_cost;
+    step = next_step;
+  }
+  return shift;
+}
+
+/// The rows of one channel: residual and what is fitted to it before the scatter is taken.
+struct ChannelSystem {
+  std::vector<RowSpan> spans;
+  Vector residual;
+  Matrix columns;
+};
+
+void add_hats(const Condition& condition, double from, double to, int hats, ChannelSystem& system) {
+  int row = 0;
+  for (std::size_t s = 0; s < system.spans.size(); ++s) {
+    const RowSpan& span = system.spans[s];
+    const Run& run = condition.runs[at(span.run)];
+    for (int i = 0; i < span.count; ++i, ++row) {
+      const double place = (run.time[at(span.channel)][i] - from) / std::max(1e-12, to - from) * (hats - 1);
+      const int left = std::clamp(static_cast<int>(std::floor(place)), 0, hats - 2);
+      const int block = condition.measured_input ? static_cast<int>(s) * hats : 0;
+      system.columns(row, block + left) = 1.0 - (place - left);
+      system.columns(row, block + left + 1) = place - left;
+    }
+  }
+}
+
+ChannelSystem channel_system(const Condition& condition, int channel, const std::vector<const Prediction*>& predictions,
+                             const std::vector<RunNuisances>& nuisances) {
+  ChannelSystem system;
+  const Vector residual = measured_rows(condition) - predicted_rows(condition, predictions);
+  int rows = 0;
+  for (const RowSpan& span : row_spans(condition)) {
+    if (span.channel != channel) continue;
+    system.spans.push_back(span);
+    rows += span.count;
+  }
+  const bool shared = !condition.measured_input;
+  const int runs = static_cast<int>(system.spans.size());
+  const int per_run = runs > 0 ? rows / runs : 0;
+  const int hats = std::clamp(per_run / (shared && runs > 1 ? 2 : 5), 2, shared && runs > 1 ? kHats : kHats / 2);
+  int extra = 0;
+  if (shared && runs > 1)
+    for (const RowSpan& span : system.spans) extra += static_cast<int>(nuisances[at(span.run)].columns.cols());
+  const int width = hats * (shared ? 1 : runs);
+  system.residual.resize(rows);
+  system.columns = Matrix::Zero(rows, width + extra);
+  if (shared) {
+    add_hats(condition, condition.window_start, condition.window_end, hats, system);
+  }
+  int row = 0, column = width;
+  for (int s = 0; s < runs; ++s) {
+    const RowSpan& span = system.spans[at(s)];
+    system.residual.segment(row, span.count) = residual.segment(span.first, span.count);
+    if (extra > 0) {
+      const RunNuisances& n = nuisances[at(span.run)];
+      system.columns.block(row, column, span.count, n.columns.cols()) =
+          n.columns.middleRows(span.first - n.first, span.count) * n.scale.asDiagonal();
+      column += static_cast<int>(n.columns.cols());
+    }
+    row += span.count;
+  }
+  if (!shared) {
+    row = 0;
+    for (int s = 0; s < runs; ++s) {
+      const RowSpan& span = system.spans[at(s)];
+      const Vector& time = condition.runs[at(span.run)].time[at(channel)];
+      for (int i = 0; i < span.count; ++i, ++row) {
+        const double place = (time[i] - time[0]) / std::max(1e-12, time[span.count - 1] - time[0]) * (hats - 1);
+        const int left = std::clamp(static_cast<int>(std::floor(place)), 0, hats - 2);
+        system.columns(row, s * hats + left) = 1.0 - (place - left);
+        system.columns(row, s * hats + left + 1) = place - left;
+      }
+    }
+  }
+  return system;
+}
+
+void set_noise(const ChannelSystem& system, Channel& channel) {
+  const auto rows = static_cast<double>(system.residual.size());
+  Eigen::ColPivHouseholderQR<Matrix> qr(system.columns);
+  qr.setThreshold(1e-8);
+  const Vector scatter = system.residual - system.columns * qr.solve(system.residual);
+  const auto rank = static_cast<double>(qr.rank());
+  channel.noise_floor = rows > rank ? std::sqrt(scatter.squaredNorm() / (rows - rank)) : 0.0;
+  double products = 0.0, squares = 0.0;
+  int row = 0;
+  for (const RowSpan& span : system.spans) {
+    const Vector own = scatter.segment(row, span.count);
+    products += own.head(span.count - 1).dot(own.tail(span.count - 1));
+    squares += own.squaredNorm();
+    row += span.count;
+  }
+  const double lag_one = squares > 0.0 ? products / squares + rank / rows : 0.0;
+  channel.correlation = std::clamp(lag_one, 0.0, kMostCorrelation);
+}
+
+}  // namespace
+
+void align(Condition& condition, const std::vector<const Prediction*>& predictions) {
+  const Vector unit = misfits(condition, predictions);
+  const std::vector<RowSpan> all = row_spans(condition);
+  for (std::size_t r = 0; r < condition.runs.size(); ++r) {
+    for (std::size_t s = 0; s < condition.streams.size(); ++s) {
+      std::vector<RowSpan> spans;
+      for (const RowSpan& span : all) {
+        const Channel& channel = condition.channels[at(span.channel)];
+        if (at(span.run) == r && !channel.held && channel.stream == condition.streams[s]) spans.push_back(span);
+      }
+      if (spans.empty()) continue;
+      condition.runs[r].shift[s] = best_shift(condition, spans, *predictions[r], unit, condition.runs[r].shift[s]);
+    }
+  }
+}
+
+void estimate_noise(Condition& condition, const std::vector<const Prediction*>& predictions,
+                    const std::vector<RunNuisances>& nuisances) {
+  for (std::size_t c = 0; c < condition.channels.size(); ++c) {
+    const ChannelSystem system = channel_system(condition, static_cast<int>(c), predictions, nuisances);
+    if (system.residual.size() > 0) set_noise(system, condition.channels[c]);
+  }
+}
+
+}  // namespace jaculus

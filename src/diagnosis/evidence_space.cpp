@@ -1,0 +1,195 @@
+#include "jaculus/diagnosis/evidence_space.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+
+namespace jaculus {
+namespace {
+
+constexpr int kFaultModes = 6;
+constexpr double kLeastEnergy = 1e-5;  // s^2 below which a direction shrinks by less than its rounding
+constexpr double kJitter = 3e-4;       // s, by which steps of a held quantity may be off between log and prediction
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+/// Standard deviation of every row of a span: the channel's floor, more where a held quantity steps.
+Vector deviations(const Condition& condition, const RowSpan& span, const Prediction& prediction) {
+  const Channel& channel = condition.channels[at(span.channel)];
+  const Run& run = condition.runs[at(span.run)];
+  Vector sigma = Vector::Constant(span.count, channel.noise_floor);
+  if (!channel.held) return sigma;
+  const double shift = run.start + run.shift[at(condition.stream_index(channel.stream))];
+  for (int i = 0; i < span.count; ++i) {
+    const double t = run.time[at(span.channel)][i] - shift, step = prediction.step;
+    const double slope = (prediction.at(span.channel, t + step) - prediction.at(span.channel, t - step)) / (2.0 * step);
+    sigma[i] = std::hypot(sigma[i], kJitter * slope);
+  }
+  return sigma;
+}
+
+void add_span(const Condition& condition, const RowSpan& span, const Prediction& prediction, int first,
+              ConditionSpace& space) {
+  const Channel& channel = condition.channels[at(span.channel)];
+  const Vector& time = condition.runs[at(span.run)].time[at(span.channel)];
+  const Vector sigma = deviations(condition, span, prediction);
+  for (int i = 0; i < span.count; ++i) {
+    double rho = 0.0;
+    if (i > 0 && channel.correlation > 0.0) {
+      rho = std::pow(channel.correlation, std::max(1.0, (time[i] - time[i - 1]) / channel.spacing));
+    }
+    space.previous[first + i] = i > 0 ? rho * sigma[i] / sigma[i - 1] : 0.0;
+    space.weight[first + i] = 1.0 / (sigma[i] * std::sqrt(1.0 - rho * rho));
+  }
+}
+
+/// Layout of the rows that take part, with weights.
+ConditionSpace whitening(const Condition& condition, const std::vector<const Prediction*>& predictions,
+                         const std::vector<bool>& mask) {
+  ConditionSpace space;
+  std::vector<int> run_of;
+  for (const RowSpan& span : row_spans(condition)) {
+    if (!mask.empty() && !mask[at(span.run)]) continue;
+    if (run_of.empty() || run_of.back() != span.run) {
+      run_of.push_back(span.run);
+      space.run_first.push_back(space.rows);
+      space.run_count.push_back(0);
+    }
+    space.spans.push_back(span);
+    space.run_count.back() += span.count;
+    space.rows += span.count;
+  }
+  space.weight.resize(space.rows);
+  space.previous.resize(space.rows);
+  int first = 0;
+  for (const RowSpan& span : space.spans) {
+    add_span(condition, span, *predictions[at(span.run)], first, space);
+    first += span.count;
+  }
+  return space;
+}
+
+/// Columns of the plant's faults on the rows that take part, white.
+Matrix fault_columns(const Condition& condition, const ConditionSpace& space) {
+  const auto channels = static_cast<int>(condition.channels.size());
+  Matrix raw = Matrix::Zero(condition.rows(), channels * kFaultModes);
+  for (const RowSpan& span : space.spans) {
+    const Channel& channel = condition.channels[at(span.channel)];
+    if (channel.discrepancy <= 0.0) continue;
+    const Run& run = condition.runs[at(span.run)];
+    raw.block(span.first, span.channel * kFaultModes, span.count, kFaultModes) =
+        channel.discrepancy / std::sqrt(double(kFaultModes)) *
+        fault_modes(condition, channel, run.time[at(span.channel)], kFaultModes);
+  }
+  Matrix columns(space.rows, raw.cols());
+  for (Eigen::Index k = 0; k < raw.cols(); ++k) columns.col(k) = space.apply(raw.col(k));
+  return columns;
+}
+
+ConditionSpace condition_space(const Condition& condition, const std::vector<const Prediction*>& predictions,
+                               const std::vector<RunNuisances>& nuisances, const std::vector<bool>& mask) {
+  ConditionSpace space = whitening(condition, predictions, mask);
+  space.prior_mean_rows = Vector::Zero(condition.rows());
+  std::vector<Shrinkage> shrinkages;
+  for (std::size_t b = 0, s = 0; b < space.run_first.size(); ++b) {
+    const int run = space.spans[s].run;
+    while (s < space.spans.size() && space.spans[s].run == run) ++s;
+    const RunNuisances& n = nuisances[at(run)];
+    space.prior_mean_rows.segment(n.first, n.count) = n.columns * n.mean;
+    Matrix white(space.run_count[b], n.columns.cols());
+    for (Eigen::Index k = 0; k < n.columns.cols(); ++k) {
+      Vector raw = Vector::Zero(condition.rows());
+      raw.segment(n.first, n.count) = n.scale[k] * n.columns.col(k);
+      white.col(k) = space.whiten(raw).segment(space.run_first[b], space.run_count[b]);
+    }
+    shrinkages.push_back(shrinkage(white));
+  }
+  space.runs = std::move(shrinkages);
+  if (!condition.measured_input) space.shared = shrinkage(fault_columns(condition, space));
+  return space;
+}
+
+}  // namespace
+
+void Shrinkage::apply(VectorRef x) const {
+  if (shrink.size() == 0) return;
+  const Vector along = shrink.cwiseProduct(U.transpose() * x);
+  x -= U * along;
+}
+
+Shrinkage shrinkage(const Matrix& A) {
+  if (A.cols() == 0 || A.rows() == 0) return {};
+  const Eigen::SelfAdjointEigenSolver<Matrix> solver(A.transpose() * A);
+  Eigen::Index kept = 0;
+  while (kept < A.cols() && solver.eigenvalues()[A.cols() - 1 - kept] > kLeastEnergy) ++kept;
+  const Vector energy = solver.eigenvalues().tail(kept);
+  Shrinkage result;
+  result.U = A * solver.eigenvectors().rightCols(kept) * energy.cwiseSqrt().cwiseInverse().asDiagonal();
+  result.shrink = 1.0 - (1.0 + energy.array()).sqrt().inverse();
+  return result;
+}
+
+Matrix fault_modes(const Condition& condition, const Channel& channel, const Vector& time, int modes) {
+  Matrix values(time.size(), modes);
+  for (Eigen::Index i = 0; i < time.size(); ++i) {
+    const double share = std::max(0.0, time[i]) / std::max(1e-9, condition.window_end);
+    for (int k = 0; k < modes; ++k) {
+      values(i, k) = channel.held ? (k == 0 ? 1.0 : std::numbers::sqrt2 * std::cos(k * std::numbers::pi * share))
+                                  : std::numbers::sqrt2 * std::sin((k + 0.5) * std::numbers::pi * share);
+    }
+    if (channel.held && time[i] < 0.0) values.row(i).setZero();
+  }
+  return values;
+}
+
+Vector ConditionSpace::whiten(const Vector& raw) const {
+  Vector white(rows);
+  int first = 0;
+  for (const RowSpan& span : spans) {
+    for (int i = 0; i < span.count; ++i) {
+      const double before = i > 0 ? previous[first + i] * raw[span.first + i - 1] : 0.0;
+      white[first + i] = weight[first + i] * (raw[span.first + i] - before);
+    }
+    first += span.count;
+  }
+  return white;
+}
+
+Vector ConditionSpace::apply(const Vector& raw) const {
+  Vector white = whiten(raw);
+  for (std::size_t b = 0; b < runs.size(); ++b) runs[b].apply(white.segment(run_first[b], run_count[b]));
+  shared.apply(white);
+  return white;
+}
+
+Vector EvidenceSpace::residual(const std::vector<Vector>& predicted) const {
+  std::vector<Vector> raw;
+  for (std::size_t c = 0; c < conditions.size(); ++c) raw.push_back(measured[c] - predicted[c]);
+  return apply(raw);
+}
+
+Vector EvidenceSpace::apply(const std::vector<Vector>& raw) const {
+  Vector white(rows);
+  int first = 0;
+  for (std::size_t c = 0; c < conditions.size(); ++c) {
+    white.segment(first, conditions[c].rows) = conditions[c].apply(raw[c]);
+    first += conditions[c].rows;
+  }
+  return white;
+}
+
+EvidenceSpace evidence_space(const Problem& problem, const Linearisation& about, const RunMask& mask) {
+  EvidenceSpace space;
+  for (std::size_t c = 0; c < problem.observations.conditions.size(); ++c) {
+    const Condition& condition = problem.observations.conditions[c];
+    space.conditions.push_back(condition_space(condition, about.at_p.runs(condition, static_cast<int>(c)),
+                                               about.nuisances[c], mask.empty() ? std::vector<bool>() : mask[c]));
+    space.rows += space.conditions.back().rows;
+    space.measured.push_back(measured_rows(condition) - space.conditions.back().prior_mean_rows);
+  }
+  return space;
+}
+
+}  // namespace jaculus

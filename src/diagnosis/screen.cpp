@@ -1,0 +1,122 @@
+#include "jaculus/diagnosis/screen.h"
+
+#include <tbb/parallel_for.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+namespace jaculus {
+namespace {
+
+constexpr double kSmall = 0.15;  // of the probing step
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+/// Probing step of a parameter from where the base model has it; inwards where it would leave the bounds.
+double probe_step(const FreeParameter& parameter, double value, double share) {
+  double step = share * (std::isnan(parameter.probe) ? parameter.scale : parameter.probe);
+  if (!parameter.bounds.contains(value + step)) step = -step;
+  return step;
+}
+
+/// Column per prior scale for moving parameter i of p by `step`; false where a simulation fails.
+bool column(const Problem& problem, const EvidenceSpace& space, const Vector& p, const Vector& r_at_p, int i,
+            double step, VectorRef out) {
+  Vector moved = p;
+  moved[i] += step;
+  const PredictionSet set = predict_all(problem, moved);
+  if (!set.valid) return false;
+  out = (r_at_p - space.residual(rows_of(problem, set))) * (problem.hypotheses.parameters[at(i)].scale / step);
+  return true;
+}
+
+bool columns(const Problem& problem, const EvidenceSpace& space, const Fit& base, const Candidate& candidate,
+             double share, Matrix& out) {
+  out.resize(space.rows, static_cast<Eigen::Index>(candidate.parameters.size()));
+  Vector p = base.p, r = base.residual;
+  for (std::size_t k = 0; k < candidate.parameters.size(); ++k) {
+    const int i = candidate.parameters[k];
+    const double step = probe_step(problem.hypotheses.parameters[at(i)], p[i], share);
+    if (!column(problem, space, p, r, i, step, out.col(static_cast<Eigen::Index>(k)))) return false;
+    if (k > 0 || candidate.parameters.size() == 1) continue;
+    // The others may do nothing before the first is switched on.
+    p[i] += step;
+    const PredictionSet set = predict_all(problem, p);
+    if (!set.valid) return false;
+    r = space.residual(rows_of(problem, set));
+  }
+  return true;
+}
+
+struct Linear {
+  double log_evidence = 0.0;
+  Vector mean;
+};
+
+/// Linear Gaussian model r = G u + noise, u ~ N(0, I).
+Linear linear_evidence(const Matrix& G, const Vector& r) {
+  if (G.cols() == 0) return {};
+  const Matrix A = G.transpose() * G + Matrix::Identity(G.cols(), G.cols());
+  const Vector b = G.transpose() * r;
+  const Eigen::LLT<Matrix> llt(A);
+  Linear result;
+  result.mean = llt.solve(b);
+  result.log_evidence = 0.5 * b.dot(result.mean) - llt.matrixLLT().diagonal().array().log().sum();
+  return result;
+}
+
+void score(const Problem& problem, const Fit& base, const Candidate& candidate, const Matrix& own, double alone,
+           Probe& probe) {
+  Matrix G(own.rows(), own.cols() + base.jacobian.cols());
+  G << own, -base.jacobian;
+  Linear linear = linear_evidence(G, base.residual);
+  for (Eigen::Index k = 0; k < own.cols(); ++k) {
+    const FreeParameter& p = problem.hypotheses.parameters[at(candidate.parameters[static_cast<std::size_t>(k)])];
+    const double value = base.p[candidate.parameters[static_cast<std::size_t>(k)]];
+    const Bounds range{(p.bounds.lower - value) / p.scale, (p.bounds.upper - value) / p.scale};
+    if (range.contains(linear.mean[k])) continue;
+    linear.mean[k] = std::clamp(linear.mean[k], range.lower, range.upper);
+    // On the wrong side of a boundary the first parameter can do nothing for the residual.
+    if (k == 0 && linear.mean[k] == 0.0) linear.log_evidence = alone - 1.0;
+  }
+  if (linear.log_evidence - alone <= probe.score) return;
+  probe.score = linear.log_evidence - alone;
+  probe.estimate = linear.mean.head(own.cols());
+}
+
+}  // namespace
+
+std::vector<Probe> screen(const Problem& problem, const EvidenceSpace& space, const Fit& base) {
+  const auto& candidates = problem.hypotheses.candidates;
+  std::vector<Probe> probes(candidates.size());
+  const double alone = linear_evidence(-base.jacobian, base.residual).log_evidence;
+  tbb::parallel_for(std::size_t{0}, candidates.size(), [&](std::size_t i) {
+    const Candidate& candidate = candidates[i];
+    const bool freed = std::find(base.free.begin(), base.free.end(), candidate.parameters.front()) != base.free.end();
+    Probe& probe = probes[i];
+    if (freed) return;
+    if (columns(problem, space, base, candidate, 1.0, probe.full)) {
+      score(problem, base, candidate, probe.full, alone, probe);
+      probe.valid = true;
+    }
+    if (columns(problem, space, base, candidate, kSmall, probe.small)) {
+      score(problem, base, candidate, probe.small, alone, probe);
+      if (!probe.valid) probe.full = probe.small;
+      probe.valid = true;
+    } else if (probe.valid) {
+      probe.small = probe.full;
+    }
+  });
+  return probes;
+}
+
+double unexplained_energy(const Vector& signature, const Matrix& own) {
+  if (own.cols() == 0) return signature.squaredNorm();
+  const Matrix A = own.transpose() * own + 1e-6 * Matrix::Identity(own.cols(), own.cols());
+  const Vector u = A.llt().solve(own.transpose() * signature);
+  return (signature - own * u).squaredNorm();
+}
+
+}  // namespace jaculus

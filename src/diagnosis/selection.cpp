@@ -1,0 +1,266 @@
+#include "jaculus/diagnosis/selection.h"
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numeric>
+#include <set>
+
+namespace jaculus {
+namespace {
+
+constexpr double kPriorNone = 0.5, kPriorSingle = 0.38, kPriorPair = 0.09, kPriorTriple = 0.02, kPriorUnknown = 0.02;
+constexpr double kGain = 2.0;  // log posterior odds by which a larger model must lead for its successors to be tried
+constexpr int kMostMates = 6;  // class members fitted beyond those that screening kept
+constexpr int kTested = 6;     // models whose remainder is tested for structure
+
+using Members = std::vector<int>;
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+double log_prior(std::size_t members, std::size_t candidates) {
+  const auto n = static_cast<double>(candidates);
+  if (members == 0) return std::log(kPriorNone);
+  if (members == 1) return std::log(kPriorSingle / n);
+  if (members == 2) return std::log(kPriorPair / std::max(1.0, n * (n - 1.0) / 2.0));
+  return std::log(kPriorTriple / std::max(1.0, n * (n - 1.0) * (n - 2.0) / 6.0));
+}
+
+/// All models fitted so far.
+class Search {
+ public:
+  Search(const Problem& problem, const EvidenceSpace& space, const SelectionOptions& options)
+      : problem_(problem), space_(space), options_(options) {}
+
+  std::vector<ModelFit> models;
+  long predictions = 0;
+
+  [[nodiscard]] double value(const ModelFit& model) const {
+    return model.fit.valid ? model.log_prior + options_.temper * model.fit.log_evidence : -kInfinity;
+  }
+  [[nodiscard]] const ModelFit* find(const Members& members) const {
+    const auto found =
+        std::find_if(models.begin(), models.end(), [&](const ModelFit& m) { return m.candidates == members; });
+    return found == models.end() ? nullptr : &*found;
+  }
+  [[nodiscard]] const ModelFit* best(std::size_t size) const {
+    const ModelFit* best = nullptr;
+    for (const ModelFit& model : models)
+      if (model.candidates.size() == size && model.fit.valid && (best == nullptr || value(model) > value(*best)))
+        best = &model;
+    return best;
+  }
+  void fit_none() { add({ModelJob{{}, {problem_.hypotheses.nominal()}}}); }
+
+  /// Fits `base` and one more candidate each, of the best `count` probes.
+  void extend(const ModelFit& base, const std::vector<Probe>& probes, int count) {
+    std::vector<int> order(probes.size());
+    std::iota(order.begin(), order.end(), 0);
+    std::stable_sort(order.begin(), order.end(),
+                     [&](int a, int b) { return probes[at(a)].score > probes[at(b)].score; });
+    order.resize(std::min(order.size(), at(count)));
+    extend(base, probes, order);
+  }
+  void extend(const ModelFit& base, const std::vector<Probe>& probes, const std::vector<int>& which) {
+    std::vector<ModelJob> jobs;
+    for (const int c : which) {
+      if (!probes[at(c)].valid) continue;
+      ModelJob job;
+      job.members = base.candidates;
+      job.members.insert(std::upper_bound(job.members.begin(), job.members.end(), c), c);
+      if (find(job.members) != nullptr) continue;
+      job.starts = starts(base.fit.p, c, probes[at(c)]);
+      jobs.push_back(job);
+    }
+    add(jobs);
+  }
+
+  std::vector<Probe> probe(const ModelFit& base) {
+    predictions += 2 * static_cast<long>(problem_.hypotheses.candidates.size());
+    return screen(problem_, space_, base.fit);
+  }
+
+ private:
+  struct ModelJob {
+    Members members;
+    std::vector<Vector> starts;
+  };
+
+  /// From the linear estimate, and from the probing step.
+  [[nodiscard]] std::vector<Vector> starts(const Vector& base, int c, const Probe& probe) const {
+    const auto& parameters = problem_.hypotheses.candidates[at(c)].parameters;
+    Vector estimated = base, probed = base;
+    for (std::size_t k = 0; k < parameters.size(); ++k) {
+      const FreeParameter& p = problem_.hypotheses.parameters[at(parameters[k])];
+      const double step = std::isnan(p.probe) ? p.scale : p.probe;
+      const double u = probe.estimate.size() > 0 ? probe.estimate[static_cast<Eigen::Index>(k)] : 0.0;
+      estimated[parameters[k]] = std::clamp(base[parameters[k]] + u * p.scale, p.bounds.lower, p.bounds.upper);
+      // A start at nominal can be a point without slope.
+      if (k == 0 && std::abs(u * p.scale) < 0.02 * std::abs(step))
+        estimated[parameters[k]] = base[parameters[k]] + 0.1 * step;
+      const double side =
+          k == 0 && u < 0.0 && !p.one_sided() ? -std::abs(step) : (p.one_sided() ? step : std::abs(step));
+      probed[parameters[k]] = std::clamp(base[parameters[k]] + side, p.bounds.lower, p.bounds.upper);
+    }
+    return {estimated, probed};
+  }
+
+  void add(const std::vector<ModelJob>& jobs) {
+    std::vector<ModelFit> fits(jobs.size());
+    tbb::parallel_for(std::size_t{0}, jobs.size(), [&](std::size_t i) {
+      ModelFit& model = fits[i];
+      model.candidates = jobs[i].members;
+      model.log_prior = log_prior(model.candidates.size(), problem_.hypotheses.candidates.size());
+      std::vector<int> free;
+      for (const int c : model.candidates)
+        for (const int p : problem_.hypotheses.candidates[at(c)].parameters) free.push_back(p);
+      free.insert(free.end(), problem_.hypotheses.nuisances.begin(), problem_.hypotheses.nuisances.end());
+      model.fit = fit_model(problem_, space_, free, jobs[i].starts);
+    });
+    for (ModelFit& fit : fits) {
+      predictions += fit.fit.predictions;
+      models.push_back(std::move(fit));
+    }
+  }
+
+  const Problem& problem_;
+  const EvidenceSpace& space_;
+  const SelectionOptions& options_;
+};
+
+/// Candidates whose columns, at either strength, reproduce the signature of a fitted model.
+Members mates(const EvidenceSpace& space, const Vector& signature, const Matrix& nuisances,
+              const std::vector<Probe>& probes, double equivalence) {
+  Members found;
+  for (std::size_t c = 0; c < probes.size(); ++c) {
+    if (!probes[c].valid) continue;
+    double energy = kInfinity;
+    for (const Matrix* own : {&probes[c].small, &probes[c].full}) {
+      Matrix all(space.rows, own->cols() + nuisances.cols());
+      all << *own, nuisances;
+      energy = std::min(energy, unexplained_energy(signature, all));
+    }
+    if (0.5 * energy < equivalence) found.push_back(static_cast<int>(c));
+  }
+  return found;
+}
+
+/// Equivalence classes of the fitted singles, by signature.
+void add_classes(const EvidenceSpace& space, const ModelFit& none, const Search& search, double equivalence,
+                 Selection& out) {
+  out.equivalent.assign(out.probes.size(), {});
+  for (const ModelFit& model : search.models) {
+    if (model.candidates.size() != 1 || !model.fit.valid) continue;
+    const int own = model.candidates.front();
+    const Vector signature = none.fit.residual - model.fit.residual;
+    Members others = mates(space, signature, none.fit.jacobian, out.probes, equivalence);
+    std::erase(others, own);
+    others.insert(others.begin(), own);
+    out.equivalent[at(own)] = others;
+  }
+}
+
+void search_larger(Search& search, const SelectionOptions& options) {
+  for (std::size_t size = 2; size <= at(options.largest); ++size) {
+    const ModelFit* base = search.best(size - 1);
+    const ModelFit* before = search.best(size - 2);
+    if (base == nullptr || before == nullptr || search.value(*base) < search.value(*before) + (size > 2 ? kGain : 0.0))
+      return;
+    if (options.progress) options.progress(size == 2 ? "pairs of effects" : "triples of effects");
+    const ModelFit from = *base;
+    search.extend(from, search.probe(from), options.kept_pairs);
+    const ModelFit* reached = search.best(size);
+    if (reached == nullptr || search.value(*reached) < search.value(from)) return;
+    const ModelFit best = *reached;
+    for (const int dropped : best.candidates) {  // backwards, and one for one
+      Members rest = best.candidates;
+      std::erase(rest, dropped);
+      const ModelFit* smaller = search.find(rest);
+      if (smaller == nullptr) {
+        Members rest_of_rest = rest;
+        const int again = rest_of_rest.back();
+        rest_of_rest.pop_back();
+        const ModelFit* root = search.find(rest_of_rest);
+        if (root == nullptr) continue;
+        const ModelFit copy = *root;
+        const std::vector<Probe> probes = search.probe(copy);
+        search.extend(copy, probes, std::vector<int>{again});
+        smaller = search.find(rest);
+      }
+      if (smaller == nullptr || !smaller->fit.valid || rest == from.candidates) continue;
+      const ModelFit copy = *smaller;
+      search.extend(copy, search.probe(copy), options.kept_pairs);
+    }
+  }
+}
+
+/// Probabilities from priors, evidence and structure.
+void weigh(const Problem& problem, const EvidenceSpace& space, const SelectionOptions& options, Selection& out) {
+  auto& models = out.models;
+  const auto value = [&](const ModelFit& m) {
+    return m.fit.valid ? m.log_prior + options.temper * m.fit.log_evidence : -kInfinity;
+  };
+  std::stable_sort(models.begin(), models.end(),
+                   [&](const ModelFit& a, const ModelFit& b) { return value(a) > value(b); });
+  const std::size_t tested = std::min(models.size(), at(kTested));
+  tbb::parallel_for(std::size_t{0}, models.size(), [&](std::size_t i) {
+    if (models[i].fit.valid && (i < tested || models[i].candidates.empty()))
+      models[i].structure = structure_evidence(problem, space, models[i].fit);
+  });
+  const auto unknown = [&](const ModelFit& m) {
+    return value(m) + std::log(kPriorUnknown) + options.temper * m.structure;
+  };
+  double largest = -kInfinity;
+  for (const ModelFit& m : models) largest = std::max({largest, value(m), unknown(m)});
+  double sum = 0.0;
+  for (ModelFit& m : models) {
+    m.probability = std::exp(value(m) - largest);
+    m.unknown_probability = std::exp(unknown(m) - largest);
+    sum += m.probability + m.unknown_probability;
+  }
+  out.involved.assign(problem.hypotheses.candidates.size(), 0.0);
+  for (ModelFit& m : models) {
+    m.probability /= sum;
+    m.unknown_probability /= sum;
+    out.unexplained += m.unknown_probability;
+    if (m.candidates.empty()) out.none += m.probability;
+    for (const int c : m.candidates) out.involved[at(c)] += m.probability;
+  }
+  std::stable_sort(models.begin(), models.end(), [](const ModelFit& a, const ModelFit& b) {
+    return std::max(a.probability, a.unknown_probability) > std::max(b.probability, b.unknown_probability);
+  });
+}
+
+}  // namespace
+
+Selection select_models(const Problem& problem, const EvidenceSpace& space, const SelectionOptions& options) {
+  Selection out;
+  Search search(problem, space, options);
+  search.fit_none();
+  if (!search.models.front().fit.valid) return out;
+  const ModelFit none = search.models.front();
+  if (options.progress) options.progress("screening");
+  out.probes = search.probe(none);
+  if (options.progress) options.progress("single effects");
+  search.extend(none, out.probes, options.kept);
+  if (const ModelFit* best = search.best(1)) {
+    Members class_mates =
+        mates(space, none.fit.residual - best->fit.residual, none.fit.jacobian, out.probes, options.equivalence);
+    std::stable_sort(class_mates.begin(), class_mates.end(),
+                     [&](int a, int b) { return out.probes[at(a)].score > out.probes[at(b)].score; });
+    std::erase_if(class_mates, [&](int c) { return search.find({c}) != nullptr; });
+    class_mates.resize(std::min(class_mates.size(), at(kMostMates)));
+    search.extend(none, out.probes, class_mates);
+  }
+  search_larger(search, options);
+  add_classes(space, none, search, options.equivalence, out);
+  out.models = std::move(search.models);
+  out.predictions = search.predictions;
+  weigh(problem, space, options, out);
+  return out;
+}
+
+}  // namespace jaculus
