@@ -24,6 +24,7 @@ struct Common {
   int jobs = 1;
   bool quiet = false;
   bool json = false;
+  std::string figures;  ///< formats of static figures, "png,svg"; empty where not asked for
 };
 
 /// The action of the command that the user chose; set by parsing.
@@ -40,6 +41,7 @@ void add_common(CLI::App& command, Common& common, const std::string& out_help);
 void add_check(CLI::App& app, Action& chosen);
 void add_export(CLI::App& app, Action& chosen);
 void add_study(CLI::App& app, Action& chosen);
+void add_testbed(CLI::App& app, Action& chosen);
 
 /// A problem with its robot, everything checked that can be checked before a solve.
 struct Loaded {

@@ -1,0 +1,67 @@
+#pragma once
+// Trials on the MuJoCo robot, as a dataset: what a real robot's motion capture and logs would hold, and nothing else.
+//
+// A dataset without trials says what is to be done: robot, plan or script, controller, initial pose. Motion capture sees the
+// base's origin, x and pitch relative to rest; joint channels are the mean of the left and the right encoder. White noise, rounding
+// of encoders, unknown shifts of clocks, lost samples.
+
+#include <cstdint>
+#include <filesystem>
+
+#include "jaculus/testbed/changes.h"
+#include "jaculus/trajectory/dataset.h"
+
+namespace jaculus::testbed {
+
+/// Whether this build has MuJoCo. Without it everything that plays throws InputError saying what to install.
+bool available();
+
+struct SensorSpec {
+  bool mocap = true;
+  double mocap_rate_hz = 240.0;
+  double mocap_position = 3e-4;   ///< noise, standard deviation [m]
+  double mocap_angle = 2.618e-3;  ///< noise, 0.15 deg [rad]
+  double mocap_lost = 0.0;        ///< share of samples that are lost [-]
+  bool joints = true;
+  double joints_rate_hz = 1000.0;
+  double encoder = 4e-4;           ///< noise of one encoder [rad]
+  double encoder_step = 3.835e-4;  ///< its resolution at the motor's shaft, 14 bit [rad]
+  double tachometer = 0.05;        ///< noise of one motor's rate [rad/s]
+  bool rates = true;               ///< whether joint rates are logged
+  bool electric = true;            ///< whether current, duty and bus voltage are logged
+  double ammeter = 0.1;            ///< noise [A]
+  double voltmeter = 0.02;         ///< noise [V]
+  bool imu = false;                ///< imu_pitch and its rate, beside the joints
+  double imu_angle = 3e-3;         ///< noise [rad]
+  double imu_rate = 0.02;          ///< noise [rad/s]
+};
+
+struct TrialSpec {
+  int trials = 6;
+  std::uint64_t seed = 1;
+  bool exact = false;           ///< no noise, scatter or rounding: for measurements on the robot itself
+  double after = 0.08;          ///< recorded beyond the commands' end [s]
+  double pose_scatter = 2e-3;   ///< of every joint at the start [rad]
+  double clock_scatter = 2e-3;  ///< of each stream's zero [s]
+  SensorSpec sensors;
+};
+
+/// Plays the trials of `asked` (its own are replaced). Streams are cut to the experiment's duration. InputError for a robot or
+/// commands that do not fit; std::runtime_error where the simulation is lost.
+Dataset run_trials(const Dataset& asked, const Changes& changes, const TrialSpec& spec);
+
+/// A leap: a plan of the robot, replayed with feed-forward and PD. `quantity` torque or duty; for duty the plan's torques and
+/// rates are turned into fractions of the robot's bus voltage by the motors as believed, whatever its duty columns say.
+Dataset leap(const std::filesystem::path& robot_folder, const std::filesystem::path& plan, const std::string& quantity);
+/// Self-righting: falls from 1 m with the tail at full voltage from its lower stop, the legs held by their motors.
+Dataset self_righting(const std::filesystem::path& robot_folder);
+/// The tail on the bench: the base held, steps of voltage on the tail.
+Dataset tail_bench(const std::filesystem::path& robot_folder);
+/// A pendulum: torque steps on the one motor of a robot on a fixed base.
+Dataset pendulum(const std::filesystem::path& robot_folder);
+
+/// Root-mean-square difference of two noise-free datasets of one spec, every channel over its noise floor, root mean square over
+/// channels of all streams; scatter of the start pose is not part of the floor [-].
+double gap(const Dataset& a, const Dataset& b, const SensorSpec& sensors);
+
+}  // namespace jaculus::testbed

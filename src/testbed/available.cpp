@@ -1,0 +1,25 @@
+// Whether this build has MuJoCo, and what stands in for the robot where it has not.
+
+#include "jaculus/core/error.h"
+#include "jaculus/testbed/playback.h"
+#include "jaculus/testbed/trials.h"
+#include "testbed/mjcf.h"
+
+namespace jaculus::testbed {
+
+#ifdef JACULUS_HAS_MUJOCO
+
+bool available() { return true; }
+
+#else
+
+bool available() { return false; }
+
+Recording play(const RobotFiles&, const Changes&, const Commands&, const PlayOptions&, const Numerics&) {
+  throw InputError(
+      "the testbed needs MuJoCo, which this build was made without; install libmujoco-dev (Debian) and build again");
+}
+
+#endif
+
+}  // namespace jaculus::testbed

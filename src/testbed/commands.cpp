@@ -1,0 +1,67 @@
+#include "testbed/commands.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "jaculus/core/error.h"
+
+namespace jaculus::testbed {
+namespace {
+
+Vector column(const Table& plan, const std::string& name, const Dimension& dimension,
+              const std::filesystem::path& file) {
+  Vector values = quantity(plan, name, dimension, file);
+  for (Eigen::Index k = 0; k < values.size(); ++k) {
+    if (std::isfinite(values[k])) continue;
+    throw InputError(fmt::format("{}:{}: column '{}': a gap; allowed in a plan: none", file.string(), k + 2, name));
+  }
+  return values;
+}
+
+double gear_of(const RobotFiles& files, const std::string& planar) {
+  for (const Drive& drive : files.drives) {
+    if (drive.planar == planar) return drive.motor.gear * drive.motor.efficiency;
+  }
+  return 1.0;
+}
+
+}  // namespace
+
+PlanCommands plan_commands(const Table& plan, const RobotFiles& files, const std::string& quantity,
+                           const std::filesystem::path& file) {
+  PlanCommands out;
+  Commands& c = out.commands;
+  c.quantity = quantity;
+  c.time = column(plan, "time", dimension::time, file);
+  for (Eigen::Index k = 1; k < c.time.size(); ++k) {
+    if (c.time[k] >= c.time[k - 1]) continue;
+    throw InputError(fmt::format("{}:{}: time: {} s after {} s; allowed: time that does not fall", file.string(), k + 2,
+                                 c.time[k], c.time[k - 1]));
+  }
+  c.motors = files.planar_motors;
+  const auto rows = static_cast<Eigen::Index>(c.motors.size());
+  for (Matrix* matrix : {&c.position, &c.velocity, &c.feedforward}) matrix->resize(rows, c.time.size());
+  for (Eigen::Index r = 0; r < rows; ++r) {
+    const std::string& joint = c.motors[static_cast<std::size_t>(r)];
+    c.position.row(r) = column(plan, joint, dimension::angle, file).transpose();
+    c.velocity.row(r) = column(plan, joint + "_velocity", dimension::angular_velocity, file).transpose();
+    if (quantity == "torque") {
+      c.feedforward.row(r) =
+          column(plan, joint + "_torque", dimension::torque, file).transpose() / gear_of(files, joint);
+    } else if (quantity == "duty") {
+      c.feedforward.row(r) = column(plan, joint + "_duty", dimension::none, file).transpose();
+    } else {
+      c.feedforward.row(r) = column(plan, joint + "_voltage", dimension::voltage, file).transpose();
+    }
+    out.start[joint] = c.position(r, 0);
+  }
+  for (const std::string name : {"x", "z", "pitch"}) {
+    if (plan.column(name) < 0) continue;
+    out.start[name] = column(plan, name, name == "pitch" ? dimension::angle : dimension::length, file)[0];
+  }
+  out.duration = c.time[c.time.size() - 1];
+  return out;
+}
+
+}  // namespace jaculus::testbed

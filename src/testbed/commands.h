@@ -1,0 +1,25 @@
+#pragma once
+// Commands from a plan's table, for the motors of a robot on the testbed.
+
+#include <filesystem>
+#include <string>
+
+#include "jaculus/testbed/playback.h"
+#include "jaculus/trajectory/csv.h"
+#include "testbed/robot_files.h"
+
+namespace jaculus::testbed {
+
+/// A plan as commands and the pose in which it begins.
+struct PlanCommands {
+  Commands commands;
+  std::map<std::string, double> start;
+  double duration = 0.0;  ///< [s]
+};
+
+/// Columns <joint>, <joint>_velocity and, by `quantity`, <joint>_torque (at the joint; its gear is divided out), <joint>_duty or
+/// <joint>_voltage. A joint of the robot that the plan lacks, a gap or time that falls: InputError with the file.
+PlanCommands plan_commands(const Table& plan, const RobotFiles& files, const std::string& quantity,
+                           const std::filesystem::path& file);
+
+}  // namespace jaculus::testbed

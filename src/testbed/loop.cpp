@@ -1,0 +1,91 @@
+#include "testbed/loop.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace jaculus::testbed {
+namespace {
+
+double value_of(const std::map<std::string, double>& values, const std::string& key, double otherwise) {
+  const auto found = values.find(key);
+  return found == values.end() ? otherwise : found->second;
+}
+
+/// Cubic through two places and rates at a share s of the interval `h`.
+double hermite(double p0, double v0, double p1, double v1, double h, double s) {
+  const double a = p0 + s * h * v0, b = p1 - (1.0 - s) * h * v1;
+  const double w = s * s * (3.0 - 2.0 * s);
+  // p = p0 (1 - w) + p1 w + h s (1-s) (v0 (1-s) - v1 s), written with the two tangents a and b
+  return (1.0 - w) * p0 + w * p1 + (1.0 - s) * (1.0 - s) * (a - p0) + s * s * (b - p1);
+}
+
+}  // namespace
+
+Loop::Loop(const RobotFiles& files, const Changes& changes, const Commands& commands, const LoopSensors& sensors)
+    : commands_(commands), sensors_(sensors), random_(sensors.seed) {
+  period_ = 1.0 / commands.rate_hz;
+  delay_ = changes.delay;
+  late_ = changes.late_start;
+  latency_ = value_of(changes.latency, "joints", 0.0);
+  for (const Drive& drive : files.drives) {
+    const auto found = std::find(commands.motors.begin(), commands.motors.end(), drive.planar);
+    row_.push_back(found == commands.motors.end() ? -1 : static_cast<int>(found - commands.motors.begin()));
+    kp_.push_back(changes.gain_p * value_of(commands.kp, drive.planar, 0.0));
+    kd_.push_back(changes.gain_d * value_of(commands.kd, drive.planar, 0.0));
+    gear_.push_back(drive.motor.gear);
+    scale_.push_back(value_of(changes.scale, drive.planar, 1.0));
+    offset_.push_back(value_of(changes.joint_offset, drive.planar, 0.0));
+  }
+  now_.assign(files.drives.size(), kNaN);
+}
+
+double Loop::read_time() const { return std::max(0.0, static_cast<double>(index_) * period_ - latency_); }
+
+double Loop::next() const { return std::min(read_time(), sent_.empty() ? kInfinity : sent_.front().arrives); }
+
+void Loop::update(double t, const std::vector<double>& angles, const std::vector<double>& rates) {
+  while (read_time() <= t + 1e-12) {
+    const double instant = static_cast<double>(index_) * period_;
+    sent_.push_back({instant + delay_, evaluate(instant, angles, rates)});
+    ++index_;
+  }
+  while (!sent_.empty() && sent_.front().arrives <= t + 1e-12) {
+    now_ = sent_.front().commands;
+    sent_.pop_front();
+  }
+}
+
+std::vector<double> Loop::evaluate(double instant, const std::vector<double>& angles,
+                                   const std::vector<double>& rates) {
+  std::normal_distribution<double> normal;
+  std::vector<double> out(row_.size(), kNaN);
+  const Vector& time = commands_.time;
+  const double end = time[time.size() - 1];
+  const bool waits = instant < late_ - 1e-12, ended = !waits && instant - late_ >= end;
+  const double at = std::clamp(instant - late_, 0.0, end);
+  Eigen::Index k = 0;
+  while (k + 1 < time.size() && time[k + 1] <= at + 1e-12) ++k;
+  const Eigen::Index l = std::min(k + 1, time.size() - 1);
+  const double h = time[l] - time[k], s = h > 0.0 ? std::clamp((at - time[k]) / h, 0.0, 1.0) : 0.0;
+  for (std::size_t i = 0; i < row_.size(); ++i) {
+    if (row_[i] < 0 || (ended && commands_.relax_after_end)) continue;
+    const Eigen::Index r = row_[i];
+    const bool tracks = commands_.position.size() > 0;
+    double value = waits || (ended && tracks) ? 0.0 : commands_.feedforward(r, k);
+    if (tracks) {
+      const double step = sensors_.resolution / gear_[i];
+      double seen = scale_[i] * angles[i] + offset_[i] + sensors_.position_noise * normal(random_);
+      if (step > 0.0) seen = step * std::round(seen / step);
+      const double speed = scale_[i] * rates[i] + sensors_.rate_noise * normal(random_);
+      const auto& p = commands_.position;
+      const auto& v = commands_.velocity;
+      const double place = hermite(p(r, k), v(r, k), p(r, l), v(r, l), h, s);
+      const double rate = waits || ended ? 0.0 : v(r, k) + s * (v(r, l) - v(r, k));
+      value += gear_[i] * (kp_[i] * (place - seen) + kd_[i] * (rate - speed));
+    }
+    out[i] = value;
+  }
+  return out;
+}
+
+}  // namespace jaculus::testbed

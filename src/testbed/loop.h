@@ -1,0 +1,44 @@
+#pragma once
+// The robot's control loop: at its own instants it reads encoders, works out a command for every motor and sends it; it arrives
+// after the delay and is held until the next one does.
+
+#include <deque>
+#include <random>
+#include <vector>
+
+#include "jaculus/testbed/playback.h"
+#include "testbed/robot_files.h"
+
+namespace jaculus::testbed {
+
+class Loop {
+ public:
+  Loop(const RobotFiles& files, const Changes& changes, const Commands& commands, const LoopSensors& sensors);
+
+  /// When encoders are read or commands arrive next, after `t` [s].
+  [[nodiscard]] double next() const;
+  /// Does what is due at `t`: angles and rates are those of the motors' side now.
+  void update(double t, const std::vector<double>& angles, const std::vector<double>& rates);
+  /// What the motors hear now, one a drive; NaN: off.
+  [[nodiscard]] const std::vector<double>& now() const { return now_; }
+
+ private:
+  struct Sent {
+    double arrives;
+    std::vector<double> commands;
+  };
+  [[nodiscard]] double read_time() const;
+  std::vector<double> evaluate(double instant, const std::vector<double>& angles, const std::vector<double>& rates);
+
+  const Commands& commands_;
+  std::vector<int> row_;  ///< of each drive in the commands, -1 where it hears none
+  std::vector<double> kp_, kd_, gear_, scale_, offset_;
+  double period_ = 1e-3, delay_ = 0.0, late_ = 0.0, latency_ = 0.0;
+  LoopSensors sensors_;
+  std::mt19937_64 random_;
+  long index_ = 0;
+  std::deque<Sent> sent_;
+  std::vector<double> now_;
+};
+
+}  // namespace jaculus::testbed

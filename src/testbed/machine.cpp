@@ -1,0 +1,206 @@
+#ifdef JACULUS_HAS_MUJOCO
+
+#include "testbed/machine.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/LU>
+#include <cmath>
+#include <cstring>
+#include <stdexcept>
+
+#include "jaculus/core/error.h"
+
+namespace jaculus::testbed {
+namespace {
+
+std::unique_ptr<mjModel, ModelDeleter> compile(const std::string& text) {
+  // MuJoCo reads model text from a file of its virtual file system only.
+  mju_user_warning = [](const char*) {
+  };  // its own writes a log file into the working folder; data->warning keeps counts
+  const auto files = std::make_unique<mjVFS>();
+  mj_defaultVFS(files.get());
+  const char* name = "robot.xml";
+  mj_makeEmptyFileVFS(files.get(), name, static_cast<int>(text.size()));
+  const int index = mj_findFileVFS(files.get(), name);
+  std::memcpy(files->filedata[index], text.data(), text.size());
+  std::array<char, 1000> error{};
+  std::unique_ptr<mjModel, ModelDeleter> model(
+      mj_loadXML(name, files.get(), error.data(), static_cast<int>(error.size())));
+  mj_deleteVFS(files.get());
+  if (!model) throw std::runtime_error(fmt::format("MuJoCo does not take the robot: {}", error.data()));
+  return model;
+}
+
+int body_id(const Machine& machine, const std::string& name) {
+  return mj_name2id(machine.model.get(), mjOBJ_BODY, name.c_str());
+}
+
+/// Strips from L0 to L, each on the piece of the shaft that carries it.
+std::vector<Strip> cut_strips(const Machine& machine, const PlanarDrag& drag, const std::string& link,
+                              const std::vector<double>& hinges, int count) {
+  std::vector<Strip> strips;
+  const Vec3 along(drag.direction.x(), 0.0, drag.direction.y());
+  const double length = (drag.end - drag.start) / count;
+  for (int i = 0; i < count; ++i) {
+    const double l = drag.start + (i + 0.5) * length;
+    Strip strip{body_id(machine, link), l * along, length};
+    for (std::size_t h = 0; h < hinges.size() && hinges[h] < l; ++h) {
+      strip.body = body_id(machine, fmt::format("tail_piece_{}", h + 1));
+      strip.point_B = (l - hinges[h]) * along;
+    }
+    strips.push_back(strip);
+  }
+  return strips;
+}
+
+Vec3 site(const Machine& machine, std::size_t pin, char end) {
+  const int id = mj_name2id(machine.model.get(), mjOBJ_SITE, fmt::format("pin_{}_{}", pin, end).c_str());
+  return Vec3(machine.data->site_xpos + 3 * id);
+}
+
+/// Column (x, z) of how the gap of a pin changes with one joint.
+Vec2 gap_rate(const Machine& machine, std::size_t pin, int dof) {
+  std::vector<double> a(static_cast<std::size_t>(3 * machine.model->nv)), b(a.size());
+  const auto id = [&](char end) {
+    return mj_name2id(machine.model.get(), mjOBJ_SITE, fmt::format("pin_{}_{}", pin, end).c_str());
+  };
+  mj_jacSite(machine.model.get(), machine.data.get(), a.data(), nullptr, id('a'));
+  mj_jacSite(machine.model.get(), machine.data.get(), b.data(), nullptr, id('b'));
+  const auto nv = static_cast<std::size_t>(machine.model->nv), d = static_cast<std::size_t>(dof);
+  return {a[d] - b[d], a[2 * nv + d] - b[2 * nv + d]};
+}
+
+void kinematics(Machine& machine) {
+  mj_kinematics(machine.model.get(), machine.data.get());
+  mj_comPos(machine.model.get(), machine.data.get());
+}
+
+/// Newton on the two joints of each pin, from several starts, since a leg has two ways to close.
+void close_pins(Machine& machine, const RobotFiles& files) {
+  for (std::size_t p = 0; p < files.pins.size(); ++p) {
+    const Pin& pin = files.pins[p];
+    const JointPlace a = machine.joint(pin.joint_a), b = machine.joint(pin.joint_b);
+    bool closed = false;
+    for (const double guess : {0.5, 0.8, 0.2, 1.2, 2.0, -0.5, -1.0}) {
+      machine.data->qpos[a.qpos] = machine.data->qpos[b.qpos] = guess;
+      double gap = kInfinity;
+      for (int i = 0; i < 60 && gap > 1e-15; ++i) {
+        kinematics(machine);
+        const Vec3 d = site(machine, p, 'a') - site(machine, p, 'b');
+        gap = std::hypot(d.x(), d.z());
+        Mat2 jacobian;
+        jacobian << gap_rate(machine, p, a.dof), gap_rate(machine, p, b.dof);
+        const Vec2 turn = -jacobian.fullPivLu().solve(Vec2(d.x(), d.z()));
+        const double scale = std::min(1.0, 0.5 / std::max(1e-12, turn.cwiseAbs().maxCoeff()));
+        machine.data->qpos[a.qpos] += scale * turn.x();
+        machine.data->qpos[b.qpos] += scale * turn.y();
+      }
+      kinematics(machine);
+      const auto anchor = [&](const std::string& link) {
+        return Vec3(machine.data->xpos + 3 * body_id(machine, link));
+      };
+      const Vec3 u = anchor(pin.link_b) - anchor(pin.link_a), w = site(machine, p, 'a') - anchor(pin.link_a);
+      closed = gap < 1e-12 && (u.z() * w.x() - u.x() * w.z()) * pin.branch > 0.0;
+      if (closed) break;
+    }
+    if (!closed) {
+      throw InputError(
+          fmt::format("start pose: the links '{}' and '{}' do not meet at their pin; allowed: motor angles "
+                      "at which they do",
+                      pin.link_a, pin.link_b));
+    }
+  }
+}
+
+/// Lowest point of toe i above the floor [m].
+double toe_height(const Machine& machine, std::size_t i) {
+  const int id = machine.toes[i];
+  return machine.data->geom_xpos[3 * id + 2] - machine.model->geom_size[3 * id];
+}
+
+void stand(Machine& machine, const RobotFiles& files, const StartPose& pose) {
+  mjData& d = *machine.data;
+  if (machine.toes.empty()) {
+    d.qpos[machine.base_z.qpos] = std::isnan(pose.z) ? 0.0 : pose.z;
+    return;
+  }
+  for (int i = 0; i < 50; ++i) {
+    kinematics(machine);
+    std::map<std::string, std::pair<double, double>> ends;  // x and height of the lowest toe of each foot's name
+    for (std::size_t t = 0; t < machine.toes.size(); ++t) {
+      const double h = toe_height(machine, t), x = d.geom_xpos[3 * machine.toes[t]];
+      const auto [found, added] = ends.emplace(files.toes[t].name, std::make_pair(x, h));
+      if (!added && h < found->second.second) found->second = {x, h};
+    }
+    double lowest = kInfinity;
+    for (const auto& [name, end] : ends) lowest = std::min(lowest, end.second);
+    d.qpos[machine.base_z.qpos] -= lowest;
+    if (!pose.level || ends.size() != 2) break;
+    const auto [x1, h1] = ends.begin()->second;
+    const auto [x2, h2] = std::next(ends.begin())->second;
+    const double turn = std::atan2(h1 - h2, x1 - x2);  // positive pitch lowers what is ahead
+    if (std::abs(turn) < 1e-12) break;
+    d.qpos[machine.base_pitch.qpos] += turn;
+  }
+}
+
+}  // namespace
+
+JointPlace Machine::joint(const std::string& name) const {
+  const int id = mj_name2id(model.get(), mjOBJ_JOINT, name.c_str());
+  if (id < 0) return {};
+  return {model->jnt_qposadr[id], model->jnt_dofadr[id]};
+}
+
+Machine build_machine(const RobotFiles& files, const Changes& changes, const Setting& setting,
+                      const Numerics& numerics) {
+  Machine machine;
+  machine.model = compile(mjcf(files, changes, setting, numerics));
+  machine.data.reset(mj_makeData(machine.model.get()));
+  mjModel& m = *machine.model;
+  for (std::size_t i = 0; i < files.pins.size(); ++i) {
+    // The compiler takes the second anchor from where the bodies are at zero, where a leg need not be closed.
+    double* anchors = m.eq_data + static_cast<std::ptrdiff_t>(mjNEQDATA) * static_cast<std::ptrdiff_t>(i);
+    for (int k = 0; k < 3; ++k) anchors[3 + k] = files.pins[i].point_b[k];
+  }
+  machine.base_x = machine.joint("base_x");
+  machine.base_z = machine.joint("base_z");
+  machine.base_pitch = machine.joint("base_pitch");
+  machine.base = body_id(machine, files.tree.links[static_cast<std::size_t>(files.tree.root)].name);
+  for (const Drive& drive : files.drives) machine.drives.push_back(machine.joint(drive.joint));
+  for (std::size_t i = 0; i < files.toes.size(); ++i) {
+    machine.toes.push_back(mj_name2id(&m, mjOBJ_GEOM, fmt::format("toe_{}", i).c_str()));
+  }
+  for (std::size_t i = 0; i < files.drags.size(); ++i) {
+    machine.drag_pivot.push_back(body_id(machine, files.drag_links[i]));
+    machine.strips.push_back(cut_strips(machine, files.drags[i], files.drag_links[i],
+                                        i == 0 ? shaft_hinges(files, changes) : std::vector<double>{},
+                                        numerics.strips));
+  }
+  return machine;
+}
+
+void place(Machine& machine, const RobotFiles& files, const StartPose& pose) {
+  mjData& d = *machine.data;
+  mj_resetData(machine.model.get(), &d);
+  for (const auto& [name, value] : pose.joints) {
+    if (const JointPlace own = machine.joint(name); own.qpos >= 0) d.qpos[own.qpos] = value;
+    for (std::size_t i = 0; i < files.drives.size(); ++i) {
+      if (files.drives[i].planar == name) d.qpos[machine.drives[i].qpos] = value;
+    }
+  }
+  if (machine.base_x.qpos >= 0) {
+    d.qpos[machine.base_x.qpos] = pose.x;
+    d.qpos[machine.base_pitch.qpos] = pose.pitch;
+    d.qpos[machine.base_z.qpos] = std::isnan(pose.z) ? 0.0 : pose.z;
+  }
+  kinematics(machine);
+  close_pins(machine, files);
+  if (machine.base_z.qpos >= 0 && std::isnan(pose.z)) stand(machine, files, pose);
+  mj_forward(machine.model.get(), &d);
+}
+
+}  // namespace jaculus::testbed
+
+#endif  // JACULUS_HAS_MUJOCO

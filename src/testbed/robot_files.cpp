@@ -1,0 +1,108 @@
+#include "testbed/robot_files.h"
+
+#include <fmt/format.h>
+
+#include <map>
+
+#include "jaculus/core/yaml.h"
+#include "jaculus/model/robot.h"
+
+namespace jaculus::testbed {
+namespace {
+
+using Sides = std::map<std::string, std::vector<std::string>>;
+
+/// pairs.joints or pairs.links: planar name to the names in space.
+Sides read_sides(const yaml::Node& robot, const std::string& kind) {
+  Sides sides;
+  const auto pairs = robot.find("pairs");
+  if (!pairs) return sides;
+  const auto section = pairs->find(kind);
+  if (!section) return sides;
+  for (const auto& [name, node] : section->entries()) sides[name] = node.texts();
+  return sides;
+}
+
+std::vector<std::string> sides_of(const Sides& sides, const std::string& name) {
+  const auto found = sides.find(name);
+  return found == sides.end() ? std::vector<std::string>{name} : found->second;
+}
+
+Vec3 in_space(const Vec2& point) { return {point.x(), 0.0, point.y()}; }
+
+void read_pins(const yaml::Node& robot, const Sides& joints, const Sides& links, const PlanarModel& planar,
+               RobotFiles& files) {
+  const auto section = robot.find("loops");
+  if (!section) return;
+  std::size_t index = 0;
+  for (const auto& [name, node] : section->entries()) {
+    const auto a = sides_of(links, node.at("link_a").text()), b = sides_of(links, node.at("link_b").text());
+    const std::vector<std::string> dependent = node.at("dependent").texts();
+    const auto joint_a = sides_of(joints, dependent.at(0)), joint_b = sides_of(joints, dependent.at(1));
+    const PlanarLoop& loop = planar.loops.at(index++);
+    for (std::size_t side = 0; side < a.size(); ++side) {
+      files.pins.push_back({a[side], b.at(side), in_space(loop.point_a), in_space(loop.point_b), joint_a.at(side),
+                            joint_b.at(side), loop.branch});
+    }
+  }
+}
+
+void read_toes(const yaml::Node& robot, const Sides& links, RobotFiles& files) {
+  const auto section = robot.find("feet");
+  if (!section) return;
+  for (const auto& [name, node] : section->entries()) {
+    const Vec3 point = in_space(node.at("point").vec2(dimension::length));
+    for (const std::string& link : sides_of(links, node.at("link").text())) files.toes.push_back({name, link, point});
+  }
+}
+
+/// The testbed's world is the sagittal plane, so every axis must be +-y, or lie in the plane where a joint slides.
+void check_axes(const SpatialTree& tree) {
+  for (const SpatialJoint& joint : tree.joints) {
+    const bool turns = joint.kind == SpatialJointKind::revolute;
+    const bool slides = joint.kind == SpatialJointKind::prismatic;
+    const double along_y = std::abs(joint.axis.y());
+    if ((turns && along_y < 1.0 - 1e-9) || (slides && along_y > 1e-9)) {
+      throw InputError(
+          fmt::format("{}:{}: joint '{}': axis leaves the sagittal plane; allowed on the testbed: turning "
+                      "about y, sliding in x-z",
+                      tree.file.string(), joint.line, joint.name));
+    }
+  }
+}
+
+}  // namespace
+
+RobotFiles read_robot_files(const std::filesystem::path& folder) {
+  const Robot robot = read_robot(folder);
+  const yaml::Node node = yaml::Node::load(folder / "robot.yaml");
+  RobotFiles files;
+  files.name = robot.name;
+  if (const auto held = node.find("fixed_joints")) {
+    throw held->error("joints held by robot.yaml; allowed on the testbed: fixed joints in the URDF");
+  }
+  const auto urdf = node.find("urdf");
+  files.tree = read_urdf(folder / (urdf ? urdf->text() : "robot.urdf"));
+  check_axes(files.tree);
+  const auto& free = robot.planar.base_free;
+  files.floating = free[0] && free[1] && free[2];
+  if (!files.floating && (free[0] || free[1] || free[2])) {
+    throw node.at("base").error("a base that moves in part; allowed on the testbed: floating, fixed");
+  }
+  files.gravity = robot.planar.gravity;
+  files.friction = robot.planar.friction;
+  const Sides joints = read_sides(node, "joints"), links = read_sides(node, "links");
+  read_pins(node, joints, links, robot.planar, files);
+  read_toes(node, links, files);
+  for (const PlanarMotor& motor : robot.planar.motors) {
+    files.planar_motors.push_back(motor.joint);
+    for (const std::string& joint : sides_of(joints, motor.joint)) files.drives.push_back({joint, motor.joint, motor});
+  }
+  if (const auto section = node.find("drag")) {
+    files.drags = robot.planar.drags;
+    for (const auto& [name, drag] : section->entries()) files.drag_links.push_back(drag.at("link").text());
+  }
+  return files;
+}
+
+}  // namespace jaculus::testbed
