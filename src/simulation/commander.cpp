@@ -79,7 +79,6 @@ double Commander::next_change(double t) const {
     return std::min(read, arrival);
   }
   const double shift = late_ + delay_;
-  if (waiting_ && t < delay_) return delay_;
   if (t < shift) return shift;
   // Borders of the feed-forward; with linear ones these are kinks.
   const Vector& time = controller_.reference.time;
@@ -91,15 +90,15 @@ double Commander::next_change(double t) const {
 
 void Commander::update(double t, const double* position, const double* velocity) {
   if (continuous_) {
-    if (t >= delay_) waiting_ = false;
-    find_segment(t - delay_);
+    if (t >= late_ + delay_) waiting_ = false;
+    find_segment(t - delay_ - late_);
     return;
   }
   while (read_instant(next_read_) <= t) {
     // The values are read now; the reference is that of the sample's own instant.
     queue_.push_back({instant(next_read_) + delay_, now_});
-    find_segment(instant(next_read_));
-    evaluate(instant(next_read_), position, velocity, queue_.back().commands);
+    find_segment(instant(next_read_) - late_);
+    evaluate(instant(next_read_) - late_, position, velocity, queue_.back().commands);
     ++next_read_;
   }
   while (!queue_.empty() && queue_.front().time <= t) {
@@ -110,15 +109,13 @@ void Commander::update(double t, const double* position, const double* velocity)
 }
 
 const Command* Commander::commands(double t, const double* position, const double* velocity) {
-  if (continuous_) evaluate(t - delay_, position, velocity, now_);
+  if (continuous_) evaluate(t - delay_ - late_, position, velocity, now_);
   return now_.data();
 }
 
-/// The part of the reference that holds from controller time t on: its sample, and whether it has begun or ended.
-void Commander::find_segment(double t) {
+/// The part of the reference that holds from its time `at` on: its sample, and whether it has ended.
+void Commander::find_segment(double at) {
   const Reference& r = controller_.reference;
-  const double at = t - late_;
-  started_ = at >= 0.0;
   ended_ = r.time.size() == 0 || (at >= r.duration && at > 0.0);
   while (sample_ + 1 < r.time.size() && r.time[sample_ + 1] <= at) ++sample_;
 }
@@ -129,8 +126,8 @@ Commander::Wanted Commander::wanted(Eigen::Index row, double at) const {
   const double length = r.time[next] - r.time[k];
   const double s = length > 0.0 ? (at - r.time[k]) / length : 0.0, c = s - 1.0;
   Wanted w;
-  const bool moves = started_ && !ended_;
-  if (r.feedforward.size() > 0 && started_ && (!ended_ || controller_.after_end == AfterEnd::repeat)) {
+  const bool moves = !ended_;
+  if (r.feedforward.size() > 0 && (!ended_ || controller_.after_end == AfterEnd::repeat)) {
     w.feedforward = r.feedforward(row, k);
     if (r.linear) w.feedforward += s * (r.feedforward(row, next) - w.feedforward);
   }
@@ -146,13 +143,13 @@ Commander::Wanted Commander::wanted(Eigen::Index row, double at) const {
   return w;
 }
 
-void Commander::evaluate(double t, const double* position, const double* velocity, std::vector<Command>& out) const {
+void Commander::evaluate(double at, const double* position, const double* velocity, std::vector<Command>& out) const {
   const Reference& r = controller_.reference;
   for (Command& command : out) command = {};
   if (r.time.size() == 0 || (ended_ && controller_.after_end == AfterEnd::relax)) return;
   for (size_t i = 0; i < motor_.size(); ++i) {
     const auto m = static_cast<size_t>(motor_[i]);
-    const Wanted w = wanted(static_cast<Eigen::Index>(i), t - late_);
+    const Wanted w = wanted(static_cast<Eigen::Index>(i), at);
     double value = scale_ * w.feedforward;
     if (kp_[i] != 0.0 && r.position.size() > 0)
       value += kp_[i] * ratio_[i] * (w.position - (position_scale_[i] * position[m] + position_offset_[i]));

@@ -1,5 +1,5 @@
 #pragma once
-// The controller at work: samples at t_k = k/rate, commands that arrive `delay` later and hold until the next, or without a
+// The controller at work: samples at t_k = late start + k/rate, commands that arrive `delay` later and hold until the next, or without a
 // rate a command that follows the state. Everything that changes by a jump does so at an instant of next_change(), which the
 // integration meets exactly.
 //
@@ -23,7 +23,7 @@ class Commander {
   [[nodiscard]] double next_change(double t) const;
   /// Takes what is due at t: joint angles and rates on the motors' side at t.
   void update(double t, const double* position, const double* velocity);
-  /// Commands at t: held ones, or with no rate those of the state.
+  /// Commands at t, once the first has arrived: held ones, or with no rate those of the state.
   const Command* commands(double t, const double* position, const double* velocity);
   [[nodiscard]] bool continuous() const { return continuous_; }
   /// Whether nothing has arrived yet, so that the start pose is held.
@@ -37,10 +37,10 @@ class Commander {
   struct Wanted {
     double feedforward = 0.0, position = 0.0, velocity = 0.0;
   };
-  void find_segment(double t);
+  void find_segment(double at);
   [[nodiscard]] Wanted wanted(Eigen::Index row, double at) const;
-  void evaluate(double t, const double* position, const double* velocity, std::vector<Command>& out) const;
-  [[nodiscard]] double instant(long k) const { return static_cast<double>(k) / rate_; }
+  void evaluate(double at, const double* position, const double* velocity, std::vector<Command>& out) const;
+  [[nodiscard]] double instant(long k) const { return late_ + static_cast<double>(k) / rate_; }
   [[nodiscard]] double read_instant(long k) const;
 
   const Controller& controller_;
@@ -50,7 +50,7 @@ class Commander {
   bool continuous_, waiting_ = true;
   long next_read_ = 0, next_arrival_ = 0;  ///< sample numbers
   Eigen::Index sample_ = 0;                ///< of the reference, the last at or before the present segment
-  bool started_ = false, ended_ = false;
+  bool ended_ = false;
   std::deque<Arrival> queue_;
   std::vector<Command> now_;
 };

@@ -11,6 +11,13 @@
 
 namespace jaculus::detail {
 
+namespace {
+
+/// Whether a limit took more than rounding off a command; plans lie on their limits.
+bool cut(double command, double taken) { return std::abs(command - taken) > 1e-6 * (1.0 + std::abs(taken)); }
+
+}  // namespace
+
 Drive::Drive(const Plant& plant, CommandQuantity quantity)
     : quantity_(quantity), resistance_(plant.battery.resistance), open_voltage_(kInfinity) {
   warm_ = plant.winding.heat != 0.0 || plant.winding.initial != 0.0;
@@ -32,7 +39,7 @@ MotorState Drive::one(size_t m, const Command& command, double rate, double temp
   const PlanarMotor& d = motor.data;
   if (d.ideal()) {
     const double t = std::clamp(command.value, -motor.largest, motor.largest);
-    return {motor.scale * motor.ratio * t, 0.0, 0.0, t != command.value};
+    return {motor.scale * motor.ratio * t, 0.0, 0.0, cut(command.value, t)};
   }
   const double strength = 1.0 - 0.001 * temperature;
   const double resistance = warm_ ? d.resistance * (1.0 + 0.0039 * temperature) : d.resistance;
@@ -49,13 +56,14 @@ MotorState Drive::one(size_t m, const Command& command, double rate, double temp
   double t = command.value;
   if (quantity_ == CommandQuantity::torque) {
     t = std::clamp(t, -motor.largest, motor.largest);
-    state.limited = t != command.value;
+    state.limited = cut(command.value, t);
     state.current = current_of(t);
     state.voltage = resistance * state.current + emf;
     if (std::abs(state.voltage) > bus) {
-      state.limited = true;
       state.voltage = std::copysign(bus, state.voltage);
-      t = std::clamp(torque_at(state.voltage), -motor.largest, motor.largest);
+      const double clamped = std::clamp(torque_at(state.voltage), -motor.largest, motor.largest);
+      state.limited = state.limited || cut(t, clamped);
+      t = clamped;
       state.current = current_of(t);
     }
   } else {
@@ -63,7 +71,7 @@ MotorState Drive::one(size_t m, const Command& command, double rate, double temp
     state.voltage = std::clamp(wanted, -bus, bus);
     const double free = torque_at(state.voltage);
     t = std::clamp(free, -motor.largest, motor.largest);
-    state.limited = t != free || state.voltage != wanted;
+    state.limited = cut(free, t) || cut(wanted, state.voltage);
     state.current = current_of(t);
     if (t != free) state.voltage = resistance * state.current + emf;
   }

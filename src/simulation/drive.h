@@ -36,6 +36,10 @@ class Drive {
 
   /// States of all motors at their joints' rates [rad/s] and windings' temperatures [K] (null: cold). Returns the bus voltage.
   double set(const Command* commands, const double* rates, const double* temperatures);
+  /// From now on commands are of this quantity.
+  void take(CommandQuantity quantity) { quantity_ = quantity; }
+  /// Joint torque that a torque command of one makes [N m].
+  [[nodiscard]] double ratio(size_t m) const { return data_[m].ratio * data_[m].scale; }
 
   std::vector<MotorState> motors;
 

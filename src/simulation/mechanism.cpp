@@ -53,11 +53,42 @@ Mechanism::Mechanism(const Plant& plant) {
   }
   add_transmissions(plant);
   add_step_order(model);
-  armature_ = Matrix::Zero(kMaxSize, kMaxSize);
+  find_columns();
+  armature_.assign(kMaxSize * kMaxSize, 0.0);
   for (size_t m = 0; m < model.motors.size(); ++m) {
     const PlanarMotor& motor = model.motors[m];
-    const Eigen::Map<const Vector> row(motor_row[m].data(), kMaxSize);
-    armature_ += motor.count * motor.gear * motor.gear * motor.rotor_inertia * row * row.transpose();
+    const double inertia = motor.count * motor.gear * motor.gear * motor.rotor_inertia;
+    for (size_t j = 0; j < kMaxSize; ++j)
+      for (size_t i = 0; i < kMaxSize; ++i) armature_[j * kMaxSize + i] += inertia * motor_row[m][i] * motor_row[m][j];
+  }
+}
+
+/// Coordinates that move each body, the base's x and z aside; in rising order.
+void Mechanism::find_columns() {
+  std::vector<std::array<bool, kMaxSize>> moves(bodies_.size());
+  const auto join = [&](size_t b, size_t other) {
+    for (size_t i = 0; i < kMaxSize; ++i) moves[b][i] = moves[b][i] || moves[other][i];
+  };
+  if (base_[2] >= 0) moves[0][static_cast<size_t>(base_[2])] = true;
+  for (const Step& step : order_) {
+    if (step.loop) {
+      const PlanarLoop& loop = loops_[static_cast<size_t>(step.index)];
+      const auto a = static_cast<size_t>(loop.body_a), b = static_cast<size_t>(loop.body_b);
+      join(a, static_cast<size_t>(bodies_[a].parent));
+      join(a, static_cast<size_t>(bodies_[b].parent));
+      join(b, a);
+      continue;
+    }
+    const auto b = static_cast<size_t>(step.index);
+    join(b, static_cast<size_t>(bodies_[b].parent));
+    for (size_t i = 0; i < kMaxSize; ++i) moves[b][i] = moves[b][i] || bodies_[b].map[i] != 0.0;
+  }
+  for (size_t b = 0; b < bodies_.size(); ++b) {
+    for (size_t i = 0; i < kMaxSize; ++i)
+      if (moves[b][i]) frames_[b].columns.index[frames_[b].columns.count++] = i;
+    if (base_[0] >= 0) frames_[b].jx[static_cast<size_t>(base_[0])] = 1.0;
+    if (base_[1] >= 0) frames_[b].jz[static_cast<size_t>(base_[1])] = 1.0;
+    if (base_[2] >= 0 && b == 0) frames_[b].w[static_cast<size_t>(base_[2])] = 1.0;
   }
 }
 
@@ -121,9 +152,6 @@ void Mechanism::set_base(const double* q, const double* v) {
   f.vz = rate(1);
   f.omega = rate(2);
   f.ax = f.az = f.alpha = 0.0;
-  if (base_[0] >= 0) f.jx[static_cast<size_t>(base_[0])] = 1.0;
-  if (base_[1] >= 0) f.jz[static_cast<size_t>(base_[1])] = 1.0;
-  if (base_[2] >= 0) f.w[static_cast<size_t>(base_[2])] = 1.0;
 }
 
 /// Origin of a frame at r in the frame of its parent.
@@ -136,7 +164,7 @@ void Mechanism::place(const Frame& p, const Vec2& r, Frame& f) const {
   f.vz = p.vz - ex * p.omega;
   f.ax = p.ax + ez * p.alpha - ex * square;
   f.az = p.az - ex * p.alpha - ez * square;
-  for (size_t i = 0; i < static_cast<size_t>(n); ++i) {
+  for (const size_t i : p.columns) {
     f.jx[i] = p.jx[i] + ez * p.w[i];
     f.jz[i] = p.jz[i] - ex * p.w[i];
   }
@@ -154,16 +182,17 @@ void Mechanism::set_joint(int b, const double* q, const double* v) {
     f.s = p.s * c + p.c * s;
     f.omega = p.omega + body.sign * rate;
     f.alpha = p.alpha;
-    for (size_t i = 0; i < static_cast<size_t>(n); ++i) f.w[i] = p.w[i] + body.sign * body.map[i];
+    for (const size_t i : f.columns) f.w[i] = p.w[i] + body.sign * body.map[i];
     return;
   }
+  for (const size_t i : f.columns) f.jx[i] = f.jz[i] = 0.0;
   place(p, body.origin + body.axis * theta, f);
   const double ex = p.c * body.axis.x() + p.s * body.axis.y(), ez = -p.s * body.axis.x() + p.c * body.axis.y();
   f.vx += ex * rate;
   f.vz += ez * rate;
   f.ax += 2.0 * p.omega * rate * ez;
   f.az -= 2.0 * p.omega * rate * ex;
-  for (size_t i = 0; i < static_cast<size_t>(n); ++i) {
+  for (const size_t i : f.columns) {
     f.jx[i] += ex * body.map[i];
     f.jz[i] += ez * body.map[i];
   }
@@ -171,7 +200,7 @@ void Mechanism::set_joint(int b, const double* q, const double* v) {
   f.s = p.s * body.cos_offset + p.c * body.sin_offset;
   f.omega = p.omega;
   f.alpha = p.alpha;
-  f.w = p.w;
+  for (const size_t i : p.columns) f.w[i] = p.w[i];
 }
 
 bool Mechanism::close_loop(const PlanarLoop& loop) {
@@ -195,7 +224,7 @@ bool Mechanism::close_loop(const PlanarLoop& loop) {
   const double inverse = 1.0 / (az * bx - ax * bz);
   const auto solve_a = [&](double x, double z) { return (bx * x + bz * z) * inverse; };
   const auto solve_b = [&](double x, double z) { return (ax * x + az * z) * inverse; };
-  for (size_t i = 0; i < static_cast<size_t>(n); ++i) {
+  for (const size_t i : a.columns) {
     const double x = b.jx[i] - a.jx[i], z = b.jz[i] - a.jz[i];
     a.w[i] = solve_a(x, z);
     b.w[i] = solve_b(x, z);
@@ -224,10 +253,12 @@ bool Mechanism::set(const double* q, const double* v) {
 void Mechanism::assemble(double* mass, double* bias) const {
   const auto size = static_cast<size_t>(n);
   for (size_t j = 0; j < size; ++j) {
-    for (size_t i = j; i < size; ++i) mass[j * kMaxSize + i] = armature_.data()[j * kMaxSize + i];
+    for (size_t i = j; i < size; ++i) mass[j * kMaxSize + i] = armature_[j * kMaxSize + i];
     bias[j] = 0.0;
   }
-  Row jx, jz;
+  // Every body moves with the base's x and z alike, so these two columns are sums of the others' rows.
+  Row sum_x{}, sum_z{}, jx, jz;
+  double total_x = 0.0, total_z = 0.0;
   for (size_t b = 0; b < bodies_.size(); ++b) {
     const Body& body = bodies_[b];
     const Frame& f = frames_[b];
@@ -235,24 +266,47 @@ void Mechanism::assemble(double* mass, double* bias) const {
     const double square = f.omega * f.omega, m = body.mass, inertia = body.inertia;
     const double force_x = m * (f.ax + ez * f.alpha - ex * square);
     const double force_z = m * (f.az - ex * f.alpha - ez * square + gravity_), moment = inertia * f.alpha;
-    for (size_t i = 0; i < size; ++i) {
+    total_x += force_x;
+    total_z += force_z;
+    for (const size_t i : f.columns) {
       jx[i] = f.jx[i] + ez * f.w[i];
       jz[i] = f.jz[i] - ex * f.w[i];
+      sum_x[i] += m * jx[i];
+      sum_z[i] += m * jz[i];
       bias[i] += jx[i] * force_x + jz[i] * force_z + f.w[i] * moment;
     }
-    for (size_t j = 0; j < size; ++j) {
+    for (size_t k = 0; k < f.columns.count; ++k) {
+      const size_t j = f.columns.index[k];
       const double x = m * jx[j], z = m * jz[j], w = inertia * f.w[j];
-      for (size_t i = j; i < size; ++i) mass[j * kMaxSize + i] += x * jx[i] + z * jz[i] + w * f.w[i];
+      double* column = mass + j * kMaxSize;
+      for (size_t l = k; l < f.columns.count; ++l) {
+        const size_t i = f.columns.index[l];
+        column[i] += x * jx[i] + z * jz[i] + w * f.w[i];
+      }
     }
   }
+  const std::array<const Row*, 2> sums{&sum_x, &sum_z};
+  for (size_t axis = 0; axis < 2; ++axis) {
+    if (base_[axis] < 0) continue;
+    const auto j = static_cast<size_t>(base_[axis]);
+    for (size_t i = j; i < size; ++i) mass[j * kMaxSize + i] += (*sums[axis])[i];
+    mass[j * kMaxSize + j] += total_mass_;
+    bias[j] += axis == 0 ? total_x : total_z;
+  }
+  if (!spins_.empty()) add_spins(mass, bias);
+}
+
+void Mechanism::add_spins(double* mass, double* bias) const {
+  const auto size = static_cast<size_t>(n);
+  Row row;
   for (const Spin& spin : spins_) {
     const Frame& f = frames_[static_cast<size_t>(spin.body)];
     for (size_t i = 0; i < size; ++i) {
-      jx[i] = f.w[i] + spin.row[i];
-      bias[i] += jx[i] * spin.inertia * f.alpha;
+      row[i] = f.w[i] + spin.row[i];
+      bias[i] += row[i] * spin.inertia * f.alpha;
     }
     for (size_t j = 0; j < size; ++j)
-      for (size_t i = j; i < size; ++i) mass[j * kMaxSize + i] += spin.inertia * jx[j] * jx[i];
+      for (size_t i = j; i < size; ++i) mass[j * kMaxSize + i] += spin.inertia * row[j] * row[i];
   }
 }
 
@@ -267,8 +321,12 @@ void Mechanism::point(int b, const Vec2& r, PointState& out) const {
   out.ax = f.ax + ez * f.alpha - ex * square;
   out.az = f.az - ex * f.alpha - ez * square;
   for (size_t i = 0; i < static_cast<size_t>(n); ++i) {
-    out.jx[i] = f.jx[i] + ez * f.w[i];
-    out.jz[i] = f.jz[i] - ex * f.w[i];
+    out.jx[i] = f.jx[i];
+    out.jz[i] = f.jz[i];
+  }
+  for (const size_t i : f.columns) {
+    out.jx[i] += ez * f.w[i];
+    out.jz[i] -= ex * f.w[i];
   }
 }
 

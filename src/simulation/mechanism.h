@@ -25,6 +25,14 @@ namespace jaculus::detail {
 inline constexpr int kMaxSize = 24;
 using Row = std::array<double, kMaxSize>;
 
+/// Indices of coordinates, rising.
+struct Columns {
+  size_t count = 0;
+  std::array<size_t, kMaxSize> index{};
+  [[nodiscard]] const size_t* begin() const { return index.data(); }
+  [[nodiscard]] const size_t* end() const { return index.data() + count; }
+};
+
 /// A body's frame at one state.
 struct Frame {
   double c = 1.0, s = 0.0;    ///< cosine and sine of the absolute angle
@@ -33,6 +41,7 @@ struct Frame {
   double ax = 0.0, az = 0.0;  ///< its acceleration at zero generalised acceleration [m/s^2]
   double omega = 0.0;         ///< [rad/s]
   double alpha = 0.0;         ///< angular acceleration at zero generalised acceleration [rad/s^2]
+  Columns columns;            ///< coordinates that move it, the base's x and z aside
   Row w{}, jx{}, jz{};        ///< d(angle)/dq, d(origin)/dq
 };
 
@@ -99,6 +108,8 @@ class Mechanism {
 
   void add_transmissions(const Plant& plant);
   void add_step_order(const PlanarModel& model);
+  void find_columns();
+  void add_spins(double* mass, double* bias) const;
   void set_base(const double* q, const double* v);
   void set_joint(int b, const double* q, const double* v);
   bool close_loop(const PlanarLoop& loop);
@@ -109,8 +120,7 @@ class Mechanism {
   std::vector<Step> order_;
   std::vector<PlanarLoop> loops_;
   std::vector<Spin> spins_;
-  std::vector<double> motor_offset_;
-  Matrix armature_;  ///< n x n
+  std::vector<double> motor_offset_, armature_;
   std::array<int, 3> base_{-1, -1, -1};
   Eigen::Vector3d base_pose_;
   double gravity_ = 0.0, total_mass_ = 0.0;

@@ -5,7 +5,6 @@
 #include <cassert>
 #include <cmath>
 
-#include "jaculus/components/tail_drag.h"
 #include "jaculus/core/error.h"
 
 namespace jaculus::detail {
@@ -18,31 +17,20 @@ double dot(const Row& a, const double* b, int n) {
   return sum;
 }
 
-/// Torque at which a flank of a gear gives way by its play: stiffness of the flanks = this / play [N m].
-constexpr double kFlankTorque = 10.0;
-
 }  // namespace
 
 PlantEquations::PlantEquations(const Plant& plant, const Controller& controller)
-    : mechanism(plant), drive(plant, controller.quantity), commander(plant, controller), plant_(plant) {
+    : mechanism(plant),
+      drive(plant, controller.quantity),
+      commander(plant, controller),
+      plant_(plant),
+      quantity_(controller.quantity) {
   const PlanarModel& model = plant.model;
   heat_ = plant.winding.heat;
   warm_ = heat_ != 0.0 || plant.winding.initial != 0.0;
   pushing_.assign(plant.pushes.size(), false);
   force_scale = std::max(1e-6, std::abs(mechanism.weight()));
-  for (const JointFriction& f : plant.friction) {
-    const int body = model.body_of_joint(f.joint);
-    if (body < 0) throw InputError(fmt::format("friction: the robot has no joint '{}'", f.joint));
-    const int motor = model.motor_index(f.joint);
-    const PlanarBody& link = model.bodies[static_cast<size_t>(body)];
-    if (f.coulomb == 0.0 && f.viscous == 0.0 && f.stribeck == 0.0 && f.load == 0.0) continue;
-    friction_.push_back({&f, body, motor, motor < 0 ? link.count : model.motors[static_cast<size_t>(motor)].count});
-  }
-  for (const Transmission& t : plant.transmissions) {
-    if (t.compliance == 0.0 && t.play == 0.0) continue;
-    const int count = model.motors[static_cast<size_t>(model.motor_index(t.joint))].count;
-    springs_.push_back({count / (t.compliance + t.play / kFlankTorque), t.damping_ratio, 0.5 * t.play, 0.1 * t.play});
-  }
+  add_elements();
   add_unilaterals();
   motor_position.resize(model.motors.size());
   motor_velocity.resize(model.motors.size());
@@ -85,6 +73,10 @@ void PlantEquations::add_unilaterals() {
       unilaterals.push_back(u);
     }
   }
+  points_ = 0;
+  for (const Unilateral& u : unilaterals) points_ += u.stop() ? 0 : 1;
+  compliant_ = plant_.ground.compliance > 0.0 && points_ > 0;
+  bristle_rate.assign(points_, 0.0);
   contacts.resize(unilaterals.size());
   modes.assign(unilaterals.size(), Touch::open);
   lambda.assign(2 * unilaterals.size(), 0.0);
@@ -166,65 +158,13 @@ void PlantEquations::backward(double* x) const {
   }
 }
 
-void PlantEquations::add_drag() {
-  for (const PlanarDrag& drag : plant_.model.drags) {
-    if (drag.kind == DragKind::none || drag.coefficient == 0.0) continue;
-    const Frame& f = mechanism.frame(drag.body);
-    const Vec2& d = drag.direction;
-    const double nx = -f.s * d.x() + f.c * d.y(), nz = -f.c * d.x() - f.s * d.y();
-    const double s = nx * (f.vx - drag.wind_W.x()) + nz * (f.vz - drag.wind_W.y());
-    const DragLoad load = drag_load(drag, s, f.omega, plant_.drag_smoothing);
-    for (size_t i = 0; i < static_cast<size_t>(n()); ++i)
-      force_[i] += load.force * (nx * f.jx[i] + nz * f.jz[i]) + load.moment * f.w[i];
-  }
-}
-
-void PlantEquations::add_joint_friction() {
-  for (const Friction& f : friction_) {
-    const JointFriction& d = *f.data;
-    double rate, load = 0.0;
-    JointState joint;
-    const Row* row = &joint.row;
-    if (f.motor >= 0) {
-      rate = motor_velocity[static_cast<size_t>(f.motor)];
-      row = &mechanism.motor_row[static_cast<size_t>(f.motor)];
-      load = d.load * std::abs(drive.motors[static_cast<size_t>(f.motor)].torque);
-    } else {
-      mechanism.joint(f.body, force_, force_, joint);  // the row alone is of use
-      const Frame &link = mechanism.frame(f.body),
-                  &parent = mechanism.frame(plant_.model.bodies[static_cast<size_t>(f.body)].parent);
-      rate = plant_.model.bodies[static_cast<size_t>(f.body)].sign * (link.omega - parent.omega);
-    }
-    const double ratio = rate / d.stribeck_rate;
-    const double level = d.coulomb + load + (d.stribeck == 0.0 ? 0.0 : d.stribeck * std::exp(-ratio * ratio));
-    const double torque = -f.count * (std::tanh(rate / d.smoothing_rate) * level + d.viscous * rate);
-    for (size_t i = 0; i < static_cast<size_t>(n()); ++i) force_[i] += torque * (*row)[i];
-  }
-}
-
-void PlantEquations::add_hinges(const double* y) {
-  for (size_t k = 0; k < springs_.size(); ++k) {
-    Spring& spring = springs_[k];
-    const int i = mechanism.hinges[k].coordinate;
-    if (spring.damping < 0.0) {
-      double inertia = 0.0;  // M_ii from its factor
-      for (int j = 0; j <= i; ++j) inertia += L_[j * kMaxSize + i] * L_[j * kMaxSize + i];
-      spring.damping = 2.0 * spring.damping_ratio * std::sqrt(spring.stiffness * inertia);
-    }
-    const double angle = y[i], rate = y[n() + i], b = spring.half_play, s2 = spring.smoothing * spring.smoothing;
-    double beyond = angle, slope = 1.0;
-    if (b > 0.0) {
-      const double up = std::sqrt((angle - b) * (angle - b) + s2), down = std::sqrt((angle + b) * (angle + b) + s2);
-      beyond += 0.5 * (up - down);
-      slope += 0.5 * ((angle - b) / up - (angle + b) / down);
-    }
-    force_[i] -= spring.stiffness * beyond + spring.damping * slope * rate;
-  }
-}
-
 void PlantEquations::update(double t, const double* y) {
   read_motors(y);
   commander.update(t, motor_position.data(), motor_velocity.data());
+  if (holding_ && !commander.waiting()) {
+    holding_ = false;
+    drive.take(quantity_);
+  }
   for (size_t p = 0; p < pushing_.size(); ++p) {
     const Push& push = plant_.pushes[p];
     pushing_[p] = t >= push.start && t < push.start + push.duration;
@@ -246,12 +186,12 @@ void PlantEquations::read_motors(const double* y) {
   }
 }
 
-bool PlantEquations::set_forces(double t, const double* y) {
-  if (!set_mass()) return false;
+void PlantEquations::set_forces(double t, const double* y) {
   const int size = n();
   for (int i = 0; i < size; ++i) force_[i] = 0.0;
   read_motors(y);
-  const Command* commands = commander.commands(t, motor_position.data(), motor_velocity.data());
+  const Command* commands =
+      holding_ ? hold_.data() : commander.commands(t, motor_position.data(), motor_velocity.data());
   bus = drive.set(commands, motor_velocity.data(), warm_ ? y + 2 * size : nullptr);
   for (size_t m = 0; m < motor_velocity.size(); ++m) {
     const double torque = plant_.model.motors[m].count * drive.motors[m].torque;
@@ -260,6 +200,7 @@ bool PlantEquations::set_forces(double t, const double* y) {
   if (!friction_.empty()) add_joint_friction();
   if (!springs_.empty()) add_hinges(y);
   add_drag();
+  if (compliant_) add_ground(y);
   for (size_t p = 0; p < pushing_.size(); ++p) {
     if (!pushing_[p]) continue;
     const Push& push = plant_.pushes[p];
@@ -269,7 +210,6 @@ bool PlantEquations::set_forces(double t, const double* y) {
   }
   for (int i = 0; i < size; ++i) free_[i] = force_[i] - h_[i];
   forward(free_);
-  return true;
 }
 
 void PlantEquations::fill_rows(const std::vector<int>& touching) {
@@ -292,7 +232,6 @@ void PlantEquations::fill_rows(const std::vector<int>& touching) {
 }
 
 void PlantEquations::fill_system(const std::vector<int>& touching, bool impact, const double* v) {
-  fill_rows(touching);
   const int size = n();
   for (size_t k = 0; k < touching.size(); ++k) {
     const auto i = static_cast<size_t>(touching[k]);
@@ -322,13 +261,15 @@ void PlantEquations::add_response(const std::vector<int>& touching, const double
   for (int i = 0; i < n(); ++i) x[i] += sum[i];
 }
 
-bool PlantEquations::evaluate(double t, const double* y, double* dydt) {
+bool PlantEquations::evaluate(double t, const double* y, double* dydt, bool stands) {
   ++evaluations;
   const int size = n();
-  if (!set_state(y) || !set_forces(t, y)) return false;
+  if (!stands && (!set_state(y) || !set_mass())) return false;
+  set_forces(t, y);
   touching_.clear();
   touching_modes_.clear();
   for (size_t i = 0; i < modes.size(); ++i) {
+    if (compliant(i)) continue;
     lambda[2 * i] = lambda[2 * i + 1] = 0.0;
     if (modes[i] == Touch::open) continue;
     touching_.push_back(static_cast<int>(i));
@@ -339,6 +280,7 @@ bool PlantEquations::evaluate(double t, const double* y, double* dydt) {
     dydt[size + i] = free_[i];
   }
   if (!touching_.empty()) {
+    if (!stands) fill_rows(touching_);
     fill_system(touching_, false, y + size);
     if (!solve_at(system, touching_modes_.data())) return false;
     for (size_t k = 0; k < touching_.size(); ++k) {
@@ -353,6 +295,10 @@ bool PlantEquations::evaluate(double t, const double* y, double* dydt) {
     }
   }
   backward(dydt + size);
+  if (compliant_) {
+    double* rate = dydt + bristles();
+    for (size_t i = 0; i < points_; ++i) rate[i] = bristle_rate[i];
+  }
   if (warm_) {
     for (size_t m = 0; m < drive.motors.size(); ++m) {
       const double temperature = y[2 * size + static_cast<int>(m)], i = drive.motors[m].current;
@@ -360,7 +306,7 @@ bool PlantEquations::evaluate(double t, const double* y, double* dydt) {
           heat_ * i * i * plant_.model.motors[m].resistance * (1.0 + 0.0039 * temperature);
     }
   }
-  for (int i = 0; i < 2 * size; ++i)
+  for (int i = 0; i < states(); ++i)
     if (!std::isfinite(dydt[i])) return false;
   return true;
 }

@@ -1,8 +1,8 @@
 #pragma once
 // The plant's equations of motion at a state and at given contact modes:
 //     M a + h = B tau + Q_drag + Q_friction + Q_hinges + Q_push + J^T lambda,    J a + gamma = 0 on closed rows,
-// by Cholesky M = L L^T and Delassus' matrix of the rows that touch (contact_law.h). State y = (q, v, winding temperatures),
-// q with the hinges behind the model's coordinates.
+// by Cholesky M = L L^T and Delassus' matrix of the rows that touch (contact_law.h). State y = (q, v, winding temperatures, soles'
+// deflections), q with the hinges behind the model's coordinates.
 
 #include <string>
 #include <vector>
@@ -41,20 +41,30 @@ class PlantEquations {
  public:
   PlantEquations(const Plant& plant, const Controller& controller);
 
+  [[nodiscard]] const std::string& motor_name(size_t m) const { return plant_.model.motors[m].joint; }
   [[nodiscard]] int n() const { return mechanism.n; }
-  [[nodiscard]] int states() const { return 2 * mechanism.n + (warm_ ? static_cast<int>(drive.motors.size()) : 0); }
+  [[nodiscard]] int states() const { return bristles() + (compliant_ ? static_cast<int>(points_) : 0); }
+  /// Index of the first bristle, one a foot or point, in the state.
+  [[nodiscard]] int bristles() const { return 2 * mechanism.n + (warm_ ? static_cast<int>(drive.motors.size()) : 0); }
+  /// Whether a contact is with compliant ground: a force, no constraint.
+  [[nodiscard]] bool compliant(size_t i) const { return compliant_ && i < points_; }
 
   /// Takes what changes by a jump at t: commands, pushes. After set_state.
   void update(double t, const double* y);
   [[nodiscard]] double next_change(double t) const;
+  /// Finds the torques that hold the pose and commands them until the controller's first command. False where singular.
+  bool hold(double t, const double* y);
   /// Positions and rates alone: frames, contacts' gaps and rates.
   bool set_state(const double* y);
-  /// Everything up to the free acceleration (no contact): after set_state of the same y.
-  bool set_forces(double t, const double* y);
-  /// Rows of the contacts in `touching` into `system`; after set_forces (or set_mass alone, `impact`: b from the rates v).
+  /// Everything up to the free acceleration (no contact): after set_state and set_mass at the same y.
+  void set_forces(double t, const double* y);
+  /// Delassus' matrix of the contacts in `touching`; after set_mass.
+  void fill_rows(const std::vector<int>& touching);
+  /// The rest of their system; after fill_rows, and set_forces or (`impact`: b from the rates v) nothing else.
   void fill_system(const std::vector<int>& touching, bool impact, const double* v);
-  /// The whole right-hand side at `modes`. False: no loop closes, or M or the contacts are singular.
-  bool evaluate(double t, const double* y, double* dydt);
+  /// The whole right-hand side at `modes`. False: no loop closes, or M or the contacts are singular. `stands`: the last evaluation
+  /// was at these y and modes, and commands alone have changed since.
+  bool evaluate(double t, const double* y, double* dydt, bool stands = false);
   /// M at the state, factorised; after set_state.
   bool set_mass();
   /// x += M^-1 J^T lambda of the system's contacts.
@@ -72,15 +82,17 @@ class PlantEquations {
   long evaluations = 0;
   std::vector<double> motor_position, motor_velocity;
   double force_scale = 1.0;
+  std::vector<double> bristle_rate;  ///< of the soles [m/s]
 
  private:
   void add_unilaterals();
   void read_motors(const double* y);
+  void add_elements();
   void add_drag();
+  void add_ground(const double* y);
   void add_joint_friction();
   void add_hinges(const double* y);
   void set_contact(size_t i, const double* y);
-  void fill_rows(const std::vector<int>& touching);
   void forward(double* x) const;   ///< x = L^-1 x
   void backward(double* x) const;  ///< x = L^-T x
 
@@ -93,6 +105,10 @@ class PlantEquations {
     double damping = -1.0;  ///< set at the first state, whose inertia it goes by
   };
   const Plant& plant_;
+  CommandQuantity quantity_;
+  bool holding_ = false, compliant_ = false;
+  size_t points_ = 0;  ///< feet and ground points, which come first among the unilaterals
+  std::vector<Command> hold_;
   std::vector<Friction> friction_;
   std::vector<Spring> springs_;
   double heat_ = 0.0;

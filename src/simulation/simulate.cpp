@@ -100,6 +100,14 @@ StartState reference_start(const Plant& plant, const Reference& reference) {
   for (size_t f = 0; f < model.feet.size(); ++f)
     lowest = std::min(lowest, foot_position(tree, motion, static_cast<int>(f)).y() - plant.ground.foot_radius);
   start.q[z] += plant.ground.height - lowest;
+  if (plant.ground.compliance == 0.0) return start;
+  // The floor gives way until it carries the weight, by the feet that touch.
+  int touching = 0;
+  for (size_t f = 0; f < model.feet.size(); ++f) {
+    const double height = foot_position(tree, motion, static_cast<int>(f)).y() - plant.ground.foot_radius;
+    if (height - lowest < 1e-4) touching += model.feet[f].count;
+  }
+  start.q[z] -= model.total_mass() * model.gravity * plant.ground.compliance / touching;
   return start;
 }
 

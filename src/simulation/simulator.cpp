@@ -13,6 +13,7 @@ namespace jaculus::detail {
 namespace {
 
 constexpr double kShortestStep = 1e-13;  ///< [s]
+constexpr double kDriftTime = 0.1;       ///< over which a rate of drift counts as a drift [s]
 
 }  // namespace
 
@@ -29,7 +30,7 @@ Simulator::Simulator(const Plant& plant, const Controller& controller, const Sta
     y_[static_cast<size_t>(i)] = start.q[i];
     y_[static_cast<size_t>(n + i)] = start.v[i];
   }
-  for (size_t i = static_cast<size_t>(2 * n); i < states; ++i) y_[i] = plant.winding.initial;
+  for (int i = 2 * n; i < equations_.bristles(); ++i) y_[static_cast<size_t>(i)] = plant.winding.initial;
   const auto samples = options.sample_times.size();
   const auto motors = static_cast<Eigen::Index>(plant.model.motors.size());
   out_.time = options.sample_times;
@@ -72,17 +73,18 @@ Simulation Simulator::run() {
 
 /// Takes the jumps at t, brings the contacts into line with them and evaluates the start of the next step.
 bool Simulator::enter(double t) {
-  if (t > 0.0 || !touched_) equations_.set_state(y_.data());
   equations_.update(t, y_.data());
   if (t == 0.0 && !equations_.set_mass()) return fail(SimulationStatus::singular, "the mass matrix is singular");
-  if (t == 0.0 && !impact()) return false;
+  if (t == 0.0 && (!sink() || !impact())) return false;
+  if (t == 0.0 && equations_.commander.waiting() && !equations_.hold(t, y_.data()))
+    return fail(SimulationStatus::singular, "the equations of motion are singular");
   return evaluate_start();
 }
 
 /// Right-hand side at the start of a step; contacts that its forces contradict change their mode.
 bool Simulator::evaluate_start() {
   for (int attempts = 0; attempts < 3; ++attempts) {
-    if (!equations_.evaluate(t_, y_.data(), dydt_.data()))
+    if (!equations_.evaluate(t_, y_.data(), dydt_.data(), stands_))
       return fail(SimulationStatus::singular, "the equations of motion are singular");
     list_functions();
     bool sound = true;
@@ -93,11 +95,23 @@ bool Simulator::evaluate_start() {
     }
     if (sound) {
       while (sample_ < out_.time.size() && out_.time[sample_] <= t_) record(t_, y_);
+      log_limits();
       return true;
     }
+    stands_ = false;
+    break_loose();
     if (!settle(nullptr, -1)) return false;
   }
   return fail(SimulationStatus::contact_unresolved, "contacts find no mode that their forces agree with");
+}
+
+void Simulator::log_limits() {
+  limited_.resize(equations_.drive.motors.size(), false);
+  for (size_t m = 0; m < limited_.size(); ++m) {
+    const bool now = equations_.drive.motors[m].limited;
+    if (now && !limited_[m]) out_.events.push_back({t_, EventKind::limit, equations_.motor_name(m)});
+    limited_[m] = now;
+  }
 }
 
 void Simulator::list_functions() {
@@ -110,7 +124,11 @@ void Simulator::list_functions() {
       functions_.push_back({Function::gap, c, 1e-3 * options_.contact_tolerance});
       continue;
     }
-    functions_.push_back({Function::lift, c, force});
+    if (equations_.compliant(i)) {
+      functions_.push_back({Function::height, c, 1e-3 * options_.contact_tolerance});
+    } else {
+      functions_.push_back({Function::lift, c, force});
+    }
     if (equations_.unilaterals[i].stop()) continue;
     if (mode == Touch::stick) {
       functions_.push_back({Function::cone_plus, c, force});
@@ -127,6 +145,8 @@ double Simulator::value(const EventFunction& f) const {
   switch (f.kind) {
     case Function::gap:
       return equations_.contacts[i].gap;
+    case Function::height:
+      return -equations_.contacts[i].gap;
     case Function::lift:
       return normal;
     case Function::cone_plus:
@@ -134,7 +154,8 @@ double Simulator::value(const EventFunction& f) const {
     case Function::cone_minus:
       return equations_.unilaterals[i].mu * normal + tangential;
     case Function::slide:
-      return slip_sign(equations_.modes[i]) * equations_.contacts[i].tangential_rate;
+      return slip_sign(equations_.modes[i]) *
+             (equations_.contacts[i].tangential_rate - (equations_.compliant(i) ? equations_.bristle_rate[i] : 0.0));
   }
   return 0.0;
 }
@@ -241,15 +262,15 @@ bool Simulator::handle_events() {
   t_new_ = at;
   if (first == nullptr) {
     if (!suspects.empty()) equations_.evaluate(t_new_, y_new_.data(), dydt_new_.data());
-    project();
-    record_before(t_new_);
-    t_ = t_new_;
-    y_.swap(y_new_);
-    dydt_.swap(dydt_new_);
+    stands_ = !project();
     for (EventFunction& f : functions_) {
       f.at_start = f.at_end;
       if (f.kind == Function::gap) f.rate_at_start = equations_.contacts[static_cast<size_t>(f.contact)].normal_rate;
     }
+    if (record_before(t_new_)) stands_ = false;
+    t_ = t_new_;
+    y_.swap(y_new_);
+    dydt_.swap(dydt_new_);
     return true;
   }
   const EventFunction event = *first;
@@ -265,17 +286,23 @@ bool Simulator::handle_events() {
   return transition(event) && evaluate_start();
 }
 
-/// Takes drift off the closed contacts: the least change of positions and rates by the mass matrix' measure. After evaluate()
-/// at y_new_.
-void Simulator::project() {
+/// Takes drift off the closed contacts where it is more than a trace: the least change of positions and rates by the mass matrix'
+/// measure. After evaluate() at y_new_. Whether there was a change.
+bool Simulator::project() {
   std::vector<int> closed;
   Touch modes[kMaxTouching];
   for (size_t i = 0; i < equations_.modes.size(); ++i) {
-    if (equations_.modes[i] == Touch::open) continue;
+    if (equations_.modes[i] == Touch::open || equations_.compliant(i)) continue;
     modes[closed.size()] = equations_.modes[i] == Touch::stick ? Touch::stick : Touch::slip_plus;
     closed.push_back(static_cast<int>(i));
   }
-  if (closed.empty()) return;
+  double drift = 0.0;
+  for (size_t k = 0; k < closed.size(); ++k) {
+    const ContactState& c = equations_.contacts[static_cast<size_t>(closed[k])];
+    drift = std::max({drift, std::abs(c.gap), kDriftTime * std::abs(c.normal_rate),
+                      modes[k] == Touch::stick ? kDriftTime * std::abs(c.tangential_rate) : 0.0});
+  }
+  if (drift <= 1e-4 * options_.contact_tolerance) return false;
   ContactSystem& s = equations_.system;
   const int n = equations_.n();
   for (int rates = 0; rates < 2; ++rates) {
@@ -288,15 +315,19 @@ void Simulator::project() {
     }
     if (solve_at(s, modes)) equations_.add_response(closed, s.lambda, y_new_.data() + (rates == 1 ? n : 0));
   }
+  return true;
 }
 
-void Simulator::record_before(double t) {
+/// Samples before t, on the dense output. Whether there was any: the equations then stand elsewhere.
+bool Simulator::record_before(double t) {
+  const Eigen::Index before = sample_;
   while (sample_ < out_.time.size() && out_.time[sample_] < t) {
     const double at = out_.time[sample_];
     dense(at, y_dense_);
     equations_.evaluate(at, y_dense_.data(), dydt_dense_.data());
     record(at, y_dense_);
   }
+  return sample_ > before;
 }
 
 /// The equations must stand at (t, y).

@@ -25,8 +25,8 @@ class Simulator {
  private:
   using State = std::vector<double>;
   using Stepper = boost::numeric::odeint::runge_kutta_dopri5<State>;
-  /// What must not fall below zero within a step: a gap, a normal force, the two sides of the cone, the rate of a slip.
-  enum class Function { gap, lift, cone_plus, cone_minus, slide };
+  /// What must not fall below zero within a step: a gap, a depth, a normal force, the two sides of the cone, the rate of a slip.
+  enum class Function { gap, height, lift, cone_plus, cone_minus, slide };
   struct EventFunction {
     Function kind;
     int contact;
@@ -49,13 +49,17 @@ class Simulator {
   double first_crossing(const EventFunction& f);
   [[nodiscard]] bool dips(EventFunction& f, double& bottom);
   void list_functions();
+  void log_limits();
   void dense(double t, State& out);
   bool transition(const EventFunction& f);
+  bool sink();
+  void compliant_transition(const EventFunction& f);
+  void break_loose();
   bool impact();
   bool settle(const Touch* excluded, int excluded_contact);
   void limit_rebound(const std::vector<int>& touching, const Touch* modes);
-  void project();
-  void record_before(double t);
+  bool project();
+  bool record_before(double t);
   void record(double t, const State& y);
   bool fail(SimulationStatus status, const std::string& message);
   void log(EventKind kind, int contact);
@@ -70,8 +74,10 @@ class Simulator {
   std::vector<EventFunction> functions_;
   double t_ = 0.0, t_new_ = 0.0, step_ = 0.0, h_ = 1e-3;
   bool broken_ = false;  ///< the equations failed within a step
+  bool stands_ = false;  ///< the equations stand at (t_, y_) and the present modes
   bool touched_ = false;
-  int crowded_ = 0;
+  int crowded_ = 0, transitions_ = 0;
+  std::vector<bool> limited_;
   double last_event_ = -1.0;
   Eigen::Index sample_ = 0;
   Simulation out_;

@@ -48,6 +48,7 @@ void Simulator::set_mode(int contact, Touch mode) {
 std::vector<int> Simulator::candidates(bool approaching) const {
   std::vector<int> list;
   for (size_t i = 0; i < equations_.modes.size(); ++i) {
+    if (equations_.compliant(i)) continue;
     const ContactState& c = equations_.contacts[i];
     const bool near = c.gap <= options_.contact_tolerance &&
                       (approaching ? c.normal_rate <= kStill : std::abs(c.normal_rate) <= kStill);
@@ -57,7 +58,7 @@ std::vector<int> Simulator::candidates(bool approaching) const {
 }
 
 bool Simulator::transition(const EventFunction& f) {
-  if (static_cast<int>(out_.events.size()) > options_.max_events)
+  if (++transitions_ > options_.max_events)
     return fail(SimulationStatus::event_cluster, fmt::format("more than {} contact events", options_.max_events));
   crowded_ = t_ - last_event_ < kCrowdTime ? crowded_ + 1 : 0;
   last_event_ = t_;
@@ -65,20 +66,63 @@ bool Simulator::transition(const EventFunction& f) {
     return fail(SimulationStatus::event_cluster,
                 fmt::format("contact events of '{}' follow one another without end",
                             equations_.unilaterals[static_cast<size_t>(f.contact)].name));
+  stands_ = false;
   equations_.set_state(y_.data());
+  if (equations_.compliant(static_cast<size_t>(f.contact))) {
+    compliant_transition(f);
+    return true;
+  }
   if (f.kind == Function::gap) return equations_.set_mass() && impact();
   const Touch before = equations_.modes[static_cast<size_t>(f.contact)];
   return settle(&before, f.contact);
 }
 
+/// Points that stand in compliant ground at the start are in contact.
+bool Simulator::sink() {
+  for (size_t i = 0; i < equations_.modes.size(); ++i) {
+    if (!equations_.compliant(i) && equations_.contacts[i].gap < -options_.contact_tolerance)
+      return fail(SimulationStatus::contact_unresolved,
+                  fmt::format("'{}' starts {:.3g} beyond its contact", equations_.unilaterals[i].name,
+                              -equations_.contacts[i].gap));
+    if (equations_.compliant(i) && equations_.contacts[i].gap <= 0.0) set_mode(static_cast<int>(i), Touch::stick);
+  }
+  return true;
+}
+
+/// No impulse where the ground gives way: the sole's deflection starts from zero, and its slider gives way or holds.
+void Simulator::compliant_transition(const EventFunction& f) {
+  const auto i = static_cast<size_t>(f.contact);
+  const double rate = equations_.contacts[i].tangential_rate;
+  if (f.kind == Function::gap || f.kind == Function::height) y_[static_cast<size_t>(equations_.bristles()) + i] = 0.0;
+  if (f.kind == Function::gap)
+    set_mode(f.contact, std::abs(rate) <= kStill ? Touch::stick : (rate > 0.0 ? Touch::slip_plus : Touch::slip_minus));
+  if (f.kind == Function::height) set_mode(f.contact, Touch::open);
+  if (f.kind == Function::cone_plus) set_mode(f.contact, Touch::slip_minus);
+  if (f.kind == Function::cone_minus) set_mode(f.contact, Touch::slip_plus);
+  if (f.kind == Function::slide) set_mode(f.contact, Touch::stick);
+}
+
+/// Soles whose force at the start of a step is beyond the cone slip. After evaluate().
+void Simulator::break_loose() {
+  for (const EventFunction& f : functions_) {
+    const bool cone = f.kind == Function::cone_plus || f.kind == Function::cone_minus;
+    if (equations_.compliant(static_cast<size_t>(f.contact)) && f.at_start < -f.tolerance &&
+        (cone || f.kind == Function::slide))
+      compliant_transition(f);
+  }
+}
+
 /// Modes by the forces at (t_, y_): stick, slip or open for everything that touches.
 bool Simulator::settle(const Touch* excluded, int excluded_contact) {
-  if (!equations_.set_state(y_.data()) || !equations_.set_forces(t_, y_.data()))
+  stands_ = false;
+  if (!equations_.set_state(y_.data()) || !equations_.set_mass())
     return fail(SimulationStatus::singular, "the equations of motion are singular");
+  equations_.set_forces(t_, y_.data());
   const std::vector<int> touching = candidates(false);
   if (static_cast<int>(touching.size()) > kMaxTouching)
     return fail(SimulationStatus::contact_unresolved, fmt::format("more than {} contacts at a time", kMaxTouching));
   ContactSystem& s = equations_.system;
+  equations_.fill_rows(touching);
   equations_.fill_system(touching, false, nullptr);
   s.scale_force = equations_.force_scale;
   s.scale_w = 10.0;
@@ -123,6 +167,7 @@ bool Simulator::impact() {
     return fail(SimulationStatus::contact_unresolved, fmt::format("more than {} contacts at a time", kMaxTouching));
   double* v = y_.data() + equations_.n();
   ContactSystem& s = equations_.system;
+  equations_.fill_rows(touching);
   equations_.fill_system(touching, true, v);
   s.scale_w = 1.0;
   s.scale_force = equations_.force_scale / 10.0;
