@@ -26,6 +26,18 @@ double gear_of(const RobotFiles& files, const std::string& planar) {
   return 1.0;
 }
 
+/// Whether the feed-forward stays over pairs of samples, as a plan's does that holds its inputs over intervals with a middle node.
+bool stays_over_pairs(const Commands& c) {
+  int node = 0;
+  for (Eigen::Index k = 1; k < c.time.size(); ++k) {
+    node = c.time[k] == c.time[k - 1] ? 0 : node + 1;
+    const double change = (c.feedforward.col(k) - c.feedforward.col(k - 1)).cwiseAbs().maxCoeff();
+    const bool last = k + 1 == c.time.size() || c.time[k + 1] == c.time[k];
+    if (node % 2 == 1 && !last && change > 1e-8) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 PlanCommands plan_commands(const Table& plan, const RobotFiles& files, const std::string& quantity,
@@ -56,6 +68,7 @@ PlanCommands plan_commands(const Table& plan, const RobotFiles& files, const std
     }
     out.start[joint] = c.position(r, 0);
   }
+  c.linear = !stays_over_pairs(c);
   for (const std::string name : {"x", "z", "pitch"}) {
     if (plan.column(name) < 0) continue;
     out.start[name] = column(plan, name, name == "pitch" ? dimension::angle : dimension::length, file)[0];

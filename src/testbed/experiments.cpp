@@ -112,6 +112,7 @@ Dataset self_righting(const std::filesystem::path& robot_folder) {
   set_column(table, "tail", "rad", Vector::Constant(3, -0.5 * std::numbers::pi));
   set_column(table, "tail_duty", "-", Vector::Ones(3));
   dataset.plan = table;
+  dataset.stops["tail"].range = {-0.5 * std::numbers::pi, 0.5 * std::numbers::pi};
   dataset.initial = {{"x", 0.0}, {"z", 1.0}, {"pitch", 0.0}};
   return dataset;
 }

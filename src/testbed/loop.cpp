@@ -72,6 +72,9 @@ std::vector<double> Loop::evaluate(double instant, const std::vector<double>& an
     const Eigen::Index r = row_[i];
     const bool tracks = commands_.position.size() > 0;
     double value = waits || (ended && tracks) ? 0.0 : commands_.feedforward(r, k);
+    if (commands_.linear && !waits && !(ended && tracks)) {
+      value += s * (commands_.feedforward(r, l) - commands_.feedforward(r, k));
+    }
     if (tracks) {
       const double step = sensors_.resolution / gear_[i];
       double seen = scale_[i] * angles[i] + offset_[i] + sensors_.position_noise * normal(random_);

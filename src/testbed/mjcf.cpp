@@ -1,12 +1,4 @@
-// The shaft. Its flexible part, from the pivot to where the scoop begins, is cut into n equal pieces with a hinge in the middle of
-// each. A force F across the tail at distance d turns hinge i at s_i by F (d - s_i)/k, which moves the place d by the sum of
-// F (d - s_i)^2/k; as an angle about the pivot per moment F d this is 1/K = sum (d - s_i)^2/(k d^2), so that
-//   k = K sum (d - s_i)^2/d^2.
-// The stop. MuJoCo's limit is an oscillator a = -2 zeta v - r (time in 1/w) that only pushes. From r = 0, v = -1 it pushes until
-// a = 0, and the speed then is the restitution e(zeta). With s = sqrt|1 - zeta^2|
-//   zeta < 1:  t = (pi - atan2(2 zeta s, 1 - 2 zeta^2) )/s if taken in (0, pi),  v = -exp(-zeta t)(cos st - zeta/s sin st)
-//   zeta > 1:  t = ln(l2/l1)/s,  v = (l1 exp(-l1 t) - l2 exp(-l2 t))/(2 s),  l1, l2 = zeta -+ s
-// e(1) = exp(-2), and e falls to 0 only as 1/zeta^2: a stop without restitution gets zeta = 3, e = 0.024.
+// The robot as MuJoCo's model text. What each part means is in mjcf.h.
 
 #include "testbed/mjcf.h"
 
@@ -16,6 +8,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "testbed/parts.h"
+
 namespace jaculus::testbed {
 namespace {
 
@@ -23,32 +17,14 @@ constexpr double kRotorMass =
     1e-6;  ///< of the motor's side of a joint with play: MuJoCo wants every body to have some [kg]
 constexpr double kRotorInertia = 1e-9;  ///< [kg m^2]
 constexpr double kPointRadius = 1e-6;   ///< of a toe that is a point [m]
-constexpr double kPlateMass = 0.01;     ///< of a floor plate [kg]
-
-std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
 std::string numbers(const Vec3& v) { return fmt::format("{:.17g} {:.17g} {:.17g}", v.x(), v.y(), v.z()); }
-
-/// Mass, centre of mass and pitch inertia of one rigid part; inertias about the other axes play no part in the plane.
-struct Part {
-  double mass = 0.0;
-  Vec3 com = Vec3::Zero();
-  Mat3 inertia = Mat3::Zero();
-};
 
 std::string inertial(const Part& part) {
   const Mat3& i = part.inertia;
   return fmt::format(
       "<inertial pos=\"{}\" mass=\"{:.17g}\" fullinertia=\"{:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g}\"/>\n",
       numbers(part.com), part.mass, i(0, 0), i(1, 1), i(2, 2), i(0, 1), i(0, 2), i(1, 2));
-}
-
-/// Of each hinge of the shaft [N m/rad].
-double hinge_stiffness(const RobotFiles& files, const Changes& changes, const std::vector<double>& hinges) {
-  const double d = files.drags.front().point_distance;
-  double sum = 0.0;
-  for (const double s : hinges) sum += (d - s) * (d - s);
-  return changes.shaft_stiffness * sum / (d * d);
 }
 
 class Writer {
@@ -75,7 +51,8 @@ class Writer {
         "<mujoco model=\"{}\">\n<compiler angle=\"radian\" inertiafromgeom=\"false\" balanceinertia=\"false\" "
         "boundmass=\"0\" boundinertia=\"0\"/>\n"
         "<option timestep=\"{:.17g}\" integrator=\"{}\" cone=\"elliptic\" solver=\"Newton\" iterations=\"100\" "
-        "tolerance=\"1e-14\" impratio=\"{:.17g}\" gravity=\"0 0 {:.17g}\"/>\n<size nconmax=\"64\" njmax=\"256\"/>\n",
+        "tolerance=\"1e-14\" impratio=\"{:.17g}\" gravity=\"0 0 {:.17g}\"/>\n<option><flag "
+        "refsafe=\"disable\"/></option>\n<size nconmax=\"64\" njmax=\"256\"/>\n",
         files_.name, numerics_.step, numerics_.runge_kutta ? "RK4" : "Euler", numerics_.friction_impedance,
         -files_.gravity);
   }
@@ -114,10 +91,10 @@ class Writer {
           "<joint name=\"base_x\" type=\"slide\" axis=\"1 0 0\"/><joint name=\"base_z\" type=\"slide\" axis=\"0 0 1\"/>"
           "<joint name=\"base_pitch\" type=\"hinge\" axis=\"0 1 0\"/>\n";
     }
-    Part whole = composite(tree_.root);
+    Part whole = composite(tree_, tree_.root);
     whole.com += Vec3(changes_.com_shift.x(), 0.0, changes_.com_shift.y());
     whole.inertia(1, 1) *= changes_.base_inertia;
-    Part part = root.mass > 0.0 ? own_share(tree_.root, whole) : Part{};
+    Part part = root.mass > 0.0 ? own_share(tree_, tree_.root, whole) : Part{};
     part.mass -= changes_.outside.loose_mass;
     if (part.mass > 0.0) out_ += inertial(part);
     additions();
@@ -139,47 +116,6 @@ class Writer {
           "damping=\"{:.17g}\"/><inertial pos=\"0 0 0\" mass=\"{:.17g}\" diaginertia=\"1e-6 1e-6 1e-6\"/></body>\n",
           400.0 * m, 4.0 * m, m);
     }
-  }
-
-  /// A link with all that is fixed to it, seen as one body. Only its pitch inertia is meant.
-  [[nodiscard]] Part composite(int index) const {
-    const SpatialLink& link = tree_.links[at(index)];
-    Part whole{link.mass, link.com, link.inertia};
-    for (const SpatialJoint& joint : tree_.joints) {
-      if (joint.parent != index || joint.kind != SpatialJointKind::fixed) continue;
-      Part below = composite(joint.child);
-      below.com = joint.origin + joint.rotation * below.com;
-      merge(whole, below, 1.0);
-    }
-    return whole;
-  }
-
-  /// What the link itself must be so that, with all that is fixed to it, it is `whole`.
-  [[nodiscard]] Part own_share(int index, Part whole) const {
-    for (const SpatialJoint& joint : tree_.joints) {
-      if (joint.parent != index || joint.kind != SpatialJointKind::fixed) continue;
-      Part below = composite(joint.child);
-      below.com = joint.origin + joint.rotation * below.com;
-      merge(whole, below, -1.0);
-    }
-    // MuJoCo wants inertias that a body can have about every axis.
-    whole.inertia = Vec3(whole.inertia(1, 1), whole.inertia(1, 1), 0.5 * whole.inertia(1, 1)).asDiagonal();
-    return whole;
-  }
-
-  /// Adds (sign 1) or takes away (-1) a part: masses, centres of mass, pitch inertia by the parallel-axis theorem.
-  static void merge(Part& whole, const Part& part, double sign) {
-    const double mass = whole.mass + sign * part.mass;
-    if (mass <= 0.0) return;
-    const Vec3 com = (whole.mass * whole.com + sign * part.mass * part.com) / mass;
-    const auto about = [&](const Part& p) {
-      const Vec3 d = p.com - com;
-      return p.inertia(1, 1) + p.mass * (d.x() * d.x() + d.z() * d.z());
-    };
-    const double pitch = about(whole) + sign * about(part);
-    whole.mass = mass;
-    whole.com = com;
-    whole.inertia(1, 1) = pitch;
   }
 
   void children(int link, const Vec3& shift) {
@@ -260,9 +196,9 @@ class Writer {
     const SpatialLink& link = tree_.links[static_cast<std::size_t>(index)];
     Part part{link.mass, link.com, link.inertia};
     if (tail) {
-      Part whole = composite(index);
+      Part whole = composite(tree_, index);
       whole.inertia(1, 1) *= changes_.tail_inertia;
-      part = own_share(index, whole);
+      part = own_share(tree_, index, whole);
     }
     if (tail || hangs_on_tail(index)) {
       part.mass *= changes_.tail_mass;
@@ -382,52 +318,6 @@ class Writer {
 };
 
 }  // namespace
-
-Numerics numerics_for(const RobotFiles& files, const Changes& changes, Numerics numerics) {
-  double fastest = 0.0;  // [rad/s]
-  if (const std::vector<double> hinges = shaft_hinges(files, changes); !hinges.empty()) {
-    const SpatialLink& link = files.tree.links[at(files.tree.link_index(files.drag_links.front()))];
-    const double piece = hinges.size() > 1 ? hinges[1] - hinges[0] : hinges[0];
-    const double inertia = link.mass * piece / (2.0 * link.com.z()) * piece * piece / 12.0;
-    fastest = std::sqrt(4.0 * hinge_stiffness(files, changes, hinges) / inertia);
-  }
-  if (std::isfinite(changes.floor_stiffness)) {
-    fastest = std::max(fastest, std::sqrt(changes.floor_stiffness / kPlateMass));
-  }
-  if (fastest == 0.0) return numerics;
-  numerics.runge_kutta = false;
-  numerics.step = std::min(1e-4, 0.4 / fastest);
-  return numerics;
-}
-
-std::vector<double> shaft_hinges(const RobotFiles& files, const Changes& changes) {
-  std::vector<double> hinges;
-  if (changes.shaft_segments <= 0 || files.drags.empty()) return hinges;
-  const double piece = files.drags.front().start / changes.shaft_segments;
-  for (int i = 0; i < changes.shaft_segments; ++i) hinges.push_back((i + 0.5) * piece);
-  return hinges;
-}
-
-double restitution_of_damping_ratio(double ratio) {
-  const double s = std::sqrt(std::abs(1.0 - ratio * ratio));
-  if (s < 1e-6) return std::exp(-2.0);
-  if (ratio < 1.0) {
-    const double t = (std::numbers::pi - std::atan2(2.0 * ratio * s, 1.0 - 2.0 * ratio * ratio)) / s;
-    return -std::exp(-ratio * t) * (std::cos(s * t) - ratio / s * std::sin(s * t));
-  }
-  const double slow = ratio - s, fast = ratio + s;
-  const double t = std::log(fast / slow) / s;
-  return (slow * std::exp(-slow * t) - fast * std::exp(-fast * t)) / (2.0 * s);
-}
-
-double damping_ratio_of_restitution(double restitution) {
-  double low = 0.0, high = 3.0;
-  for (int i = 0; i < 60; ++i) {
-    const double middle = 0.5 * (low + high);
-    (restitution_of_damping_ratio(middle) > restitution ? low : high) = middle;
-  }
-  return high;
-}
 
 std::string mjcf(const RobotFiles& files, const Changes& changes, const Setting& setting, const Numerics& numerics) {
   return Writer(files, changes, setting, numerics).text();

@@ -18,7 +18,7 @@ namespace jaculus::testbed {
 struct Numerics {
   double step = 2.5e-4;            ///< longest step [s]
   bool runge_kutta = true;         ///< else semi-implicit Euler
-  double stiffness_steps = 2.0;    ///< time constant of constraints in steps [-]
+  double stiffness_steps = 1.25;   ///< time constant of constraints in steps; below 1 they ring [-]
   double impedance = 0.9999;       ///< of constraints: 1 - softness [-]
   double friction_impedance = 10;  ///< of friction against normal force (impratio) [-]
   int strips = 32;                 ///< of the drag's quadrature

@@ -208,7 +208,7 @@ Trial one_trial(const Dataset& asked, const RobotFiles& files, const PlanCommand
   PlayOptions options;
   options.floor = asked.experiment == "leap";
   options.base_fixed = asked.experiment == "tail_bench" || !files.floating;
-  options.stops = asked.experiment == "self_righting" || asked.experiment == "tail_bench";
+  options.stops = !asked.stops.empty();
   options.start = plan.start;
   const double end = plan.duration + spec.after;
   options.duration = end + 0.01;

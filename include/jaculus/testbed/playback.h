@@ -31,6 +31,7 @@ struct Commands {
   Vector time;                ///< of the reference, never falling [s]
   Matrix position, velocity;  ///< motors x samples [rad], [rad/s] at the joint; empty: no reference, no feedback
   Matrix feedforward;         ///< motors x samples, in the quantity, held from its sample on
+  bool linear = false;   ///< feed-forward is straight between samples instead
   std::map<std::string, double> kp, kd;  ///< quantity a rad, a rad/s of the motor's shaft; missing: 0
   bool relax_after_end = false;  ///< no commands after the last sample; else its pose is held without feed-forward
 };
