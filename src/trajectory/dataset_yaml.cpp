@@ -206,7 +206,7 @@ Dimension gain_dimension(const std::string& quantity, bool derivative) {
 const std::vector<std::string> kSetupKeys = {"experiment", "robot",   "override", "plan",
                                              "input",      "initial", "stops",    "controller"};
 
-DatasetOutline read_setup(const yaml::Node& file) {
+DatasetOutline read_dataset_setup(const yaml::Node& file) {
   DatasetOutline outline;
   Dataset& dataset = outline.dataset;
   dataset.experiment = file.at("experiment").choice({"leap", "self_righting", "tail_bench", "pendulum"});
@@ -241,7 +241,7 @@ DatasetOutline read_outline(const yaml::Node& file) {
   keys.insert(keys.begin() + 1, kSetupKeys.begin(), kSetupKeys.end());
   file.only(keys);
   (void)file.at("format").choice({"jaculus-dataset/1"});
-  DatasetOutline outline = read_setup(file);
+  DatasetOutline outline = read_dataset_setup(file);
   read_streams(file.at("streams"), outline);
   read_trials(file.at("trials"), outline);
   if (const auto provenance = file.find("provenance")) {

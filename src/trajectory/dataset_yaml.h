@@ -30,7 +30,7 @@ struct DatasetOutline {
 DatasetOutline read_outline(const yaml::Node& file);
 
 /// The part that experiments have as well: robot, override, plan, input, initial, stops, controller. Other keys are the caller's.
-DatasetOutline read_setup(const yaml::Node& file);
+DatasetOutline read_dataset_setup(const yaml::Node& file);
 extern const std::vector<std::string> kSetupKeys;
 
 /// Reads plan and script, which stand in `folder`, into outline.dataset.
