@@ -71,6 +71,7 @@ Effect late_start() {
 
 Effect controller_gains() {
   Effect effect = on_actuation("controller_gains", "the controller's gains are other than stated");
+  effect.excited_by = {"leap", "pendulum"};
   effect.parameters = {{"proportional_scale", "-", 1.0, {0.0, 6.0}, 0.4, "", "", "", kNaN},
                        {"derivative_scale", "-", 1.0, {0.0, 6.0}, 0.4, "", "", "", kNaN}};
   effect.apply = [](const Vector& theta, Plant& plant) {

@@ -19,7 +19,7 @@ Effect on_feet(const std::string& name, const std::string& caption) {
 
 Effect foot_friction() {
   Effect effect = on_feet("foot_friction", "friction between feet and floor is other than stated");
-  effect.parameters = {{"scale", "-", 1.0, {0.1, 2.0}, 0.25, "", "", "", -0.6}};
+  effect.parameters = {{"scale", "-", 1.0, {0.1, 2.0}, 0.25, "", "", "", -0.8}};
   effect.applies = [](const PlanarModel& model) {
     return base_moves(model) && !model.feet.empty() && model.friction > 0.0;
   };

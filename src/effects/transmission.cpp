@@ -45,6 +45,9 @@ bool may_have_gear(const Group& group, const PlanarModel& model) {
   });
 }
 
+/// Damping ratio of the link on a flank alone.
+constexpr double kFlankDamping = 0.7;
+
 }  // namespace
 
 Effect compliance(const Group& group) {
@@ -68,7 +71,12 @@ Effect backlash(const Group& group) {
   effect.applies = [&group](const PlanarModel& model) { return may_have_gear(group, model); };
   effect.apply = [&group](const Vector& theta, Plant& plant) {
     if (theta[0] == 0.0) return;
-    for (const std::string& joint : joints_of(group, plant.model)) entry_of(plant.transmissions, joint).play = theta[0];
+    for (const std::string& joint : joints_of(group, plant.model)) {
+      Transmission& transmission = entry_of(plant.transmissions, joint);
+      transmission.play = theta[0];
+      // Flanks of teeth hit one another without much rebound.
+      if (transmission.compliance == 0.0) transmission.damping_ratio = kFlankDamping;
+    }
   };
   return effect;
 }
