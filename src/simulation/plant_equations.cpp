@@ -77,6 +77,7 @@ void PlantEquations::add_unilaterals() {
   for (const Unilateral& u : unilaterals) points_ += u.stop() ? 0 : 1;
   compliant_ = plant_.ground.compliance > 0.0 && points_ > 0;
   bristle_rate.assign(points_, 0.0);
+  sole.assign(points_, Touch::stick);
   contacts.resize(unilaterals.size());
   modes.assign(unilaterals.size(), Touch::open);
   lambda.assign(2 * unilaterals.size(), 0.0);

@@ -82,7 +82,8 @@ class PlantEquations {
   long evaluations = 0;
   std::vector<double> motor_position, motor_velocity;
   double force_scale = 1.0;
-  std::vector<double> bristle_rate;  ///< of the soles [m/s]
+  std::vector<double> bristle_rate;  ///< of the soles on compliant ground [m/s]
+  std::vector<Touch> sole;           ///< whether they stick or slip, where in contact
 
  private:
   void add_unilaterals();

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/QR>
+#include <algorithm>
 #include <cmath>
 
 #include "jaculus/components/tail_drag.h"
@@ -93,24 +94,26 @@ void PlantEquations::add_hinges(const double* y) {
   }
 }
 
-/// Normal force of the floor (Hunt and Crossley) and a sole that is a spring and a damper side by side, in series with a slider:
-///     f_z = d/c (1 + D d'),     stick:  f_t = -(s + T s')/c, s' = v_t;     slip:  f_t = -sign mu f_z, s' from the same law.
+/// Normal force of the floor (Hunt and Crossley), and a sole that is a spring and a damper side by side in series with a slider:
+///     f_z = max(0, d/c (1 + D d')),   f_t = -(s + T v_t)/c within +-mu f_z,   s' = -(s + c f_t)/T   (= v_t while it sticks).
+/// Forces are continuous in the state, so that stick and slip are no events here, only landing and lifting are.
 void PlantEquations::add_ground(const double* y) {
   const Ground& ground = plant_.ground;
   const double* bristle = y + bristles();
   for (size_t i = 0; i < points_; ++i) {
-    lambda[2 * i] = lambda[2 * i + 1] = bristle_rate[i] = 0.0;
-    if (modes[i] == Touch::open) continue;
     const ContactState& c = contacts[i];
     const double stiffness = unilaterals[i].count / ground.compliance;
-    const double normal = std::max(0.0, -stiffness * c.gap * (1.0 - ground.damping * c.normal_rate));
-    const double sign = slip_sign(modes[i]);
-    bristle_rate[i] =
-        sign == 0.0 ? c.tangential_rate : (sign * ground.friction * normal / stiffness - bristle[i]) / kSoleTime;
-    lambda[2 * i] = -stiffness * (bristle[i] + kSoleTime * bristle_rate[i]);
+    const double normal =
+        modes[i] == Touch::open ? 0.0 : std::max(0.0, -stiffness * c.gap * (1.0 - ground.damping * c.normal_rate));
+    const double free = -stiffness * (bristle[i] + kSoleTime * c.tangential_rate), cone = ground.friction * normal;
+    const double tangential = std::clamp(free, -cone, cone);
+    sole[i] = tangential == free ? Touch::stick : (free > 0.0 ? Touch::slip_minus : Touch::slip_plus);
+    bristle_rate[i] = tangential == free ? c.tangential_rate : -(bristle[i] + tangential / stiffness) / kSoleTime;
+    lambda[2 * i] = tangential;
     lambda[2 * i + 1] = normal;
+    if (normal == 0.0) continue;
     for (size_t k = 0; k < static_cast<size_t>(n()); ++k)
-      force_[k] += lambda[2 * i] * c.tangential[k] + normal * c.normal[k];
+      force_[k] += tangential * c.tangential[k] + normal * c.normal[k];
   }
 }
 

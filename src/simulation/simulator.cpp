@@ -99,7 +99,6 @@ bool Simulator::evaluate_start() {
       return true;
     }
     stands_ = false;
-    break_loose();
     if (!settle(nullptr, -1)) return false;
   }
   return fail(SimulationStatus::contact_unresolved, "contacts find no mode that their forces agree with");
@@ -126,9 +125,9 @@ void Simulator::list_functions() {
     }
     if (equations_.compliant(i)) {
       functions_.push_back({Function::height, c, 1e-3 * options_.contact_tolerance});
-    } else {
-      functions_.push_back({Function::lift, c, force});
+      continue;
     }
+    functions_.push_back({Function::lift, c, force});
     if (equations_.unilaterals[i].stop()) continue;
     if (mode == Touch::stick) {
       functions_.push_back({Function::cone_plus, c, force});
@@ -154,8 +153,7 @@ double Simulator::value(const EventFunction& f) const {
     case Function::cone_minus:
       return equations_.unilaterals[i].mu * normal + tangential;
     case Function::slide:
-      return slip_sign(equations_.modes[i]) *
-             (equations_.contacts[i].tangential_rate - (equations_.compliant(i) ? equations_.bristle_rate[i] : 0.0));
+      return slip_sign(equations_.modes[i]) * equations_.contacts[i].tangential_rate;
   }
   return 0.0;
 }
@@ -225,12 +223,19 @@ bool Simulator::dips(EventFunction& f, double& bottom) {
 
 /// The instant within the step at which f has just passed its tolerance below zero.
 double Simulator::first_crossing(const EventFunction& f) {
-  if (f.at_start <= -f.tolerance) return t_;
+  double from = t_, at_from = f.at_start + f.tolerance;
+  if (at_from <= 0.0) {
+    // Just off a contact: the bracket begins where the gap has opened.
+    for (double share = 1e-9; share < 0.9 && at_from <= 0.0 && f.kind == Function::gap; share *= 4.0) {
+      from = t_ + share * (t_new_ - t_);
+      at_from = value_at(f, from);
+    }
+  }
+  if (at_from <= 0.0 || f.at_end + f.tolerance > 0.0) return t_;
   std::uintmax_t iterations = 80;
   const auto close = [](double a, double b) { return b - a < 1e-12; };
-  const auto root =
-      boost::math::tools::toms748_solve([&](double t) { return value_at(f, t); }, t_, t_new_, f.at_start + f.tolerance,
-                                        f.at_end + f.tolerance, close, iterations);
+  const auto root = boost::math::tools::toms748_solve([&](double t) { return value_at(f, t); }, from, t_new_, at_from,
+                                                      f.at_end + f.tolerance, close, iterations);
   return root.second;
 }
 
@@ -262,6 +267,7 @@ bool Simulator::handle_events() {
   t_new_ = at;
   if (first == nullptr) {
     if (!suspects.empty()) equations_.evaluate(t_new_, y_new_.data(), dydt_new_.data());
+    label_soles();
     stands_ = !project();
     for (EventFunction& f : functions_) {
       f.at_start = f.at_end;

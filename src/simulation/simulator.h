@@ -54,7 +54,7 @@ class Simulator {
   bool transition(const EventFunction& f);
   bool sink();
   void compliant_transition(const EventFunction& f);
-  void break_loose();
+  void label_soles();
   bool impact();
   bool settle(const Touch* excluded, int excluded_contact);
   void limit_rebound(const std::vector<int>& touching, const Touch* modes);

@@ -89,27 +89,16 @@ bool Simulator::sink() {
   return true;
 }
 
-/// No impulse where the ground gives way: the sole's deflection starts from zero, and its slider gives way or holds.
+/// No impulse where the ground gives way.
 void Simulator::compliant_transition(const EventFunction& f) {
-  const auto i = static_cast<size_t>(f.contact);
-  const double rate = equations_.contacts[i].tangential_rate;
-  if (f.kind == Function::gap || f.kind == Function::height) y_[static_cast<size_t>(equations_.bristles()) + i] = 0.0;
-  if (f.kind == Function::gap)
-    set_mode(f.contact, std::abs(rate) <= kStill ? Touch::stick : (rate > 0.0 ? Touch::slip_plus : Touch::slip_minus));
-  if (f.kind == Function::height) set_mode(f.contact, Touch::open);
-  if (f.kind == Function::cone_plus) set_mode(f.contact, Touch::slip_minus);
-  if (f.kind == Function::cone_minus) set_mode(f.contact, Touch::slip_plus);
-  if (f.kind == Function::slide) set_mode(f.contact, Touch::stick);
+  set_mode(f.contact, f.kind == Function::gap ? Touch::stick : Touch::open);
 }
 
-/// Soles whose force at the start of a step is beyond the cone slip. After evaluate().
-void Simulator::break_loose() {
-  for (const EventFunction& f : functions_) {
-    const bool cone = f.kind == Function::cone_plus || f.kind == Function::cone_minus;
-    if (equations_.compliant(static_cast<size_t>(f.contact)) && f.at_start < -f.tolerance &&
-        (cone || f.kind == Function::slide))
-      compliant_transition(f);
-  }
+/// Whether soles on compliant ground stick or slip, for the list of events. After evaluate().
+void Simulator::label_soles() {
+  for (size_t i = 0; i < equations_.modes.size(); ++i)
+    if (equations_.compliant(i) && equations_.modes[i] != Touch::open)
+      set_mode(static_cast<int>(i), equations_.sole[i]);
 }
 
 /// Modes by the forces at (t_, y_): stick, slip or open for everything that touches.
