@@ -9,6 +9,7 @@
 #include <set>
 
 #include "cli/plan.h"
+#include "cli/reporting.h"
 #include "jaculus/core/error.h"
 #include "jaculus/core/interrupt.h"
 #include "jaculus/core/tasks.h"
@@ -124,6 +125,7 @@ int run(const Options& options, const ProblemSolver& solver) {
     throw InputError("--resume: given without --out; allowed: with the --out of the run to go on with");
   }
   const std::vector<Loaded> all = load_all(options);
+  check_figures(common);
   if (!common.out.empty()) prepare_folder(common.out);
   std::vector<std::optional<Summary>> summaries(all.size());
   for (std::size_t i = 0; i < all.size() && options.resume; ++i)
@@ -138,7 +140,13 @@ int run(const Options& options, const ProblemSolver& solver) {
                common.out.empty() ? "" : ", --resume goes on");
     return kNotSolved;
   }
-  return report(rows, common);
+  const int code = report(rows, common);
+  if (common.out.empty()) return code;
+  std::vector<PlanRecord> plans;
+  for (std::size_t i = 0; i < all.size(); ++i)
+    plans.push_back(plan_record(all[i], rows[i].summary, fs::path(common.out) / all[i].problem.name));
+  write_reporting(compare_report(plans, rows), common);
+  return code;
 }
 
 }  // namespace
@@ -147,13 +155,15 @@ void add_compare(CLI::App& app, Action& chosen, const ProblemSolver& solver) {
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("compare", "Solves several problems and tabulates them against the first.");
   command->footer(
-      "Writes compare.json, compare.csv and a folder for each problem into --out; exit code 1 where one did not "
+      "Writes compare.json, compare.csv, report.html and a folder for each problem into --out; exit code 1 where one "
+      "did not "
       "converge.\n"
       "Example:\n  jaculus compare problems/leap_tailless.yaml problems/leap_inactive.yaml problems/leap_inertial.yaml "
       "\\\n"
       "                  problems/leap_tail.yaml --out leaps");
   command->add_option("problems", options->problems, "problem files, the one without tail first")->required();
   add_common(*command, options->common, "folder for the results; nothing is written unless given");
+  add_figures(*command, options->common);
   command->add_flag("--resume", options->resume, "keep what an interrupted run has finished in --out");
   command->callback([options, solver, &chosen] { chosen = [options, solver] { return run(*options, solver); }; });
 }

@@ -7,6 +7,7 @@
 
 #include "cli/command.h"
 #include "jaculus/report/compare_report.h"
+#include "jaculus/report/plan_report.h"
 #include "jaculus/report/summary.h"
 #include "jaculus/solver/result.h"
 #include "jaculus/trajectory/trajectory.h"
@@ -17,6 +18,7 @@ struct SolvedProblem {
   Summary summary;
   std::optional<Trajectory> trajectory;  ///< the plan, or the last iterate where the solve did not converge
   nlohmann::ordered_json solution;       ///< primal and dual, to resume or warm-start; null where there is none
+  std::vector<IterationInfo> history;    ///< every iteration of the solver
   nlohmann::ordered_json timing;         ///< wall seconds, apart from everything that is the same on every run
 };
 
@@ -27,12 +29,14 @@ using ProblemSolver = std::function<SolvedProblem(const Loaded&, const Common&, 
 /// The solver of the library.
 SolvedProblem solve_loaded(const Loaded& loaded, const Common& common, const Progress& progress);
 
-/// plan.csv, solution.json, timing.json, summary.json, the last one last: where it is, the others are.
+/// plan.csv, iterations.csv, solution.json, timing.json, summary.json, the last one last: where it is, the others are.
 void write_solved(const std::filesystem::path& folder, const SolvedProblem& solved);
 
 /// One line on standard error that is rewritten at every iteration; nothing where `common` shows no progress.
 Progress progress_line(const Common& common, const std::string& name);
-void clear_progress(const Common& common);
+
+/// What the report of a plan needs; `folder` holds what write_solved() wrote.
+PlanRecord plan_record(const Loaded& loaded, const Summary& summary, const std::filesystem::path& folder);
 
 /// The row of a comparison.
 ComparisonRow comparison_row(const Loaded& loaded, const Summary& summary);

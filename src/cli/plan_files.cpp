@@ -11,9 +11,22 @@ namespace jaculus::cli {
 
 void write_solved(const std::filesystem::path& folder, const SolvedProblem& solved) {
   if (solved.trajectory) write_csv(to_table(*solved.trajectory), folder / "plan.csv");
+  if (!solved.history.empty()) write_csv(iteration_table(solved.history), folder / "iterations.csv");
   if (!solved.solution.is_null()) write_file(folder / "solution.json", solved.solution.dump(1) + "\n");
   if (!solved.timing.is_null()) write_file(folder / "timing.json", solved.timing.dump(1) + "\n");
   write_file(folder / "summary.json", to_json(solved.summary).dump(1) + "\n");
+}
+
+PlanRecord plan_record(const Loaded& loaded, const Summary& summary, const std::filesystem::path& folder) {
+  PlanRecord record{
+      summary, loaded.robot.planar, loaded.problem.friction.value_or(loaded.robot.planar.friction), {}, {}};
+  const auto read = [&folder](const char* name) {
+    const std::filesystem::path file = folder / name;
+    return std::filesystem::exists(file) ? read_csv(file) : Table();
+  };
+  record.plan = read("plan.csv");
+  record.history = read("iterations.csv");
+  return record;
 }
 
 Progress progress_line(const Common& common, const std::string& name) {
@@ -30,12 +43,6 @@ Progress progress_line(const Common& common, const std::string& name) {
                std::chrono::duration<double>(now - start).count());
     std::fflush(stderr);
   };
-}
-
-void clear_progress(const Common& common) {
-  if (!shows_progress(common)) return;
-  fmt::print(stderr, "\r\x1b[K");
-  std::fflush(stderr);
 }
 
 ComparisonRow comparison_row(const Loaded& loaded, const Summary& summary) {

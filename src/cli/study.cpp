@@ -6,10 +6,12 @@
 
 #include <cstdio>
 #include <memory>
+#include <set>
 
-#include "cli/command.h"
+#include "cli/reporting.h"
 #include "jaculus/core/error.h"
 #include "jaculus/core/interrupt.h"
+#include "jaculus/report/study_report.h"
 #include "jaculus/report/text_table.h"
 
 namespace jaculus::cli {
@@ -20,7 +22,7 @@ constexpr std::size_t kMostColumnsShown = 8;
 
 struct Options {
   Common common;
-  std::string file;
+  std::vector<std::string> files;
   bool resume = false;
 };
 
@@ -59,43 +61,77 @@ std::string text_of(const StudyResult& result) {
   return text;
 }
 
-StudyOptions study_options(const Options& options) {
+StudyOptions study_options(const Options& options, const std::string& name) {
   StudyOptions study;
   study.jobs = options.common.jobs;
   study.resume = options.resume;
   if (!options.common.quiet) {
     study.notice = [](const std::string& message) { fmt::print(stderr, "jaculus: {}\n", message); };
   }
-  if (shows_progress(options.common)) {
-    study.progress = [](const TaskProgress& p) {
-      const int filled = p.total > 0 ? 30 * p.done / p.total : 30;
-      fmt::print(stderr, "\r[{:-<30}] {}/{}  {:.0f} s, {:.0f} s to go ",
-                 std::string(static_cast<std::size_t>(filled), '#'), p.done, p.total, p.elapsed_s, p.remaining_s);
-    };
-  }
+  study.progress = progress_bar(options.common, options.files.size() > 1 ? name : "");
   return study;
+}
+
+/// Where a study goes: --out itself, or where there are several a folder of its own in it.
+std::string folder_of(const Options& options, const std::string& file) {
+  const std::string& out = options.common.out;
+  if (out.empty() || options.files.size() == 1) return out;
+  return (std::filesystem::path(out) / std::filesystem::path(file).stem()).string();
+}
+
+void check(const Options& options) {
+  if (options.resume && options.common.out.empty()) {
+    throw InputError("--resume: given without --out; allowed: with the --out of the run to go on with");
+  }
+  if (options.common.seed) throw InputError("--seed: given; allowed: nothing, since a study has nothing random in it");
+  check_figures(options.common);
+  std::set<std::string> stems;
+  for (const std::string& file : options.files) {
+    static_cast<void>(check_study(file));
+    const std::string stem = std::filesystem::path(file).stem().string();
+    if (!stems.insert(stem).second) {
+      throw InputError(fmt::format(
+          "{}: another study of this name is given already; allowed: unique file names, since they name folders",
+          file));
+    }
+  }
+}
+
+void show(const std::vector<StudyResult>& results, const Common& common) {
+  if (common.json) {
+    if (results.size() == 1) return print(study_json(results[0]));
+    StudyJson list = StudyJson::array();
+    for (const StudyResult& result : results) list.push_back(StudyJson::parse(study_json(result)));
+    return print(list.dump(1) + "\n");
+  }
+  if (common.quiet) return;
+  for (std::size_t i = 0; i < results.size(); ++i) print((i > 0 ? "\n" : "") + text_of(results[i]));
 }
 
 int run(const Options& options) {
   const Common& common = options.common;
-  if (options.resume && common.out.empty()) {
-    throw InputError("--resume: given without --out; allowed: with the --out of the run to go on with");
-  }
-  if (common.seed) throw InputError("--seed: given; allowed: nothing, since a study has nothing random in it");
+  check(options);
   if (!common.out.empty()) prepare_folder(common.out);
-  const StudyResult result = run_study(options.file, common.out, study_options(options));
-  if (shows_progress(common)) fmt::print(stderr, "\r\033[K");
-  if (common.json) {
-    print(study_json(result));
-  } else if (!common.quiet) {
-    print(text_of(result));
-    if (result.complete && !common.out.empty()) print(fmt::format("written to {}\n", common.out));
+  std::vector<StudyResult> results;
+  bool complete = true;
+  for (const std::string& file : options.files) {
+    const std::string folder = folder_of(options, file);
+    if (!folder.empty()) prepare_folder(folder);
+    results.push_back(run_study(file, folder, study_options(options, std::filesystem::path(file).stem().string())));
+    clear_progress(common);
+    complete = complete && results.back().complete;
+    if (interrupt_requested()) break;
   }
+  show(results, common);
   if (interrupt_requested()) {
     fmt::print(stderr, "jaculus: interrupted{}\n",
                common.out.empty() ? "" : "; what is finished is kept, --resume goes on");
+    return kNotSolved;
   }
-  return result.complete ? kDone : kNotSolved;
+  if (complete && !common.out.empty() && !common.quiet && !common.json)
+    print(fmt::format("written to {}\n", common.out));
+  if (complete) write_reporting(study_report(results), common);
+  return complete ? kDone : kNotSolved;
 }
 
 }  // namespace
@@ -105,10 +141,13 @@ void add_study(CLI::App& app, Action& chosen) {
   CLI::App* command =
       app.add_subcommand("study", "Reorientation, tail design and drag bench over grids of parameters.");
   command->footer(
-      "Writes study.csv and study.json into --out; exit code 1 where points are missing.\n"
-      "Example:\n  jaculus study problems/fig3_effectiveness.yaml --out fig3");
-  command->add_option("study", options->file, "a study file")->required();
+      "Writes study.csv, study.json and report.html into --out; exit code 1 where points are missing.\n"
+      "Example, the figures 3 to 6 of the paper:\n  jaculus study problems/fig3_effectiveness.yaml "
+      "problems/fig4_shaft.yaml "
+      "problems/drag_bench.yaml \\\n                problems/fig6_drop.yaml --out figures --figures png,svg");
+  command->add_option("study", options->files, "study files; several get a folder each and one report")->required();
   add_common(*command, options->common, "folder for the results; nothing is written unless given");
+  add_figures(*command, options->common);
   command->add_flag("--resume", options->resume, "go on with what an interrupted run has finished in --out");
   command->callback([options, &chosen] { chosen = [options] { return run(*options); }; });
 }

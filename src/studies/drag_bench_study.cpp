@@ -148,6 +148,8 @@ detail::PreparedStudy detail::prepare_drag_bench(const yaml::Node& root) {
   study.description = fmt::format("{} observations, up to four models", bench->observations.size());
   study.fingerprint = bench->data;
   study.tasks = 1;
+  for (const DragObservation& o : bench->observations)
+    study.samples.push_back({{"speed_rad_s", o.viscous}, {"torque_N_m", o.torque}});
   const auto fitted = [bench] { return fit_drag(bench->observations, bench->confidence); };
   const StudyJson rows = rows_of(*bench, fitted());
   for (const auto& item : rows[0].items()) study.columns.push_back(item.key());

@@ -243,6 +243,7 @@ detail::PreparedStudy detail::prepare_reorientation(const yaml::Node& root) {
   study.description = fmt::format("{} points", plan->size());
   if (plan->named) study.columns.emplace_back("case");
   for (const Axis& axis : plan->axes) study.columns.push_back(axis.parameter->column);
+  study.axes = study.columns;
   for (const Output* o : plan->outputs) study.columns.push_back(o->name);
   if (plan->searched() &&
       std::find(study.columns.begin(), study.columns.end(), "search_bound") == study.columns.end()) {

@@ -32,6 +32,7 @@ struct Loaded {
   std::string name, kind, caption;
   detail::PreparedStudy study;
   std::vector<detail::ReferenceQuery> references;
+  std::vector<StudyPlot> plots;
 };
 
 Loaded load(const fs::path& file) {
@@ -48,6 +49,7 @@ Loaded load(const fs::path& file) {
     if (loaded.kind == kind.name) loaded.study = kind.prepare(loaded.root);
   }
   loaded.references = detail::read_references(loaded.root, loaded.study.columns);
+  loaded.plots = detail::read_plots(loaded.root, loaded.study.columns);
   return loaded;
 }
 
@@ -71,6 +73,9 @@ TaskOptions task_options(const Loaded& loaded, const fs::path& folder, const Stu
 
 StudyResult collect(const Loaded& loaded, const std::vector<TaskResult>& results) {
   StudyResult result{loaded.name, loaded.kind, loaded.caption, true, loaded.study.columns, {}, {}, {}};
+  result.axes = loaded.study.axes;
+  result.plots = loaded.plots;
+  result.samples = loaded.study.samples;
   std::vector<std::string> bytes;
   for (std::size_t i = 0; i < results.size(); ++i) {
     const TaskResult& task = results[i];
@@ -106,7 +111,7 @@ std::string csv_cell(const StudyJson& value) {
 }  // namespace
 
 std::vector<std::string> detail::with_common_keys(std::vector<std::string> keys) {
-  keys.insert(keys.end(), {"format", "name", "kind", "caption", "reference"});
+  keys.insert(keys.end(), {"format", "name", "kind", "caption", "reference", "plots"});
   return keys;
 }
 
@@ -144,6 +149,7 @@ std::string study_json(const StudyResult& result) {
                  {"complete", result.complete},
                  {"columns", result.columns},
                  {"rows", result.rows}};
+  if (!result.samples.empty()) json["samples"] = result.samples;
   json["reference"] = StudyJson::array();
   for (const StudyReference& r : result.references) {
     json["reference"].push_back(

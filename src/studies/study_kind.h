@@ -19,7 +19,9 @@ struct PreparedStudy {
   std::function<std::string(int)> task;  ///< any bytes; must not depend on anything but the file
   std::function<std::vector<StudyJson>(const std::vector<std::string>&)> rows;  ///< from all tasks' bytes, in order
   std::function<std::vector<std::string>(const std::vector<StudyJson>&)> notes;
-  std::string fingerprint;  ///< of further files that the tasks depend on
+  std::vector<std::string> axes = {};   ///< see StudyResult
+  std::vector<StudyJson> samples = {};  ///< see StudyResult
+  std::string fingerprint = {};         ///< of further files that the tasks depend on
 };
 
 /// Keys that every study has.
@@ -46,6 +48,11 @@ std::vector<ReferenceQuery> read_references(const yaml::Node& root, const std::v
 /// A query that does not pick one row gives null and a note: the rows are not lost for it.
 StudyReference evaluate(const ReferenceQuery& query, const std::vector<StudyJson>& rows,
                         std::vector<std::string>& notes);
+
+/// Reads `plots`, checked against the columns.
+std::vector<StudyPlot> read_plots(const yaml::Node& root, const std::vector<std::string>& columns);
+/// InputError at `where`, naming the nearest, unless `name` is a column.
+void must_be_column(const std::string& name, const std::vector<std::string>& columns, const yaml::Node& where);
 
 /// A number as JSON: null where it is not finite.
 StudyJson json_number(double value);

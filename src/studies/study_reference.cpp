@@ -22,14 +22,6 @@ StudyJson scalar(const yaml::Node& node) {
   return node.text();
 }
 
-void must_be_column(const std::string& name, const std::vector<std::string>& columns, const yaml::Node& where) {
-  if (std::find(columns.begin(), columns.end(), name) != columns.end()) return;
-  const auto near = yaml::nearest_name(name, columns);
-  throw where.error(fmt::format(
-      "this study has no column \"{}\"{}", name,
-      near ? fmt::format("; did you mean \"{}\"?", *near) : fmt::format("; it has {}", fmt::join(columns, ", "))));
-}
-
 StudyJson read_where(const yaml::Node& node, const std::vector<std::string>& columns) {
   StudyJson where = StudyJson::object();
   for (const auto& [column, value] : node.entries()) {
@@ -76,6 +68,14 @@ StudyJson pick(const StudyJson& where, const std::string& column, const Referenc
 
 }  // namespace
 
+void must_be_column(const std::string& name, const std::vector<std::string>& columns, const yaml::Node& where) {
+  if (std::find(columns.begin(), columns.end(), name) != columns.end()) return;
+  const auto near = yaml::nearest_name(name, columns);
+  throw where.error(fmt::format(
+      "this study has no column \"{}\"{}", name,
+      near ? fmt::format("; did you mean \"{}\"?", *near) : fmt::format("; it has {}", fmt::join(columns, ", "))));
+}
+
 StudyJson json_number(double value) { return std::isfinite(value) ? StudyJson(value) : StudyJson(nullptr); }
 
 std::vector<ReferenceQuery> read_references(const yaml::Node& root, const std::vector<std::string>& columns) {
@@ -109,7 +109,7 @@ std::vector<ReferenceQuery> read_references(const yaml::Node& root, const std::v
 }
 
 StudyReference evaluate(const ReferenceQuery& q, const std::vector<StudyJson>& rows, std::vector<std::string>& notes) {
-  StudyReference r{q.quantity, q.paper, pick(q.where, q.column, q, rows, notes), q.note};
+  StudyReference r{q.quantity, q.paper, pick(q.where, q.column, q, rows, notes), q.note, q.column};
   if (q.over.is_null()) return r;
   const StudyJson other = pick(q.over, q.over_column, q, rows, notes);
   const bool numbers = r.computed.is_number() && other.is_number();

@@ -9,6 +9,12 @@
 //   reference:                          optional: the source's figures
 //     - {quantity: "...", paper: 0.558, column: effectiveness, where: {case: as built}, over: {...}, note: "..."}
 //
+//   plots:                              optional: what a report draws; without it, outputs against the grid
+//     - {title: "...", x: normalised_inertia, y: [effectiveness], by: tail_length_m, marks: [{label: "...", x: 0.37}]}
+//
+// A plot has one line for each column of `y` and each value of `by`; a mark is a figure of the source: a point (x and y), a line
+// (x or y alone) or a strip (x and x_to).
+//
 // A reference's `where` picks the one row whose columns have these values; with `at_largest: column` the one of them
 // with the largest value there. `over` picks another row and `over_column` another column: the figure is then the
 // ratio.
@@ -32,9 +38,25 @@ using StudyJson = nlohmann::ordered_json;
 /// A source's figure beside the computed one.
 struct StudyReference {
   std::string quantity;
-  StudyJson paper;     ///< number or text
-  StudyJson computed;  ///< number, text or null
-  std::string note;    ///< says where they differ, and why
+  StudyJson paper;          ///< number or text
+  StudyJson computed;       ///< number, text or null
+  std::string note;         ///< says where they differ, and why
+  std::string column = {};  ///< that the figure stands in
+};
+
+/// A figure of the source in a plot; NaN: not given.
+struct StudyMark {
+  std::string label;
+  double x = kNaN, y = kNaN, x_to = kNaN;
+};
+
+/// What a report draws of a study: columns against a column.
+struct StudyPlot {
+  std::string title;
+  std::string x;
+  std::vector<std::string> y;
+  std::string by;  ///< one line for each of its values; empty: one line
+  std::vector<StudyMark> marks;
 };
 
 struct StudyResult {
@@ -45,7 +67,10 @@ struct StudyResult {
   std::vector<std::string> columns;  ///< of study.csv, with units
   std::vector<StudyJson> rows;       ///< one object a grid point: number, text or null by column
   std::vector<StudyReference> references;
-  std::vector<std::string> notes;  ///< what a user should know: searches on their bound, points that failed
+  std::vector<std::string> notes;       ///< what a user should know: searches on their bound, points that failed
+  std::vector<std::string> axes = {};   ///< columns that the grid gives, the first one varying slowest
+  std::vector<StudyPlot> plots = {};    ///< as the file asks for
+  std::vector<StudyJson> samples = {};  ///< what a fit was made of: one object a point
 };
 
 struct StudyOptions {

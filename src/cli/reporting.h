@@ -1,0 +1,29 @@
+#pragma once
+// What commands that compute share: the report and the figures beside their results, and the bar that shows how far they are.
+
+#include <functional>
+#include <string>
+
+#include "cli/command.h"
+#include "jaculus/core/tasks.h"
+#include "jaculus/report/report.h"
+
+namespace jaculus::cli {
+
+/// Adds --figures to a command that writes a report.
+void add_figures(CLI::App& command, Common& common);
+
+/// InputError where --figures can't be met: without --out, without matplotlib. To be called before the work.
+void check_figures(const Common& common);
+
+/// Writes report.html, and the figures where they are asked for, into --out (nothing where that is not given), and prints where they lie
+/// unless --quiet or --json. The last thing that a command prints.
+void write_reporting(const Report& report, const Common& common);
+
+/// A bar with the remaining time on standard error, for TaskOptions::progress and the like; empty where `common` shows no progress.
+std::function<void(const TaskProgress&)> progress_bar(const Common& common, const std::string& what);
+
+/// Wipes what a bar or another line of progress left.
+void clear_progress(const Common& common);
+
+}  // namespace jaculus::cli

@@ -1,0 +1,32 @@
+#pragma once
+// Parts of the reports of plans.
+
+#include <string>
+#include <vector>
+
+#include "jaculus/report/plan_report.h"
+
+namespace jaculus {
+
+/// What a chart shows of each plan, and its limits.
+struct ChannelChart {
+  std::string channel;  ///< column of plan.csv
+  std::string title;
+  double MotorFigures::*limit = nullptr;  ///< drawn on both sides of zero, where every plan has the same
+  std::string motor = {};                 ///< whose limit it is
+};
+
+/// A column of every plan that has it against time; no series where none has.
+Chart channel_chart(const std::vector<PlanRecord>& plans, const ChannelChart& what);
+
+Section leap_section(const std::vector<PlanRecord>& plans);
+Section motion_section(const std::vector<PlanRecord>& plans);
+Section motor_section(const std::vector<PlanRecord>& plans);
+Section force_section(const std::vector<PlanRecord>& plans);
+Section verification_section(const std::vector<PlanRecord>& plans);
+Section history_section(const std::vector<PlanRecord>& plans);
+
+/// The authors' figures beside those of the plans; no rows where there are none.
+ReportTable published_table(const std::vector<PlanRecord>& plans);
+
+}  // namespace jaculus

@@ -1,0 +1,103 @@
+// report.html: the data and the viewer that draws it; without the viewer, what can be said in tables.
+
+#include <fmt/format.h>
+
+#include <cctype>
+
+#include "jaculus/report/report.h"
+#include "jaculus/trajectory/csv.h"
+#include "report/assets.h"
+#include "report/html.h"
+#include "report/report_json.h"
+
+namespace jaculus {
+namespace {
+
+constexpr const char* kPlainStyle =
+    "body{font-family:sans-serif;margin:2em auto;max-width:70em;padding:0 "
+    "1em}table{border-collapse:collapse;margin:1em 0}"
+    "td,th{border-bottom:1px solid #999;padding:.2em .6em;text-align:left}";
+constexpr const char* kNoViewer =
+    "Charts and animation are missing: jaculus was built without its web assets, which need npm. The numbers stand in "
+    "the files "
+    "beside this one.";
+
+std::string table_html(const ReportTable& table) {
+  std::string text = fmt::format("<h3>{}</h3>\n<table>\n<tr>", html_escaped(table.title));
+  for (const std::string& column : table.columns) text += fmt::format("<th>{}</th>", html_escaped(column));
+  text += "</tr>\n";
+  for (const auto& row : table.rows) {
+    text += "<tr>";
+    for (const std::string& cell : row) text += fmt::format("<td>{}</td>", html_escaped(cell));
+    text += "</tr>\n";
+  }
+  return text + fmt::format("</table>\n<p>{}</p>\n", html_escaped(table.note));
+}
+
+std::string bars_html(const Bars& bars) {
+  ReportTable table{bars.title, {"", "value", "from", "to", ""}, {}, bars.caption};
+  for (const Bars::Item& i : bars.items) {
+    table.rows.push_back(
+        {i.label, fmt::format("{:.4g}", i.value), fmt::format("{:.4g}", i.low), fmt::format("{:.4g}", i.high), i.note});
+  }
+  return table_html(table);
+}
+
+/// What remains without a viewer.
+std::string plain_body(const Report& report) {
+  std::string text = fmt::format("<h1>{}</h1>\n<p>{}</p>\n<p><b>{}</b></p>\n", html_escaped(report.title),
+                                 html_escaped(report.caption), kNoViewer);
+  for (const std::string& notice : report.notices) text += fmt::format("<p>{}</p>\n", html_escaped(notice));
+  ReportTable facts{"", {"", ""}, {}, ""};
+  for (const auto& [name, value] : report.facts) facts.rows.push_back({name, value});
+  text += table_html(facts);
+  for (const Section& section : report.sections) {
+    text += fmt::format("<h2>{}</h2>\n", html_escaped(section.title));
+    for (const std::string& paragraph : section.text) text += fmt::format("<p>{}</p>\n", html_escaped(paragraph));
+    for (const ReportTable& table : section.tables) text += table_html(table);
+    for (const Bars& bars : section.bars) text += bars_html(bars);
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string report_html(const Report& report) {
+  Page page;
+  page.title = fmt::format("{} \xC2\xB7 jaculus {}", report.title, report.kind);
+  const auto script = web_asset("report.js");
+  const auto style = web_asset("report.css");
+  if (script && style) {
+    page.script = *script;
+    page.style = *style;
+    page.data = report_json(report);
+    page.body =
+        "<noscript>This report needs JavaScript, which it brings along.</noscript>\n<main id=\"report\"></main>\n";
+  } else {
+    page.style = kPlainStyle;
+    page.body = plain_body(report);
+  }
+  return html_page(page);
+}
+
+std::filesystem::path write_report(const Report& report, const std::filesystem::path& folder) {
+  const std::filesystem::path file = folder / "report.html";
+  write_file(file, report_html(report));
+  return file;
+}
+
+std::string report_id(const std::string& name) {
+  std::string id;
+  for (const char c : name) {
+    const auto byte = static_cast<unsigned char>(c);
+    const bool plain = byte < 128 && std::isalnum(byte) != 0;
+    if (plain)
+      id += static_cast<char>(std::tolower(byte));
+    else if (!id.empty() && id.back() != '_')
+      id += '_';
+  }
+  while (!id.empty() && id.back() == '_') id.pop_back();
+  return id.empty() ? "chart" : id;
+}
+
+}  // namespace jaculus
