@@ -191,6 +191,7 @@ SolvedProblem solve_loaded(const Loaded& loaded, const Common& common, const Pro
   solved.summary = summarise(plan, loaded.problem);
   solved.trajectory = plan.trajectory;
   solved.solution = solution_json(plan);
+  solved.history = plan.result.history;
   solved.timing = timing_json(plan.result);
   return solved;
 }
