@@ -90,7 +90,11 @@ Effect torque_constant() {
   effect.overrides = [](const Vector& theta, const PlanarModel& model) {
     std::vector<ModelOverride> values;
     for (const PlanarMotor& motor : model.motors) {
-      if (!motor.ideal()) add_torque_constant(motor, theta[0], values);
+      if (motor.ideal()) continue;
+      add_torque_constant(motor, theta[0], values);
+      // A driver limits torque by the current that it believes to make it.
+      if (motor.torque_limit < kInfinity)
+        values.emplace_back(path_of(motor, "torque_limit"), text_of(motor.torque_limit * theta[0]));
     }
     return values;
   };

@@ -1,0 +1,245 @@
+// Walks the catalogue, unasked, for every experiment that excites an entry: nominal changes nothing, bit for bit; the influence
+// goes to zero smoothly; simulated data give the parameter back; model values do what the plant's parameters do.
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <optional>
+#include <random>
+#include <set>
+
+#include "experiments.h"
+#include "jaculus/effects/effect.h"
+#include "jaculus/model/robot.h"
+
+namespace jaculus {
+namespace {
+
+using test::Experiment;
+
+/// An effect and an experiment that excites it.
+struct Walk {
+  const Effect* effect;
+  const Experiment* experiment;
+};
+
+void PrintTo(const Walk& walk, std::ostream* out) { *out << walk.effect->name << " in " << walk.experiment->name; }
+
+std::vector<Walk> walks() {
+  std::vector<Walk> list;
+  for (const Effect& effect : effect_catalogue()) {
+    for (const Experiment& e : test::experiments()) {
+      const std::vector<std::string>& by = effect.excited_by;
+      if (std::find(by.begin(), by.end(), e.name) != by.end() && effect.applies(e.plant.model))
+        list.push_back({&effect, &e});
+    }
+  }
+  return list;
+}
+
+/// Measured data of a walk with an effect's parameters, in multiples of the sensors' noise; throws where the simulation failed.
+Vector data_with(const Walk& walk, const Vector& theta) {
+  Plant plant = walk.experiment->plant;
+  walk.effect->apply(theta, plant);
+  std::string why;
+  const auto data = test::measured_in_noise(*walk.experiment, plant, why);
+  if (!data) throw std::runtime_error(fmt::format("at {}: {}", theta[0], why));
+  return *data;
+}
+
+/// Nominal, with a share of the probing step in the first parameter.
+Vector part(const Effect& effect, double share) {
+  Vector theta = effect.nominal();
+  theta[0] += share * (effect.probed()[0] - theta[0]);
+  return theta;
+}
+
+double rms(const Vector& v) { return std::sqrt(v.squaredNorm() / static_cast<double>(v.size())); }
+
+class EveryEffect : public ::testing::TestWithParam<Walk> {};
+
+TEST_P(EveryEffect, AtNominalChangesNothing) {
+  std::string why;
+  const auto without = test::measured_in_noise(*GetParam().experiment, GetParam().experiment->plant, why);
+  ASSERT_TRUE(without) << why;
+  const Vector with = data_with(GetParam(), GetParam().effect->nominal());
+  ASSERT_EQ(without->size(), with.size());
+  for (Eigen::Index i = 0; i < with.size(); ++i) ASSERT_EQ((*without)[i], with[i]) << "sample " << i;
+}
+
+TEST_P(EveryEffect, FadesSmoothly) {
+  const Effect& effect = *GetParam().effect;
+  const Vector none = data_with(GetParam(), effect.nominal());
+  double before = kInfinity, first = kNaN;
+  for (const double share : {1.0, 1.0 / 4.0, 1.0 / 16.0, 1.0 / 64.0}) {
+    const Vector data = data_with(GetParam(), part(effect, share));
+    ASSERT_EQ(data.size(), none.size());
+    const double influence = rms(data - none);
+    if (std::isnan(first)) first = influence;
+    EXPECT_LT(influence, std::max(before, 1e-9)) << "at a share of " << share;
+    before = influence;
+  }
+  EXPECT_GT(first, 0.0) << "the experiment shows nothing of it";
+  EXPECT_LT(before, 0.1 * first) << "a 64th of the step has a tenth of its influence or more";
+}
+
+/// Gauss-Newton for the first parameter with halved steps: estimate and its standard error for data of unit noise.
+struct Fit {
+  double value = kNaN, deviation = kNaN;
+};
+
+Fit fit(const Walk& walk, const Vector& measured) {
+  const Effect& effect = *walk.effect;
+  const Bounds bounds = effect.parameters[0].bounds;
+  const double step = 0.02 * (effect.probed()[0] - effect.nominal()[0]);
+  // A simulation that ends early (events that cluster at one value) is a step too far, as in any fit through simulation.
+  const auto predicted = [&](double value) -> std::optional<Vector> {
+    Vector theta = effect.nominal();
+    theta[0] = value;
+    try {
+      return data_with(walk, theta);
+    } catch (const std::runtime_error&) {
+      return std::nullopt;
+    }
+  };
+  double value = effect.probed()[0];
+  std::optional<Vector> at = predicted(value);
+  Vector slope;
+  for (int iteration = 0; at && iteration < 15; ++iteration) {
+    const std::optional<Vector> beside = predicted(value - step);
+    if (!beside) break;
+    slope = (*beside - *at) / -step;
+    const double wanted = slope.dot(measured - *at) / slope.squaredNorm();
+    double move = std::clamp(value + wanted, bounds.lower, bounds.upper) - value;
+    const auto better = [&](const std::optional<Vector>& y) {
+      return y && (measured - *y).norm() <= (measured - *at).norm();
+    };
+    std::optional<Vector> next = predicted(value + move);
+    while (std::abs(move) > 1e-5 * std::abs(step) && !better(next)) next = predicted(value + (move *= 0.5));
+    value += move;
+    at = next;
+    if (std::abs(move) < 1e-3 * std::abs(step)) break;
+  }
+  return {value, 1.0 / slope.norm()};
+}
+
+/// Whether another listed experiment shows more of the effect, so that the parameter is to be had there.
+bool shows_most(const Walk& walk) {
+  const auto influence = [](const Walk& w) {
+    return (data_with(w, part(*w.effect, 0.75)) - data_with(w, w.effect->nominal())).norm();
+  };
+  const double own = influence(walk);
+  for (const Walk& other : walks()) {
+    if (other.effect == walk.effect && other.experiment != walk.experiment && influence(other) > own) return false;
+  }
+  return true;
+}
+
+TEST_P(EveryEffect, GivesItsParameterBack) {
+  if (!shows_most(GetParam())) GTEST_SKIP() << "shows more in another experiment, which is tested";
+  const Effect& effect = *GetParam().effect;
+  const Vector truth = part(effect, 0.75);
+  const double departure = std::abs(truth[0] - effect.nominal()[0]);
+  Vector data = data_with(GetParam(), truth);
+  const Fit exact = fit(GetParam(), data);
+  EXPECT_NEAR(exact.value, truth[0], 0.01 * departure) << "without noise";
+  std::mt19937 random(7);
+  std::normal_distribution<double> noise;
+  for (double& value : data) value += noise(random);
+  const Fit noisy = fit(GetParam(), data);
+  EXPECT_LT(noisy.deviation, 0.2 * departure) << "the experiment shows too little of it";
+  EXPECT_NEAR(noisy.value, truth[0], 4.0 * noisy.deviation) << "with noise";
+}
+
+TEST_P(EveryEffect, ModelValuesDoTheSame) {
+  const Effect& effect = *GetParam().effect;
+  const PlanarModel& model = GetParam().experiment->plant.model;
+  const Vector theta = part(effect, 0.75);
+  const std::vector<ModelOverride> values = effect.overrides(theta, model);
+  EXPECT_TRUE(effect.overrides(effect.nominal(), model).empty());
+  if (values.empty()) GTEST_SKIP() << "the optimiser can't have it";
+  const PlanarModel edited = test::with_values(*GetParam().experiment, values);
+  Plant plant = GetParam().experiment->plant;
+  plant.model = edited;
+  plant.ground.friction = edited.friction;
+  std::string why;
+  const auto with_model = test::measured_in_noise(*GetParam().experiment, plant, why);
+  ASSERT_TRUE(with_model) << why;
+  const Vector with_plant = data_with(GetParam(), theta);
+  EXPECT_LT(rms(*with_model - with_plant), 1e-3);
+}
+
+std::string test_name(const ::testing::TestParamInfo<Walk>& info) {
+  return info.param.effect->name + "_in_" + info.param.experiment->name;
+}
+
+INSTANTIATE_TEST_SUITE_P(Catalogue, EveryEffect, ::testing::ValuesIn(walks()), test_name);
+
+TEST(Catalogue, EntriesAreSoundAndNamedOnce) {
+  std::set<std::string> names;
+  for (const Effect& effect : effect_catalogue()) {
+    EXPECT_TRUE(names.insert(effect.name).second) << effect.name;
+    for (const std::string& fault : effect_faults(effect)) ADD_FAILURE() << fault;
+    EXPECT_EQ(find_effect(effect.name), &effect);
+    EXPECT_EQ(effect.name.find_first_not_of("abcdefghijklmnopqrstuvwxyz_"), std::string::npos) << effect.name;
+  }
+  EXPECT_EQ(find_effect("gremlins"), nullptr);
+}
+
+TEST(Catalogue, EveryEntryHasAnExperimentHere) {
+  std::set<const Effect*> walked;
+  for (const Walk& walk : walks()) walked.insert(walk.effect);
+  for (const Effect& effect : effect_catalogue()) {
+    const auto& by = effect.excited_by;
+    const bool leap_alone = by == std::vector<std::string>{"leap"};
+    if (leap_alone && test::experiments().front().name != "leap") continue;  // needs the authors' plan
+    if (effect.name == "leg_backlash") continue;  // legs that are driven directly have no gear to play
+    EXPECT_TRUE(walked.count(&effect)) << effect.name;
+  }
+}
+
+TEST(Catalogue, ImpossibleEntriesAreNamed) {
+  Effect effect = *find_effect("payload");
+  effect.parameters[0].bounds = {1.0, 0.0};
+  effect.parameters[1].scale = 0.0;
+  effect.parameters[2].nominal = 7.0;
+  const std::vector<std::string> faults = effect_faults(effect);
+  const auto told = [&](const std::string& part) {
+    return std::any_of(faults.begin(), faults.end(), [&](const std::string& f) { return f.starts_with(part); });
+  };
+  EXPECT_TRUE(told("payload: mass: bounds [1, 0] are empty"));
+  EXPECT_TRUE(told("payload: x: scale 0"));
+  EXPECT_TRUE(told("payload: z: nominal 7 lies outside"));
+}
+
+std::set<std::string> names_for(const std::string& robot) {
+  std::set<std::string> names;
+  for (const Effect* effect :
+       applicable_effects(read_robot(std::filesystem::path(JACULUS_SOURCE_DIR) / "models" / robot).planar))
+    names.insert(effect->name);
+  return names;
+}
+
+TEST(Catalogue, RobotsHaveWhatTheyCanHave) {
+  const std::set<std::string> tailed = names_for("minitaur_tail"), tailless = names_for("minitaur");
+  const std::set<std::string> pendulum = names_for("ak80_pendulum");
+  for (const char* name : {"tail_compliance", "drag_coefficient", "wind", "tail_mass", "tail_coulomb_friction"}) {
+    EXPECT_TRUE(tailed.count(name)) << name;
+    EXPECT_FALSE(tailless.count(name)) << name;
+    EXPECT_FALSE(pendulum.count(name)) << name;
+  }
+  for (const char* name : {"foot_friction", "leg_coulomb_friction", "payload", "battery_sag", "sensor_scale"}) {
+    EXPECT_TRUE(tailed.count(name)) << name;
+    EXPECT_TRUE(tailless.count(name)) << name;
+    EXPECT_FALSE(pendulum.count(name)) << name;
+  }
+  for (const char* name : {"joint_coulomb_friction", "joint_backlash", "link_mass"}) {
+    EXPECT_FALSE(tailed.count(name)) << name;
+    EXPECT_TRUE(pendulum.count(name)) << name;
+  }
+  EXPECT_FALSE(tailed.count("leg_backlash"));  // legs are driven directly
+}
+
+}  // namespace
+}  // namespace jaculus
