@@ -49,10 +49,9 @@ std::vector<Effect> rows() {
       rotor_inertia(legs),
       rotor_inertia(other),
       link_inertia(tail),
-      link_mass(legs),
+      link_inertia(legs),
       link_inertia(other),
       link_mass(tail),
-
       link_mass(other),
       payload(),
       com_shift(),

@@ -96,7 +96,7 @@ JointGroups joint_groups(const PlanarModel& model) {
 
 const Group& tail_group() {
   static const Group group = {"tail",
-                              "tail",
+                              "tail_link",
                               "the tail's joint",
                               Component::tail_transmission,
                               {},

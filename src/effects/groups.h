@@ -23,7 +23,7 @@ JointGroups joint_groups(const PlanarModel& model);
 /// A group of joints that shares an effect of the same kind: how its effects are called, and typical sizes at its joints.
 struct Group {
   std::string prefix;       ///< "tail", "leg", "joint": opens the effect's name
-  std::string link_prefix;  ///< "tail", "leg_link", "link": the same where it is about the links
+  std::string link_prefix;  ///< "tail_link", "leg_link", "link": the same where it is about the links
   std::string caption;      ///< "the tail's joint"
   Component where = Component::body;
   std::vector<Component> also;

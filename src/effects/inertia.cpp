@@ -107,7 +107,7 @@ Effect link_inertia(const Group& group) {
 }
 
 Effect link_mass(const Group& group) {
-  Effect effect = on_links(group, &group == &leg_group() ? "inertia" : "mass", "mass, with inertia in proportion,");
+  Effect effect = on_links(group, "mass", "mass, with inertia in proportion,");
   effect.parameters = {{"scale", "-", 1.0, {0.2, 3.0}, 0.2, "", "", "", kNaN}};
   edits_links(effect, group, [](const Vector& theta, PlanarBody& link) {
     link.mass *= theta[0];

@@ -224,7 +224,7 @@ std::set<std::string> names_for(const std::string& robot) {
 TEST(Catalogue, RobotsHaveWhatTheyCanHave) {
   const std::set<std::string> tailed = names_for("minitaur_tail"), tailless = names_for("minitaur");
   const std::set<std::string> pendulum = names_for("ak80_pendulum");
-  for (const char* name : {"tail_compliance", "drag_coefficient", "wind", "tail_mass", "tail_coulomb_friction"}) {
+  for (const char* name : {"tail_compliance", "drag_coefficient", "wind", "tail_link_mass", "tail_coulomb_friction"}) {
     EXPECT_TRUE(tailed.count(name)) << name;
     EXPECT_FALSE(tailless.count(name)) << name;
     EXPECT_FALSE(pendulum.count(name)) << name;
