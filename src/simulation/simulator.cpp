@@ -59,7 +59,10 @@ Simulation Simulator::run() {
     if (t_ == change) going = enter(t_);
   }
   if (going) record_before(t_);
-  if (going && sample_ < out_.time.size() && out_.time[sample_] <= t_) record(t_, y_);
+  if (going && sample_ < out_.time.size() && out_.time[sample_] <= t_) {
+    equations_.evaluate(t_, y_.data(), dydt_.data());
+    record(t_, y_);
+  }
   out_.end_time = t_;
   out_.evaluations = equations_.evaluations;
   const Eigen::Index kept = sample_;
@@ -76,8 +79,7 @@ bool Simulator::enter(double t) {
   equations_.update(t, y_.data());
   if (t == 0.0 && !equations_.set_mass()) return fail(SimulationStatus::singular, "the mass matrix is singular");
   if (t == 0.0 && (!sink() || !impact())) return false;
-  if (t == 0.0 && equations_.commander.waiting() && !equations_.hold(t, y_.data()))
-    return fail(SimulationStatus::singular, "the equations of motion are singular");
+  if (t == 0.0 && equations_.commander.waiting() && !stand()) return false;
   return evaluate_start();
 }
 

@@ -53,6 +53,9 @@ class Simulator {
   void dense(double t, State& out);
   bool transition(const EventFunction& f);
   bool sink();
+  bool stand();
+  bool close_gaps(const std::vector<int>& touching);
+  bool come_to_rest(const std::vector<int>& touching);
   void compliant_transition(const EventFunction& f);
   void label_soles();
   bool impact();

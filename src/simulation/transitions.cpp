@@ -12,9 +12,10 @@ namespace jaculus::detail {
 namespace {
 
 constexpr double kStill = 1e-8;      ///< a rate that counts as zero [m/s, rad/s]
-constexpr double kNoRebound = 1e-3;  ///< slower impacts on a stop don't bounce [rad/s]
+constexpr double kRest = 1e-3;       ///< slower impacts end at rest: nothing bounces, nothing rocks on [m/s, rad/s]
 constexpr int kCrowd = 60;           ///< events within kCrowdTime that make a cluster
-constexpr double kCrowdTime = 1e-9;  ///< [s]
+constexpr double kCrowdTime = 1e-7;  ///< [s]
+constexpr int kTired = 8;            ///< so many impacts within kCrowdTime of each other end at rest together
 
 }  // namespace
 
@@ -51,7 +52,7 @@ std::vector<int> Simulator::candidates(bool approaching) const {
     if (equations_.compliant(i)) continue;
     const ContactState& c = equations_.contacts[i];
     const bool near = c.gap <= options_.contact_tolerance &&
-                      (approaching ? c.normal_rate <= kStill : std::abs(c.normal_rate) <= kStill);
+                      (approaching ? c.normal_rate <= kStill || crowded_ > kTired : std::abs(c.normal_rate) <= kStill);
     if (equations_.modes[i] != Touch::open || near) list.push_back(static_cast<int>(i));
   }
   return list;
@@ -87,6 +88,13 @@ bool Simulator::sink() {
     if (equations_.compliant(i) && equations_.contacts[i].gap <= 0.0) set_mode(static_cast<int>(i), Touch::stick);
   }
   return true;
+}
+
+/// Holds the start's pose, with everything that touches sticking; whether it does so is for the forces to say.
+bool Simulator::stand() {
+  for (const int i : candidates(false)) equations_.modes[static_cast<size_t>(i)] = Touch::stick;
+  if (!equations_.hold(0.0, y_.data())) return fail(SimulationStatus::singular, "the equations of motion are singular");
+  return settle(nullptr, -1);
 }
 
 /// No impulse where the ground gives way.
@@ -148,22 +156,60 @@ void Simulator::limit_rebound(const std::vector<int>& touching, const Touch* mod
   find_modes(s, again, nullptr, -1);
 }
 
+/// Impacts of a rocking body follow one another ever faster, without end. Slow ones end it: all that touch stay closed, which is the
+/// projection of the rates on those that do so, hence takes energy; the forces then say which of them open.
+bool Simulator::come_to_rest(const std::vector<int>& touching) {
+  ContactSystem& s = equations_.system;
+  Touch modes[kMaxTouching];
+  for (size_t k = 0; k < touching.size(); ++k) {
+    if (s.b[2 * k + 1] < -kRest || s.b[2 * k + 1] > kRest) return false;
+    const bool sticks = std::abs(s.b[2 * k]) < kRest && s.mu[k] > 0.0;
+    modes[k] = sticks ? Touch::stick : Touch::slip_plus;
+    if (!sticks) s.mu[k] = 0.0;
+  }
+  if (!solve_at(s, modes)) return false;
+  equations_.add_response(touching, s.lambda, y_.data() + equations_.n());
+  for (size_t k = 0; k < touching.size(); ++k) {
+    const bool stop = equations_.unilaterals[static_cast<size_t>(touching[k])].stop();
+    const Touch slides = s.b[2 * k] > 0.0 ? Touch::slip_plus : Touch::slip_minus;
+    set_mode(touching[k], stop || modes[k] == Touch::stick ? Touch::stick : slides);
+  }
+  return true;
+}
+
+/// Moves the robot by the trace that it is beyond contacts, so that none of them starts the next step below zero.
+bool Simulator::close_gaps(const std::vector<int>& touching) {
+  ContactSystem& s = equations_.system;
+  Touch modes[kMaxTouching];
+  equations_.fill_rows(touching);
+  for (size_t k = 0; k < touching.size(); ++k) {
+    modes[k] = Touch::slip_plus;
+    s.mu[k] = s.target[k] = s.b[2 * k] = 0.0;
+    s.b[2 * k + 1] = equations_.contacts[static_cast<size_t>(touching[k])].gap;
+  }
+  if (solve_at(s, modes)) equations_.add_response(touching, s.lambda, y_.data());
+  return equations_.set_state(y_.data()) && equations_.set_mass();
+}
+
 /// Rates jump where touching contacts approach. After set_state and set_mass at y_.
 bool Simulator::impact() {
   const std::vector<int> touching = candidates(true);
   if (touching.empty()) return true;
   if (static_cast<int>(touching.size()) > kMaxTouching)
     return fail(SimulationStatus::contact_unresolved, fmt::format("more than {} contacts at a time", kMaxTouching));
+  if (!close_gaps(touching)) return fail(SimulationStatus::singular, "the mass matrix is singular at an impact");
   double* v = y_.data() + equations_.n();
   ContactSystem& s = equations_.system;
   equations_.fill_rows(touching);
+  equations_.fill_system(touching, true, v);
+  if (come_to_rest(touching)) return settle(nullptr, -1);
   equations_.fill_system(touching, true, v);
   s.scale_w = 1.0;
   s.scale_force = equations_.force_scale / 10.0;
   Touch modes[kMaxTouching];
   for (size_t k = 0; k < touching.size(); ++k) {
     const Unilateral& u = equations_.unilaterals[static_cast<size_t>(touching[k])];
-    if (u.stop() && s.b[2 * k + 1] < -kNoRebound) s.target[k] = -u.restitution * s.b[2 * k + 1];
+    if (u.stop() && crowded_ <= kTired && s.b[2 * k + 1] < -kRest) s.target[k] = -u.restitution * s.b[2 * k + 1];
     modes[k] = equations_.modes[static_cast<size_t>(touching[k])];
     if (modes[k] == Touch::open) modes[k] = Touch::stick;
   }
