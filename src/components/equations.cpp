@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "jaculus/dynamics/rigid_body.h"
+
 namespace jaculus {
 
 namespace {
@@ -45,20 +47,6 @@ Vec2 acceleration(const Path& path, const EquationsPoint& p, const Vector& A) {
   return p.impact ? linear : Vec2(linear + quadratic(path, p.motion.pose, p.motion.V));
 }
 
-/// Mass matrix and residual of the bodies at A = gamma.
-void add_bodies(const AbsoluteTree& tree, EquationsPoint& p) {
-  for (size_t b = 0; b < tree.com.size(); ++b) {
-    const int phi = AbsoluteTree::angle_index(static_cast<int>(b));
-    p.M(phi, phi) += tree.inertia[b];
-    p.r[phi] += tree.inertia[b] * p.motion.gamma[phi];
-    if (tree.mass[b] == 0.0) continue;
-    jacobian_columns(tree.com[b], p.motion.pose, p.J);
-    add_outer(p.J, p.J, tree.mass[b], p.M);
-    const Vec2 weight = acceleration(tree.com[b], p, p.motion.gamma) + Vec2(0.0, p.impact ? 0.0 : tree.gravity);
-    p.J.add_transposed(weight, tree.mass[b], p.r);
-  }
-}
-
 /// The system of the accelerations, its right-hand side without the inputs.
 void assemble(const AbsoluteTree& tree, EquationsPoint& p) {
   const int n = tree.n, m = static_cast<int>(p.force.size());
@@ -90,7 +78,7 @@ bool Equations::evaluate(const Eigen::Ref<const Vector>& q, const Eigen::Ref<con
   set_rates(tree_, v, p.motion);
   p.M.setZero();
   p.r.setZero();
-  add_bodies(tree_, p);
+  add_bodies(tree_, p.motion, p.motion.gamma, p.M, p.r, p.J);
   add_drag(p);
   assemble(tree_, p);
   p.rhs0.head(tree_.n) += tree_.input_map.lazyProduct(u);
@@ -109,7 +97,8 @@ bool Equations::evaluate_impact(const Eigen::Ref<const Vector>& q, const Eigen::
   p.motion.gamma.setZero();
   p.M.setZero();
   p.r.setZero();
-  add_bodies(tree_, p);
+  add_bodies(tree_, p.motion, p.motion.gamma, p.M, p.r, p.J);
+  p.r.setZero();  // no force counts beside an impact
   assemble(tree_, p);
   if (!solve_system(p)) return false;
   p.A_feet = p.A + p.motion.V;

@@ -12,7 +12,8 @@ void diagnose(Plan& plan) {
   Programme& programme = *plan.programme;
   const Vector x = plan.result.last_iterate();
   if (x.size() != programme.variables()) return;
-  if (auto ranked = ranked_violations(programme, x, kMostViolations)) plan.violations = std::move(*ranked);
+  if (auto ranked = ranked_violations(programme, x, kMostViolations, programme.problem().solver.tolerance))
+    plan.violations = std::move(*ranked);
   if (interrupt_requested() || plan.result.status == Status::stopped) return;
   ElasticOptions elastic;
   elastic.solver.max_iterations = programme.problem().solver.max_iterations;
@@ -46,6 +47,7 @@ Plan make_plan(const Problem& problem, const PlanarModel& model, const PlanOptio
       plan.violations.push_back({false, 0, c.name, c.unit, kNaN, c.lower, c.upper, c.lower - c.upper, kNaN});
     return plan;
   }
+  if (earlier && !earlier->fits(*plan.programme)) plan.notes = guess_gaps(*plan.programme, earlier->trajectory);
   plan.result = detail::solve_starts(plan, earlier, options);
   detail::refine_mesh(plan, problem, planned, options);
   const Vector x = plan.result.last_iterate();

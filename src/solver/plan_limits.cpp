@@ -95,16 +95,14 @@ void add_row_prices(const Programme& programme, const Interval& interval, const 
     for (int i = 0; i < static_cast<int>(term.rows.size()); ++i) {
       const double multiplier = lambda[path.row + i];
       if (programme.row_lower()[path.row + i] == programme.row_upper()[path.row + i]) continue;
-      if (term.rows[static_cast<std::size_t>(i)].unit == "V") {
+      if (term.kind == LimitKind::voltage) {
         sums.add("voltage", "V", std::abs(multiplier));
-      } else if (term.foot >= 0) {
+      } else if (term.kind == LimitKind::friction) {
         const EquationsPoint& point = interval.point(path.point);
         const auto slot = std::find(point.feet.begin(), point.feet.end(), term.foot) - point.feet.begin();
         sums.add("friction", "unit of friction", -multiplier * point.force[2 * slot + 1]);
-      } else if (term.name.ends_with(" normal force")) {
-        const std::string foot = term.name.substr(0, term.name.find(" normal force"));
-        const int index = programme.equations().model().foot_index(foot);
-        const int count = programme.equations().model().feet[static_cast<std::size_t>(index)].count;
+      } else if (term.kind == LimitKind::normal_force) {
+        const int count = programme.equations().model().feet[static_cast<std::size_t>(term.foot)].count;
         sums.add("normal force a foot", "N", multiplier * count);
       }
     }
@@ -153,15 +151,44 @@ void add_bound_prices(const Programme& programme, const NlpResult& result, Price
   }
 }
 
-}  // namespace
-
-std::vector<PlanLimit> active_limits(Programme& programme, const NlpResult& result) {
-  const Vector& x = result.x();
-  Vector g(programme.rows());
-  LimitList list;
-  if (!programme.constraints(x, g) || !programme.evaluate_at(x)) return {};
+/// Bounds of coordinates at nodes, of durations and of what terms added, and rows that hold at one node.
+void add_single_limits(const Programme& programme, const Vector& x, const Vector& g, const std::vector<double>& starts,
+                       LimitList& list) {
   const Layout& layout = programme.layout();
-  const std::vector<double> starts = interval_starts(programme);
+  const auto bound = [&](int c) { return active(x[c], layout.lower[c], layout.upper[c], layout.scale[c]); };
+  std::vector<double> times(layout.nodes.size(), 0.0);
+  for (std::size_t k = 0; k < starts.size(); ++k) {
+    const IntervalBlock& block = layout.intervals[k];
+    times[static_cast<std::size_t>(block.first)] = starts[k];
+    times[static_cast<std::size_t>(block.last)] = starts[k] + programme.intervals()[k].length();
+  }
+  for (std::size_t k = 0; k < layout.nodes.size(); ++k) {
+    const NodeBlock& node = layout.nodes[k];
+    const std::string& phase = layout.phases[static_cast<std::size_t>(node.phase)].name;
+    for (int i = 0; i < layout.n; ++i) {
+      const std::string& name = programme.equations().model().coordinates[static_cast<std::size_t>(i)].name;
+      if (bound(node.q + i)) list.add("bound on " + name, phase, times[k], times[k]);
+      if (bound(node.v + i)) list.add("bound on " + name + " velocity", phase, times[k], times[k]);
+    }
+  }
+  const double end = times.back();
+  for (const PhaseBlock& phase : layout.phases)
+    if (bound(phase.duration)) list.add("bound on duration", phase.name, 0.0, end);
+  for (int c = layout.first_extra; c < layout.columns(); ++c)
+    if (bound(c)) list.add("bound on " + layout.names[static_cast<std::size_t>(c)], "whole plan", 0.0, end);
+  for (const Programme::PlacedRows& placed : programme.node_rows()) {
+    for (int i = 0; i < static_cast<int>(placed.term->rows.size()); ++i) {
+      const int row = placed.row + i;
+      if (active(g[row], programme.row_lower()[row], programme.row_upper()[row], programme.row_scale()[row]))
+        list.add(placed.term->rows[static_cast<std::size_t>(i)].name, "whole plan", 0.0, end);
+    }
+  }
+}
+
+/// Path constraints and inputs, interval by interval.
+void add_path_limits(const Programme& programme, const Vector& x, const Vector& g, const std::vector<double>& starts,
+                     LimitList& list) {
+  const Layout& layout = programme.layout();
   for (std::size_t k = 0; k < starts.size(); ++k) {
     const Interval& interval = programme.intervals()[k];
     const IntervalBlock& block = layout.intervals[k];
@@ -181,6 +208,18 @@ std::vector<PlanLimit> active_limits(Programme& programme, const NlpResult& resu
                  starts[k] + interval.length());
     }
   }
+}
+
+}  // namespace
+
+std::vector<PlanLimit> active_limits(Programme& programme, const NlpResult& result) {
+  const Vector& x = result.x();
+  Vector g(programme.rows());
+  LimitList list;
+  if (!programme.constraints(x, g) || !programme.evaluate_at(x)) return {};
+  const std::vector<double> starts = interval_starts(programme);
+  add_path_limits(programme, x, g, starts, list);
+  add_single_limits(programme, x, g, starts, list);
   return list.take();
 }
 
@@ -191,9 +230,10 @@ void price_limits(Plan& plan) {
   if (!programme.evaluate_at(plan.result.x())) return;
   for (const Interval& interval : programme.intervals())
     add_row_prices(programme, interval, plan.result.row_multipliers, sums);
-  for (int row = 0; row < programme.rows(); ++row) {
-    if (!programme.row_name(row).ends_with("touchdown: pitch")) continue;
-    sums.add("touchdown pitch", "deg", plan.result.row_multipliers[row] * std::numbers::pi / 180.0);
+  for (const Programme::PlacedRows& placed : programme.node_rows()) {
+    if (placed.term->kind != LimitKind::touchdown_pitch) continue;
+    const double multiplier = plan.result.row_multipliers[placed.row + placed.term->kind_row];
+    sums.add("touchdown pitch", "deg", multiplier * std::numbers::pi / 180.0);
   }
   add_bound_prices(programme, plan.result, sums);
   plan.prices = sums.take(plan.objective_weight);

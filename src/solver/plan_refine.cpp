@@ -39,7 +39,7 @@ bool refine(Problem& problem, const Layout& layout, const Vector& errors) {
     std::vector<double> mesh;
     for (int k = block.first_interval; k <= block.last_interval; ++k) {
       const double fraction = layout.intervals[static_cast<std::size_t>(k)].fraction;
-      const bool split = errors[k] > problem.refinement.tolerance;
+      const bool split = problem.refinement.tolerance == 0.0 || errors[k] > problem.refinement.tolerance;
       mesh.insert(mesh.end(), split ? 2 : 1, split ? 0.5 * fraction : fraction);
       any = any || split;
     }

@@ -1,6 +1,7 @@
 #include "solver/verify_limits.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace jaculus::detail {
 
@@ -13,13 +14,13 @@ constexpr double kFootScale = 0.1;  // [m], as the rows that put feet on the gro
 LimitWatch::LimitWatch(const Programme& programme) : programme_(programme) {}
 
 void LimitWatch::check(const std::string& name, const std::string& unit, double value, const Bounds& bounds,
-                       double scale) {
+                       double scale, bool of_foot) {
   const bool above = value > bounds.upper;
   const double limit = above ? bounds.upper : bounds.lower, amount = above ? value - limit : limit - value;
-  if (!(amount > 1e-6 * scale)) return;
+  if (amount <= 1e-6 * scale) return;
   LimitExcess& worst = worst_[name];
-  if (amount / scale <= worst.scaled) return;
-  worst = {name, unit, phase_, time_, value, limit, amount, amount / scale};
+  if (amount / scale <= worst.scaled || std::isnan(worst.scaled)) return;  // a value that is no number stays the worst
+  worst = {name, unit, phase_, time_, value, limit, amount, amount / scale, of_foot};
 }
 
 void LimitWatch::begin_phase(const EquationsPoint& point) {
@@ -85,10 +86,10 @@ void LimitWatch::look_at_feet(const EquationsPoint& point) {
     const Vec2 position = foot_position(tree, point.motion, static_cast<int>(f));
     const bool stands = std::find(point.feet.begin(), point.feet.end(), static_cast<int>(f)) != point.feet.end();
     if (stands) {
-      check(name + " slip", "m", position.x() - place_[f].x(), {0.0, 0.0}, kFootScale);
-      check(name + " off the ground", "m", position.y(), {0.0, 0.0}, kFootScale);
+      check(name + " slip", "m", position.x() - place_[f].x(), {0.0, 0.0}, kFootScale, true);
+      check(name + " off the ground", "m", position.y(), {0.0, 0.0}, kFootScale, true);
     } else {
-      check(name + " below ground", "m", position.y(), {0.0, kInfinity}, kFootScale);
+      check(name + " below ground", "m", position.y(), {0.0, kInfinity}, kFootScale, true);
     }
   }
 }

@@ -21,7 +21,8 @@ class LimitWatch {
   [[nodiscard]] std::vector<LimitExcess> excesses() const;
 
  private:
-  void check(const std::string& name, const std::string& unit, double value, const Bounds& bounds, double scale);
+  void check(const std::string& name, const std::string& unit, double value, const Bounds& bounds, double scale,
+             bool of_foot = false);
   void look_at_terms(int k, double s, const Vector& u, EquationsPoint& point);
   void look_at_bounds(int k, const Vector& u, const EquationsPoint& point);
   void look_at_feet(const EquationsPoint& point);

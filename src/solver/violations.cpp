@@ -18,14 +18,14 @@ std::optional<Vector> row_values(Nlp& nlp, const ConstVectorRef& x) {
 
 }  // namespace
 
-std::optional<std::vector<Violation>> ranked_violations(Nlp& nlp, const ConstVectorRef& x, int count) {
+std::optional<std::vector<Violation>> ranked_violations(Nlp& nlp, const ConstVectorRef& x, int count, double least) {
   assert(count >= 0);
   const std::optional<Vector> values = row_values(nlp, x);
   if (!values) return std::nullopt;
   std::vector<Violation> found;
   const auto add = [&](bool is_row, int i, double value, double lower, double upper, double scale) {
     const double amount = distance(value, lower, upper);
-    if (amount > 0.0) found.push_back({is_row, i, "", "", value, lower, upper, amount, amount / scale});
+    if (amount > least * scale) found.push_back({is_row, i, "", "", value, lower, upper, amount, amount / scale});
   };
   for (int i = 0; i < nlp.rows(); ++i) {
     add(true, i, (*values)[i], nlp.row_lower()[i], nlp.row_upper()[i], nlp.row_scale()[i]);

@@ -63,14 +63,14 @@ void check_sizes(const TermContext& context) {
 void open_pyramids(TermContext& context) {
   for (const auto& [phase, foot] : context.unloaded) {
     for (PathTerm& term : context.path[static_cast<size_t>(phase)])
-      if (term.foot == foot) term.before = std::min(term.before, 1.0);
+      if (term.kind == LimitKind::friction && term.foot == foot) term.before = std::min(term.before, 1.0);
   }
 }
 
 }  // namespace
 
 TermContext make_terms(const Problem& problem, const Equations& equations, Layout& layout) {
-  TermContext context{problem, equations, layout, {}, {}, {}, {}, {}};
+  TermContext context{problem, equations, layout, {}, {}, {}, {}, {}, {}};
   context.path.resize(layout.phases.size());
   terms::add_stance(context);
   terms::add_impacts(context);

@@ -339,4 +339,25 @@ Vector initial_guess(Programme& programme, const GuessSpec& spec, std::uint64_t 
   return GuessBuilder(programme, spec).build(seed, earlier);
 }
 
+std::vector<std::string> guess_gaps(const Programme& programme, const Trajectory& earlier) {
+  std::vector<std::string> gaps;
+  const auto missing = [](const auto& list, const std::string& name) {
+    return std::find(list.begin(), list.end(), name) == list.end();
+  };
+  const auto add = [&gaps](const char* what, const std::string& name) {
+    gaps.push_back("the earlier plan has no " + std::string(what) + " '" + name +
+                   "': the guess takes a static posture's");
+  };
+  const PlanarModel& model = programme.equations().model();
+  const std::vector<PhaseBlock>& phases = programme.layout().phases;
+  for (size_t p = earlier.phases.size(); p < phases.size(); ++p) add("phase for", phases[p].name);
+  if (earlier.phases.size() > phases.size())
+    gaps.push_back("the earlier plan has more phases than this one: its last ones are left out of the guess");
+  for (const Coordinate& c : model.coordinates)
+    if (missing(earlier.coordinates, c.name)) add("coordinate", c.name);
+  for (const PlanarMotor& motor : model.motors)
+    if (missing(earlier.motors, motor.joint)) add("motor", motor.joint);
+  return gaps;
+}
+
 }  // namespace jaculus

@@ -84,7 +84,8 @@ constexpr std::array kKeys = {
     Key{"solver", "starts", "-", "1", "the guess first, then smooth random ones"},
     // refinement
     Key{"refinement", "max_rounds", "-", "0", "solves after the first"},
-    Key{"refinement", "tolerance", "-", "1e-4", "of the local error, relative to each state's scale"},
+    Key{"refinement", "tolerance", "-", "1e-4",
+        "of the local error, relative to each state's scale; 0 halves every interval in every round"},
     // reference: keys of summary.json, and what hardware did
     Key{"reference", "average_acceleration_m_s2", "m/s^2", "none",
         "v_x of the base at the end over the duration, as planned"},

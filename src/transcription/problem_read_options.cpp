@@ -36,7 +36,7 @@ void refinement(Problem& problem, const Node& node) {
   node.only(problem_keys::of("refinement"));
   RefinementSpec& spec = problem.refinement;
   if (const auto value = node.find("max_rounds")) spec.max_rounds = value->integer(0, 50);
-  if (const auto value = node.find("tolerance")) spec.tolerance = value->number(dimension::none, {1e-12, 1.0});
+  if (const auto value = node.find("tolerance")) spec.tolerance = value->number(dimension::none, {0.0, 1.0});
 }
 
 void reference(Problem& problem, const Node& node) {

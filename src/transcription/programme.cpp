@@ -19,7 +19,8 @@ std::string point_name(const PhaseBlock& phase, int interval, int point, bool he
 Programme::Programme(const Problem& problem, const PlanarModel& model)
     : problem_(problem), equations_(std::make_unique<Equations>(model)), layout_(make_layout(problem_, *equations_)) {
   TermContext context = make_terms(problem_, *equations_, layout_);
-  notes_ = remove_redundant_rows(context);
+  notes_ = context.notes;
+  for (const std::string& note : remove_redundant_rows(context)) notes_.push_back(note);
   sign_ = problem.maximise ? -1.0 : 1.0;
   path_terms_ = context.path;
   for (const NodeTerm& term : context.node_rows) node_rows_.emplace_back(term);
@@ -185,6 +186,12 @@ bool Programme::update(const ConstVectorRef& x, int level) {
     level_ = 2;
   }
   return true;
+}
+
+std::vector<Programme::PlacedRows> Programme::node_rows() const {
+  std::vector<PlacedRows> placed;
+  for (const NodeEntry& entry : node_rows_) placed.push_back({&entry.term, entry.row});
+  return placed;
 }
 
 Programme::NodeEntry::NodeEntry(NodeTerm of)

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/QR>
+#include <algorithm>
 #include <map>
 #include <memory>
 
@@ -19,6 +20,17 @@ struct Group {
 double middle(double lower, double upper) {
   if (std::isfinite(lower) && std::isfinite(upper)) return 0.5 * (lower + upper);
   return std::isfinite(lower) ? lower : std::isfinite(upper) ? upper : 0.0;
+}
+
+/// What the user wrote that the rows of a group go with: `initial` at the plan's first node, else the phase that lands there.
+const yaml::Node& place(const TermContext& context, const Group& group) {
+  const Layout& layout = context.layout;
+  if (group.columns.front() == layout.nodes.front().q) return context.problem.initial.node;
+  for (size_t p = 1; p < layout.phases.size(); ++p) {
+    const int before = layout.phases[p - 1].last_node;
+    if (layout.nodes[static_cast<size_t>(before)].q == group.columns.front()) return context.problem.phases[p].node;
+  }
+  return context.problem.node;
 }
 
 struct Rows {
@@ -104,6 +116,10 @@ Vector settle(const TermContext& context, const Group& group, Rows& rows) {
     const Vector step = rows.J.completeOrthogonalDecomposition().solve(rows.residual);
     if (step.norm() < 1e-13) break;
     y -= step * std::min(1.0, 0.3 / std::max(1e-9, step.cwiseAbs().maxCoeff()));
+    for (int j = 0; j < y.size(); ++j) {
+      const int column = group.columns[static_cast<size_t>(j)];
+      y[j] = std::clamp(y[j], context.layout.lower[column], context.layout.upper[column]);
+    }
   }
   return y;
 }
@@ -125,7 +141,7 @@ std::vector<std::string> remove_redundant_rows(TermContext& context) {
     Rows rows;
     const Vector y = settle(context, group, rows);
     if (!evaluate(context, group, y, rows))
-      throw context.problem.initial.node.error("no pose of the feet closes the robot's loops");
+      throw place(context, group).error("no pose of the feet closes the robot's loops");
     const std::vector<char> keep = independent_rows(rows.J);
     int at = 0;
     for (size_t t : group.terms) {
@@ -135,9 +151,9 @@ std::vector<std::string> remove_redundant_rows(TermContext& context) {
         if (keep[static_cast<size_t>(at)]) {
           kept[t].push_back(i);
         } else if (std::abs(rows.residual[at]) > 1e-6) {
-          throw context.problem.initial.node.error(
-              fmt::format("the values given contradict the contacts: {} would be {:.6g} {} and must be 0", row.name,
-                          rows.residual[at], row.unit));
+          throw place(context, group)
+              .error(fmt::format("the values given contradict the contacts: {} would be {:.6g} {} and must be 0",
+                                 row.name, rows.residual[at], row.unit));
         } else {
           notes.push_back(row.name + ": implied by what is given, left out");
         }

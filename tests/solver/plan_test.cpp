@@ -78,5 +78,60 @@ TEST(Plan, AFinerSolveThatFailsIsTold) {
       << cut.refinement_failure;
 }
 
+const PlanLimit* find_limit(const Plan& plan, const std::string& name) {
+  for (const PlanLimit& limit : plan.limits)
+    if (limit.name == name) return &limit;
+  return nullptr;
+}
+
+TEST(Plan, ActiveLimitsNameBoundsInputsAndDurations) {
+  const Plan plan = solve(coarse_leap(""));
+  ASSERT_TRUE(plan.converged());
+  const PlanLimit* velocity = find_limit(plan, "bound on x velocity");
+  ASSERT_NE(velocity, nullptr);  // v >= 1.3 makes the leap one of least time
+  EXPECT_EQ(velocity->phase, "rear_feet");
+  EXPECT_NE(find_limit(plan, "rear_foot friction forward"), nullptr);
+  EXPECT_EQ(find_limit(plan, "bound on duration"), nullptr);
+  Problem brief = coarse_leap("");
+  brief.phases[1].duration.lower = 0.02;
+  const Plan longer = solve(brief);
+  ASSERT_TRUE(longer.converged());
+  const PlanLimit* duration = find_limit(longer, "bound on duration");
+  ASSERT_NE(duration, nullptr);
+  EXPECT_EQ(duration->phase, "rear_feet");
+}
+
+TEST(Plan, VerificationFailsWhatIsNoNumberAndWhatIsFarBeyondALimit) {
+  Programme programme = test::make_programme(coarse_leap(""));
+  const Plan plan = solve(coarse_leap(""));
+  ASSERT_TRUE(plan.converged());
+  VerifyOptions options;
+  options.length = options.angle = options.velocity = options.rate =
+      1.0;  // a coarse grid; limits are what this is about
+  options.balance = 1.0;
+  options.between = 0.5;
+  EXPECT_TRUE(verify_plan(programme, plan.result.x(), options).passed);
+  options.between = 1e-3;
+  const PlanVerification strict = verify_plan(programme, plan.result.x(), options);
+  EXPECT_FALSE(strict.passed);
+  ASSERT_FALSE(strict.failures.empty());
+  EXPECT_NE(strict.failures.front().find("between nodes"), std::string::npos) << strict.failures.front();
+  options.between = kNaN;
+  EXPECT_FALSE(verify_plan(programme, plan.result.x(), options).passed);
+  options.between = 0.5;
+  options.rate = 0.0;
+  EXPECT_FALSE(verify_plan(programme, plan.result.x(), options).passed);
+}
+
+TEST(Plan, GuessFromAnotherRobotNamesItsGaps) {
+  const Plan tailless = solve(test::on_grid(test::extended_problem("leap_tailless", ""), {6, 4}));
+  ASSERT_TRUE(tailless.trajectory.has_value());
+  const Programme programme = test::make_programme(coarse_leap(""));
+  const std::vector<std::string> gaps = guess_gaps(programme, *tailless.trajectory);
+  ASSERT_EQ(gaps.size(), 2u);  // its coordinate and its motor
+  EXPECT_NE(gaps[0].find("coordinate 'tail'"), std::string::npos) << gaps[0];
+  EXPECT_NE(gaps[1].find("motor 'tail'"), std::string::npos) << gaps[1];
+}
+
 }  // namespace
 }  // namespace jaculus

@@ -40,7 +40,8 @@ struct StartFigures {
   int best = 0;       ///< index of the one that was taken
 };
 
-/// A limit that holds the plan back in one phase.
+/// A limit that holds the plan back in one phase: a path constraint, an input, a bound of a coordinate or duration, an inequality
+/// at one node ("whole plan").
 struct PlanLimit {
   std::string name;  ///< "front_a voltage"
   std::string phase;
@@ -73,6 +74,7 @@ struct Plan {
   int refinements = 0;                   ///< rounds of mesh refinement that were made
   std::vector<MeshRound> mesh_rounds;    ///< where refinement was asked for: the first mesh, then each finer one
   std::string refinement_failure;        ///< one sentence where a finer solve did not converge; empty otherwise
+  std::vector<std::string> notes;        ///< on the guess: what an earlier plan lacks
   std::optional<Trajectory> trajectory;  ///< of the solution or of the last iterate; nothing where undefined there
   std::optional<PlanVerification> verification;  ///< likewise
   std::vector<PlanLimit> limits;                 ///< where converged

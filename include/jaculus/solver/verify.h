@@ -25,6 +25,9 @@ struct VerifyOptions {
   double length = 1e-3;                  ///< of any length coordinate at a node [m]
   double angle = 1.7453292519943296e-3;  ///< of any angular coordinate at a node: 0.1 deg [rad]
   double velocity = 0.02;                ///< of any length coordinate's velocity at a node [m/s]
+  double rate = 0.2;                     ///< of any angular coordinate's rate at a node: 0.02 m/s at 0.1 m [rad/s]
+  double between = 0.25;                 ///< of any limit between nodes, over its scale [-]
+  double slip = 1e-3;                    ///< of a foot that stands, or below ground in the air, between nodes [m]
   double balance = 1e-3;                 ///< of momentum and energy [-]
   double row = 1e-3;                     ///< of any row or variable at the plan's own points, over its scale [-]
   double integration = 1e-10;            ///< absolute and relative tolerance of the integrator, SI units
@@ -46,11 +49,12 @@ struct LimitExcess {
   std::string name;  ///< "front_a voltage", "rear_foot slip", "front_foot below ground", "tail position"
   std::string unit;
   std::string phase;
-  double time = 0.0;    ///< from the plan's start [s]
-  double value = 0.0;   ///< [unit]
-  double limit = 0.0;   ///< that it passes [unit]
-  double amount = 0.0;  ///< by how much, positive [unit]
-  double scaled = 0.0;  ///< the same over the limit's scale [-]
+  double time = 0.0;     ///< from the plan's start [s]
+  double value = 0.0;    ///< [unit]
+  double limit = 0.0;    ///< that it passes [unit]
+  double amount = 0.0;   ///< by how much, positive [unit]
+  double scaled = 0.0;   ///< the same over the limit's scale [-]
+  bool of_foot = false;  ///< a foot that slips, leaves the ground or goes below it
 };
 
 /// Outcome of verify_plan. NaN marks what does not apply (balances of momentum on a fixed base, a share of nothing) or could not

@@ -23,9 +23,10 @@ struct Violation {
   double scaled = 0.0;  ///< the same over the row's or variable's scale [-]
 };
 
-/// The `count` largest violations at x [n], by scaled amount, then rows before variables, then index; none that are zero.
-/// Nothing where the constraints are not defined at x.
-std::optional<std::vector<Violation>> ranked_violations(Nlp& nlp, const ConstVectorRef& x, int count);
+/// The `count` largest violations at x [n], by scaled amount, then rows before variables, then index; none whose scaled amount is
+/// not above `least` (rounding, where a solver held all rows to its tolerance). Nothing where the constraints are not defined at x.
+std::optional<std::vector<Violation>> ranked_violations(Nlp& nlp, const ConstVectorRef& x, int count,
+                                                        double least = 0.0);
 
 struct WorstViolation {
   double absolute = 0.0;  ///< units mixed

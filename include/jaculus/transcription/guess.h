@@ -21,6 +21,10 @@ namespace jaculus {
 Vector initial_guess(Programme& programme, const GuessSpec& spec, std::uint64_t seed,
                      const Trajectory* earlier = nullptr);
 
+/// What a guess from an earlier plan does not find there and takes from a static posture: phases, coordinates, motors; one sentence
+/// each. Phases are matched by their number, the others by name.
+std::vector<std::string> guess_gaps(const Programme& programme, const Trajectory& earlier);
+
 /// The plan that x stands for: nodes and middles of the intervals, with accelerations, forces and electrical quantities.
 Trajectory to_trajectory(Programme& programme, const ConstVectorRef& x);
 

@@ -70,7 +70,7 @@ struct SolverSpec {
 /// Mesh refinement on request: intervals are split where the local error exceeds the tolerance.
 struct RefinementSpec {
   int max_rounds = 0;       ///< 0: none
-  double tolerance = 1e-4;  ///< of the local error relative to each state's scale [-]
+  double tolerance = 1e-4;  ///< of the local error relative to each state's scale [-]; 0: every interval is halved
 };
 
 struct Problem {

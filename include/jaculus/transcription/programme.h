@@ -48,6 +48,12 @@ class Programme : public Nlp {
   [[nodiscard]] const std::vector<std::vector<PathTerm>>& path_terms() const { return path_terms_; }
   /// The intervals with all points evaluated at x; false where the equations are not defined there.
   bool evaluate_at(const ConstVectorRef& x) { return update(x, 1); }
+  /// Rows of a node term and where they begin in the programme.
+  struct PlacedRows {
+    const NodeTerm* term;
+    int row;
+  };
+  [[nodiscard]] std::vector<PlacedRows> node_rows() const;
   [[nodiscard]] const std::vector<std::string>& notes() const { return notes_; }  ///< redundant rows left out, and why
 
  private:

@@ -47,6 +47,9 @@ struct RowSpec {
 /// Most rows that one path term may have; more are several terms. Scratch is sized by it, make_terms checks it.
 inline constexpr int kMaxTermRows = 32;
 
+/// The figure of the problem that a term's bounds or values follow from; what it costs is summed over all its rows.
+enum class LimitKind { other, voltage, friction, normal_force, touchdown_pitch };
+
 struct PathTerm {
   std::string name;
   std::vector<RowSpec> rows;
@@ -54,7 +57,8 @@ struct PathTerm {
   double after = -1.0;     ///< holds at the points of a phase that lie after this fraction of its duration ...
   double before = 2.0;     ///< ... and before this one: a window in time, which a finer mesh does not move
   bool only_last = false;  ///< only the phase's last point, with the last interval's input
-  int foot = -1;           ///< the foot whose friction it limits, -1 for other terms
+  LimitKind kind = LimitKind::other;
+  int foot = -1;  ///< the foot whose force it limits, -1 for other terms
   /// values (rows); J (rows x xi, zero on entry) where not null; adds sum_i multipliers_i d2 row_i/dxi2 to H where not null.
   std::function<void(const PointView&, VectorRef values, Matrix* J, const ConstVectorRef* multipliers, Matrix* H)>
       evaluate;
@@ -69,6 +73,8 @@ struct PathTerm {
 struct NodeTerm {
   std::string name;
   std::vector<RowSpec> rows;
+  LimitKind kind = LimitKind::other;  ///< of its row `kind_row`
+  int kind_row = 0;
   std::vector<int> columns;
   bool linear = false;  ///< no second derivatives
   bool stance = false;  ///< places feet on the ground: rows that fixed variables make redundant are left out
@@ -88,6 +94,7 @@ struct TermContext {
   std::vector<std::pair<PathTerm, double>> integral_costs;  ///< integral over all phases, with its weight
   std::vector<std::pair<NodeTerm, double>> node_costs;      ///< with its weight
   std::vector<std::pair<int, int>> unloaded;                ///< (phase, foot) that carries nothing at the phase's end
+  std::vector<std::string> notes;                           ///< what a user should know, one sentence each
   [[nodiscard]] const PlanarModel& model() const { return equations.model(); }
 };
 

@@ -18,6 +18,7 @@ PathTerm motor_voltage_term(const PlanarModel& model, int m, double limit) {
   PathTerm term;
   term.name = motor.joint + " voltage";
   term.rows.push_back({term.name, "V", {-limit, limit}, limit});
+  term.kind = LimitKind::voltage;
   term.reads.velocity = term.reads.input = true;
   term.evaluate = [motor, rate, m](const PointView& view, VectorRef values, Matrix* J,
                                    const ConstVectorRef* multipliers, Matrix* H) {
@@ -59,10 +60,12 @@ void voltage(const TermSpec& spec, TermContext& context) {
 
 void joint_range(const TermSpec& spec, TermContext& context) {
   spec.node.only({"type", "name", "phases"});
+  bool any = false;
   for (const JointRange& range : context.model().joint_ranges) {
     // Ranges on dependent joints are checked after the solve; the dyad's closed form keeps them on their branch.
     const Vector row = context.model().joint_map.row(range.body).transpose();
     if (row.isZero()) continue;
+    any = true;
     const double offset = context.model().joint_offset[range.body];
     PathTerm term;
     term.name = range.joint + " range";
@@ -74,6 +77,8 @@ void joint_range(const TermSpec& spec, TermContext& context) {
     };
     for (int p : chosen_phases(spec.node, context)) context.path[static_cast<size_t>(p)].push_back(term);
   }
+  if (!any)
+    context.notes.push_back("joint_range adds no rows: this robot gives no range to a joint that is no coordinate");
 }
 
 void torque_squared(const TermSpec& spec, TermContext& context) {

@@ -20,6 +20,7 @@ int contact_slot(const PhaseBlock& phase, int foot) {
 PathTerm pyramid(const std::string& foot_name, int foot, int slot, double mu, double scale) {
   PathTerm term;
   term.name = "friction of " + foot_name;
+  term.kind = LimitKind::friction;
   term.foot = foot;
   for (const char* side : {"forward", "backward"})
     term.rows.push_back({fmt::format("{} friction {}", foot_name, side), "N", {0.0, kInfinity}, scale});
@@ -86,6 +87,8 @@ void normal_force(const TermSpec& spec, TermContext& context) {
       const PlanarPoint& point = context.model().feet[static_cast<size_t>(foot)];
       PathTerm term = force_component(point.name + " normal force", slot, 1,
                                       {each.lower * point.count, each.upper * point.count}, weight_scale(context));
+      term.kind = LimitKind::normal_force;
+      term.foot = foot;
       const PhaseSpec& phase = context.problem.phases[static_cast<size_t>(p)];
       if (!leave_out(skip("skip_first"), skip("skip_last"), phase, context.problem.transcription.scheme, term))
         throw spec.node.error(

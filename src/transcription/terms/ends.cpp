@@ -170,6 +170,8 @@ void touchdown_pitch(const TermSpec& spec, TermContext& context) {
   term.rows = {{"touchdown: height of the base", "m", {height, height}, 0.1},
                {"touchdown: pitch", "rad", pitch, 0.1},
                {"touchdown: on the way down", "m/s", {-kInfinity, 0.0}, 1.0}};
+  term.kind = LimitKind::touchdown_pitch;
+  term.kind_row = 1;
   term.evaluate = [g](const ConstVectorRef& y, VectorRef values, Matrix* J, const ConstVectorRef* multipliers,
                       Matrix* H) {
     const double time = y[4];
