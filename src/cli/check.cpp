@@ -5,9 +5,11 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "cli/check_dataset.h"
 #include "cli/command.h"
 #include "jaculus/core/error.h"
 #include "jaculus/report/summary.h"
+#include "jaculus/studies/study.h"
 #include "jaculus/transcription/programme.h"
 
 namespace jaculus::cli {
@@ -48,6 +50,21 @@ Json check_robot(const fs::path& path, std::string& text) {
   return json;
 }
 
+/// A file whose `format` is that of a study.
+bool names_study(const fs::path& path) {
+  if (!fs::is_regular_file(path) || path.extension() == ".urdf") return false;
+  const yaml::Node root = yaml::Node::load(path);
+  if (!root.is_map()) return false;
+  const auto format = root.find("format");
+  return format && format->is_scalar() && format->text().starts_with("jaculus-study/");
+}
+
+Json check_study_file(const fs::path& file, std::string& text) {
+  const std::string understood = check_study(file);
+  text += understood + "\n";
+  return {{"study", understood}};
+}
+
 Json check_problem_file(const fs::path& file, const Common& common, std::string& text) {
   const Loaded loaded = load(file, common);
   const PlanarModel model = planning_model(loaded.problem, loaded.robot.planar);
@@ -75,11 +92,15 @@ int run(const Options& options) {
     print(options.common.json ? Json{{"explanation", explain_problem()}}.dump(1) + "\n" : explain_problem());
     if (options.files.empty()) return kDone;
   }
-  if (options.files.empty()) throw InputError("check: no file given; allowed: problem files and robots, or --explain");
+  if (options.files.empty())
+    throw InputError("check: no file given; allowed: problem files, study files and robots, or --explain");
   Json json = Json::array();
   std::string text;
   for (const std::string& file : options.files) {
-    json.push_back(names_robot(file) ? check_robot(file, text) : check_problem_file(file, options.common, text));
+    json.push_back(names_dataset(file) ? check_dataset(file, text)
+                   : names_study(file) ? check_study_file(file, text)
+                   : names_robot(file) ? check_robot(file, text)
+                                       : check_problem_file(file, options.common, text));
     json.back()["file"] = file;
   }
   if (options.common.json) {
@@ -95,9 +116,9 @@ int run(const Options& options) {
 void add_check(CLI::App& app, Action& chosen) {
   auto options = std::make_shared<Options>();
   CLI::App* command =
-      app.add_subcommand("check", "Validates problems and robots; prints what was understood, with sizes.");
+      app.add_subcommand("check", "Validates problems, studies and robots; prints what was understood, with sizes.");
   command->footer("Example:\n  jaculus check problems/leap_tail.yaml minitaur_tail");
-  command->add_option("files", options->files, "problem files, robot folders or robot names");
+  command->add_option("files", options->files, "problem or study files, robot folders or robot names");
   command->add_flag("--explain", options->explain,
                     "print every key of a problem file with its meaning, unit and default");
   command->add_flag("--json", options->common.json, "machine-readable result on standard output, nothing else there");

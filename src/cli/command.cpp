@@ -13,6 +13,7 @@
 #include "jaculus/core/error.h"
 #include "jaculus/core/yaml.h"
 #include "jaculus/trajectory/csv.h"
+#include "jaculus/transcription/programme.h"
 
 namespace jaculus::cli {
 
@@ -51,6 +52,8 @@ Loaded load(const std::filesystem::path& file, const Common& common) {
   if (common.seed) loaded.problem.solver.seed = *common.seed;
   loaded.robot = read_robot(loaded.problem.robot_folder, loaded.problem.overrides);
   check_problem(loaded.problem, loaded.robot.planar);
+  // Laid out once before any folder is made: what the terms refuse is bad input as well.
+  static_cast<void>(Programme(loaded.problem, planning_model(loaded.problem, loaded.robot.planar)));
   return loaded;
 }
 

@@ -134,6 +134,7 @@ void add_warnings(const Plan& plan, Summary& s) {
     s.warnings.push_back(fmt::format("mesh refined to {} intervals: the objective went from {:.6g} to {:.6g}",
                                      fmt::join(round.intervals, " + "), before.objective, round.objective));
   }
+  for (const std::string& note : plan.notes) s.warnings.push_back(note);
   if (!plan.refinement_failure.empty()) s.warnings.push_back(plan.refinement_failure);
 }
 

@@ -148,6 +148,7 @@ std::vector<MotorFigures> motor_figures(const PlanarModel& model) {
     MotorFigures f;
     f.motor = m.joint;
     f.count = m.count;
+    f.slides = model.bodies[static_cast<std::size_t>(m.body)].kind == JointKind::prismatic;
     f.torque_limit = m.torque_limit;
     f.current_limit = m.current_limit;
     f.voltage_limit = m.voltage;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "jaculus/report/summary.h"
@@ -48,7 +49,10 @@ std::string figures(const Summary& s) {
 
 std::string motors(const Summary& s) {
   if (s.motors.empty()) return "";
-  TextTable table({"  motor", "joint torque [N m]", "motor torque [N m]", "current [A]", "voltage [V]"});
+  const bool slides = std::any_of(s.motors.begin(), s.motors.end(), [](const auto& m) { return m.slides; });
+  const std::string unit = slides ? "N m or N" : "N m";
+  TextTable table({"  motor", fmt::format("at the joint [{}]", unit), fmt::format("at the motor [{}]", unit),
+                   "current [A]", "voltage [V]"});
   const auto of = [](double peak, double limit) {
     return std::isfinite(limit) ? fmt::format("{} of {:g}", fixed(peak, 2), limit) : fixed(peak, 2);
   };
@@ -57,7 +61,9 @@ std::string motors(const Summary& s) {
                fixed(m.joint_torque, 2), of(m.motor_torque, m.torque_limit), of(m.current, m.current_limit),
                of(m.voltage, m.voltage_limit)});
   }
-  return "\npeaks, of what a plan may use, one motor\n" + table.text();
+  return "\npeaks at nodes and middles of intervals, of what a plan may use, one motor (what is passed between: see "
+         "below)\n" +
+         table.text();
 }
 
 std::string limits(const Summary& s) {
@@ -91,7 +97,8 @@ std::string verification(const Summary& s, bool colour) {
   }
   text +=
       fmt::format("  worst row {}; between nodes {}\n", violation(v.worst_violation), violation(v.off_node_violation));
-  text += fmt::format("  balances: momentum {:.1e}, energy {:.1e}\n", v.momentum_balance, v.energy_balance);
+  const auto balance = [](double value) { return std::isnan(value) ? "does not apply" : fmt::format("{:.1e}", value); };
+  text += fmt::format("  balances: momentum {}, energy {}\n", balance(v.momentum_balance), balance(v.energy_balance));
   for (const std::string& failure : v.failures)
     text += "  " + coloured("fails", Colour::red, colour) + ": " + failure + "\n";
   return text;

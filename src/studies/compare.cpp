@@ -1,8 +1,11 @@
 #include "jaculus/studies/compare.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+
+#include "jaculus/model/robot.h"
 
 namespace jaculus {
 namespace {
@@ -38,6 +41,12 @@ void append(std::string& text, const std::string& name, const std::map<std::stri
   for (const auto& [key, b] : values) text += fmt::format("{}.{} {} {}\n", name, key, b.lower, b.upper);
 }
 
+/// Without the joints of bodies that feel the air: they are what is compared.
+std::map<std::string, Bounds> without_tail(const PlanarModel& model, std::map<std::string, Bounds> values) {
+  for (const PlanarDrag& drag : model.drags) values.erase(model.bodies[static_cast<std::size_t>(drag.body)].joint);
+  return values;
+}
+
 }  // namespace
 
 std::string to_string(TailKind kind) {
@@ -66,17 +75,28 @@ TailKind tail_kind(const Problem& problem, const PlanarModel& model) {
 }
 
 std::string conditions(const Problem& problem) {
+  const PlanarModel model = read_robot(problem.robot_folder, problem.overrides).planar;
   std::string text = fmt::format("{} {} {} {}\n", problem.voltage.value_or(kNaN), problem.torque.value_or(kNaN),
                                  problem.current.value_or(kNaN), problem.friction.value_or(kNaN));
   for (const PhaseSpec& phase : problem.phases) {
     for (const std::string& foot : phase.contacts) text += foot + " ";
-    text += fmt::format("{} {} {}\n", phase.intervals, phase.duration.lower, phase.duration.upper);
+    text += fmt::format("{} {} {} {}\n", phase.intervals, phase.duration.lower, phase.duration.upper,
+                        fmt::join(phase.mesh, " "));
   }
-  append(text, "initial", problem.initial.position);
-  append(text, "initial", problem.initial.velocity);
-  append(text, "final", problem.final.position);
-  append(text, "final", problem.final.velocity);
+  const TranscriptionSpec& grid = problem.transcription;
+  text += fmt::format("{} {} {} {} {}\n", static_cast<int>(grid.scheme), static_cast<int>(grid.inputs),
+                      grid.check_interval_end, problem.refinement.max_rounds,
+                      problem.refinement.max_rounds > 0 ? problem.refinement.tolerance : 0.0);
+  append(text, "bounds", without_tail(model, problem.position_bounds));
+  append(text, "bounds velocity", without_tail(model, problem.velocity_bounds));
+  text += fmt::format("at rest {} {}\n", problem.initial.at_rest, problem.final.at_rest);
+  append(text, "initial", without_tail(model, problem.initial.position));
+  append(text, "initial velocity", without_tail(model, problem.initial.velocity));
+  append(text, "final", without_tail(model, problem.final.position));
+  append(text, "final velocity", without_tail(model, problem.final.velocity));
   for (const TermSpec& term : problem.constraints) text += term.node.dump() + "\n";
+  text += problem.maximise ? "maximise\n" : "minimise\n";
+  for (const TermSpec& term : problem.objective) text += fmt::format("{} {}\n", term.weight, term.node.dump());
   for (const Override& o : problem.overrides) {
     // The winding counts, what makes the tail another one does not: that is what is compared.
     if (o.path.ends_with(".resistance")) text += o.path + " " + o.value.dump() + "\n";

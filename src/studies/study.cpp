@@ -23,7 +23,8 @@ const std::vector<Kind>& kinds() {
   static const std::vector<Kind> table{{"reorientation", detail::prepare_reorientation},
                                        {"motion", detail::prepare_motion},
                                        {"tail_design", detail::prepare_tail_design},
-                                       {"drag_bench", detail::prepare_drag_bench}};
+                                       {"drag_bench", detail::prepare_drag_bench},
+                                       {"plan", detail::prepare_plan}};
   return table;
 }
 
@@ -57,7 +58,7 @@ Loaded load(const fs::path& file) {
 TaskOptions task_options(const Loaded& loaded, const fs::path& folder, const StudyOptions& options) {
   TaskOptions t;
   t.workers = options.jobs;
-  t.isolate = false;
+  t.isolate = loaded.study.isolate;
   t.progress = options.progress;
   t.notice = options.notice;
   t.fingerprint = fmt::format("study {:016x}", hash64(loaded.root.dump() + loaded.study.fingerprint + JACULUS_VERSION));

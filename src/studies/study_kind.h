@@ -22,6 +22,7 @@ struct PreparedStudy {
   std::vector<std::string> axes = {};   ///< see StudyResult
   std::vector<StudyJson> samples = {};  ///< see StudyResult
   std::string fingerprint = {};         ///< of further files that the tasks depend on
+  bool isolate = false;                 ///< every task needs a process of its own
 };
 
 /// Keys that every study has.
@@ -31,6 +32,7 @@ PreparedStudy prepare_reorientation(const yaml::Node& root);
 PreparedStudy prepare_motion(const yaml::Node& root);
 PreparedStudy prepare_tail_design(const yaml::Node& root);
 PreparedStudy prepare_drag_bench(const yaml::Node& root);
+PreparedStudy prepare_plan(const yaml::Node& root);
 
 /// Reads `reference`, checked against the columns; evaluates it on the rows.
 struct ReferenceQuery {

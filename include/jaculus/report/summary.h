@@ -31,6 +31,7 @@ struct PhaseFigures {
 struct MotorFigures {
   std::string motor;                 ///< joint that it turns
   int count = 1;                     ///< left and right: 2; figures are those of one
+  bool slides = false;               ///< it moves along a line: its torques are forces [N]
   double joint_torque = kNaN;        ///< behind the gear [N m]
   double motor_torque = kNaN;        ///< before the gear [N m]
   double current = kNaN;             ///< [A]

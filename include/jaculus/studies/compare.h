@@ -30,7 +30,8 @@ std::string to_string(TailKind kind);
 /// What the tail of a problem may do. `model` is the robot with the problem's overrides, nothing locked.
 TailKind tail_kind(const Problem& problem, const PlanarModel& model);
 
-/// Everything that must be alike for two plans to be compared, as text.
+/// Everything that must be alike for two plans to be compared, as text: limits, phases and grid, bounds and ends of all that is
+/// not the tail, constraints, objective, transcription.
 std::string conditions(const Problem& problem);
 
 struct ComparedPlan {

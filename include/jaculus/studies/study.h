@@ -3,7 +3,7 @@
 //
 //   format: jaculus-study/1
 //   name: fig3_effectiveness            unique, names nothing else
-//   kind: reorientation                 reorientation | motion | tail_design | drag_bench
+//   kind: reorientation                 reorientation | motion | tail_design | drag_bench | plan
 //   caption: one line
 //   ...                                 by kind, see reorientation_study.h, tail_design.h, drag_fit.h
 //   reference:                          optional: the source's figures
