@@ -1,0 +1,22 @@
+#pragma once
+// A diagnosis in a process and folder of its own, which hold one dataset and nothing that could tell its label.
+
+#include "jaculus/evaluation/score.h"
+
+namespace jaculus::evaluation {
+
+struct DiagnosisRun {
+  std::filesystem::path binary;   ///< the jaculus program
+  std::filesystem::path dataset;  ///< folder of the case
+  std::filesystem::path keep;     ///< folder for diagnosis.json, augmented.yaml and the program's messages
+  std::vector<std::string> flags;
+  std::uint64_t seed = 1;
+  double time_limit_s = 900.0;
+};
+
+/// Copies the dataset into a fresh folder under the system's temporary one, runs the program there with an environment of
+/// PATH, locale and JACULUS_MODELS alone, and reads its answer. Whatever goes wrong makes an answer "failed" that says so. The
+/// program ends with the process that called this.
+CaseAnswer run_diagnosis(const DiagnosisRun& run);
+
+}  // namespace jaculus::evaluation
