@@ -154,10 +154,7 @@ StartState scattered_start(const Experiment& experiment, const Plant& plant, con
     if (const auto spread = experiment.scatter.find(name); spread != experiment.scatter.end())
       reference.initial[name] += random.draw(spread->second);
   }
-  if (experiment.setup.experiment == "leap") return reference_start(plant, reference);
-  for (int i = 0; i < plant.model.size(); ++i)
-    start.q[i] = reference.initial.at(plant.model.coordinates[static_cast<std::size_t>(i)].name);
-  return start;
+  return reference_start(plant, reference);
 }
 
 }  // namespace

@@ -218,6 +218,11 @@ LeapFigures leap_figures(const Experiment& experiment, const PlanarModel& model,
   if (const Stream* mocap = run.trial.stream("mocap"); mocap != nullptr && mocap->channel("x") >= 0) {
     figures.recipe =
         leap_speed(mocap->time, mocap->values.row(mocap->channel("x")).transpose(), Vector(), figures.duration);
+    const int x = model.coordinate_index("x");
+    Vector exact(mocap->time.size());
+    for (Eigen::Index k = 0; k < exact.size(); ++k)
+      exact[k] = value_at(run.truth, run.truth.q.row(x), std::max(0.0, mocap->time[k]));
+    figures.recipe_exact = leap_speed(mocap->time, exact, Vector(), figures.duration);
   }
   figures.plan_end = state_at(model, run.truth, figures.duration, experiment.touchdown_height);
   if (const auto time = lift_off_time(model, run.truth))

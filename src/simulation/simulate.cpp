@@ -99,6 +99,8 @@ StartState reference_start(const Plant& plant, const Reference& reference) {
   double lowest = kInfinity;
   for (size_t f = 0; f < model.feet.size(); ++f)
     lowest = std::min(lowest, foot_position(tree, motion, static_cast<int>(f)).y() - plant.ground.foot_radius);
+  constexpr double kDrop = 0.05;  // higher above the floor than any plan's own error [m]
+  if (lowest - plant.ground.height > kDrop) return start;
   start.q[z] += plant.ground.height - lowest;
   if (plant.ground.compliance == 0.0) return start;
   // The floor gives way until it carries the weight, by the feet that touch.

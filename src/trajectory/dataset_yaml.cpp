@@ -44,7 +44,7 @@ void note_gains(const StatedController& controller, std::vector<std::string>& no
   }
 }
 
-StatedController read_controller(const yaml::Node& node, std::vector<std::string>& notes) {
+StatedController controller_of(const yaml::Node& node, std::vector<std::string>& notes) {
   node.only({"kind", "quantity", "rate_hz", "kp", "kd", "bus_voltage", "input", "after_end"});
   StatedController controller;
   controller.kind = node.at("kind").choice({"feedforward_pd", "voltage", "torque", "measured"});
@@ -191,6 +191,10 @@ void check_commands(const yaml::Node& file, const DatasetOutline& outline) {
 
 }  // namespace
 
+StatedController read_stated_controller(const yaml::Node& node, std::vector<std::string>& notes) {
+  return controller_of(node, notes);
+}
+
 Dimension command_dimension(const std::string& quantity) {
   if (quantity == "torque") return dimension::torque;
   return quantity == "voltage" ? dimension::voltage : dimension::none;
@@ -217,7 +221,7 @@ DatasetOutline read_dataset_setup(const yaml::Node& file) {
       dataset.overrides[path] = value.dump();
     }
   }
-  dataset.controller = read_controller(file.at("controller"), dataset.notes);
+  dataset.controller = controller_of(file.at("controller"), dataset.notes);
   outline.plan = file.find("plan");
   if (outline.plan) (void)outline.plan->text();
   if (const auto input = file.find("input")) read_input(*input, outline);

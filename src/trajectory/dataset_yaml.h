@@ -33,6 +33,9 @@ DatasetOutline read_outline(const yaml::Node& file);
 DatasetOutline read_dataset_setup(const yaml::Node& file);
 extern const std::vector<std::string> kSetupKeys;
 
+/// The block `controller`; what it leaves open goes to `notes`.
+StatedController read_stated_controller(const yaml::Node& node, std::vector<std::string>& notes);
+
 /// Reads plan and script, which stand in `folder`, into outline.dataset.
 void load_commands(DatasetOutline& outline, const std::filesystem::path& folder);
 /// A plan's table, its time checked and in seconds.

@@ -102,8 +102,9 @@ struct LeapState {
 
 /// A trial's figures, by the authors' recipe and as they are.
 struct LeapFigures {
-  double duration = kNaN;           ///< T of the plan [s]
-  std::optional<LeapSpeed> recipe;  ///< from the mocap stream; nothing where it has none or no start
+  double duration = kNaN;                 ///< T of the plan [s]
+  std::optional<LeapSpeed> recipe;        ///< from the mocap stream; nothing where it has none or no start
+  std::optional<LeapSpeed> recipe_exact;  ///< the same on the true x at the same instants: the recipe's own bias
   LeapState plan_end;
   std::optional<LeapState> lift_off;  ///< when the last foot left the floor; nothing where one stays
 };

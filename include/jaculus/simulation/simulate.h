@@ -62,6 +62,7 @@ Simulation simulate(const Plant& plant, const Controller& controller, const Star
                     const SimulationOptions& options);
 
 /// The start of a reference: its initial coordinates, at rest, lowered or raised so that the lowest feet touch the floor.
+/// A start whose feet are more than 50 mm above the floor is a drop, and stays there.
 StartState reference_start(const Plant& plant, const Reference& reference);
 
 }  // namespace jaculus

@@ -1,0 +1,215 @@
+// jaculus import: logs of real robots into a dataset.
+
+#include "jaculus/trajectory/import.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "cli/command.h"
+#include "jaculus/core/error.h"
+#include "jaculus/trajectory/column_map.h"
+#include "jaculus/trajectory/leap_speed.h"
+#include "jaculus/trajectory/openlog.h"
+#include "jaculus/trajectory/optitrack.h"
+
+namespace jaculus::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+struct Options {
+  Common common;
+  std::vector<std::string> files;
+  std::string robot, experiment = "leap", plan, controller, provenance, description;
+  std::string start, cut;
+  MocapAxes axes;
+};
+
+double number(const std::string& flag, const std::string& text) {
+  double value = 0.0;
+  const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (code != std::errc() || end != text.data() + text.size() || !std::isfinite(value))
+    throw InputError(fmt::format("{}: '{}' given; allowed: a number", flag, text));
+  return value;
+}
+
+/// Time zero by --start: `rule` (the authors', on horizontal motion), `first` (sample), seconds of the file, or CHANNEL>VALUE.
+double start_of(const Stream& stream, const std::string& rule, const std::string& file,
+                std::vector<std::string>& notes) {
+  if (rule == "first") return stream.time[0];
+  if (rule == "rule") {
+    const int x = stream.channel("x"), y = stream.channel("y");
+    if (x < 0) throw InputError("--start: 'rule' needs a channel x; allowed here: first, a time, CHANNEL>VALUE");
+    const Vector lateral = y < 0 ? Vector() : Vector(stream.values.row(y).transpose());
+    const auto start = leap_start(stream.time, stream.values.row(x).transpose(), lateral);
+    if (!start)
+      throw InputError(
+          fmt::format("{}: nothing moves as the start rule asks (last under 0.005 m/s before the first over 0.1 m/s); "
+                      "allowed: --start first, a time, CHANNEL>VALUE",
+                      file));
+    notes.push_back(fmt::format("time zero by the authors' start rule: {:.6g} s of the file", *start));
+    return *start;
+  }
+  const std::size_t above = rule.find('>');
+  if (above == std::string::npos) return number("--start", rule);
+  const int channel = stream.channel(rule.substr(0, above));
+  const double value = number("--start", rule.substr(above + 1));
+  if (channel < 0) {
+    const auto near = yaml::nearest_name(rule.substr(0, above), stream.channels);
+    throw InputError(fmt::format("--start: there is no channel '{}'{}", rule.substr(0, above),
+                                 near ? fmt::format(", did you mean '{}'?", *near) : ""));
+  }
+  for (Eigen::Index k = 0; k < stream.time.size(); ++k) {
+    if (!(stream.values(channel, k) > value)) continue;
+    notes.push_back(fmt::format("time zero where {} first passes {}: {:.6g} s of the file", rule.substr(0, above),
+                                value, stream.time[k]));
+    return stream.time[k];
+  }
+  throw InputError(fmt::format("{}: {} never passes {}; allowed: another --start", file, rule.substr(0, above), value));
+}
+
+Bounds cut_of(const std::string& text) {
+  if (text.empty()) return {};
+  const std::size_t comma = text.find(',');
+  if (comma == std::string::npos) throw InputError(fmt::format("--cut: '{}' given; allowed: FROM,TO in seconds", text));
+  const Bounds cut{number("--cut", text.substr(0, comma)), number("--cut", text.substr(comma + 1))};
+  if (!(cut.lower < cut.upper))
+    throw InputError(fmt::format("--cut: '{}' given; allowed: FROM,TO with FROM below TO", text));
+  return cut;
+}
+
+/// Moves time zero to `start` and keeps what lies within `cut`.
+void cut_stream(Stream& stream, double start, const Bounds& cut, const std::string& file) {
+  constexpr double kRounding = 1e-9;
+  stream.time.array() -= start;
+  Eigen::Index first = 0, last = stream.time.size();
+  while (first < last && stream.time[first] < cut.lower - kRounding) ++first;
+  while (last > first && stream.time[last - 1] > cut.upper + kRounding) --last;
+  if (first == last)
+    throw InputError(fmt::format("{}: no sample lies within --cut {},{} s of time zero", file, cut.lower, cut.upper));
+  stream.time = Vector(stream.time.segment(first, last - first));
+  stream.values = Matrix(stream.values.middleCols(first, last - first));
+}
+
+Stream read_file(const std::string& kind, const Options& options, const std::string& file,
+                 std::vector<std::string>& notes) {
+  if (kind == "openlog")
+    return read_openlog(fs::path(file), read_openlog_format(yaml::Node::load(options.description)), notes);
+  if (kind == "csv")
+    return read_mapped_csv(fs::path(file), read_column_map(yaml::Node::load(options.description)), notes);
+  const MocapTake take = read_optitrack(fs::path(file));
+  notes.push_back(fmt::format("format version {}, {} bodies, {} frames at {:.6g} Hz", take.version, take.bodies.size(),
+                              take.time.size(), take.rate_hz));
+  notes.insert(notes.end(), take.notes.begin(), take.notes.end());
+  notes.push_back(fmt::format("{} is taken as up{}; the first {} s as rest", options.axes.up,
+                              options.axes.up == "y" ? " (Motive's own; --up z otherwise)" : "", options.axes.rest));
+  try {
+    return mocap_stream(take, options.axes, notes);
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}: {}", file, error.what()));
+  }
+}
+
+int run(const std::string& kind, const Options& options) {
+  if (options.common.out.empty()) throw InputError("--out: missing; allowed: the folder of the dataset to write");
+  const Bounds cut = cut_of(options.cut);
+  const fs::path robot = find_robot(options.robot, fs::current_path());
+  Dataset dataset = begin_dataset({options.experiment, options.robot, options.plan, options.controller});
+  // A robot that is named by its place stands in the dataset in full, for the dataset lies elsewhere.
+  if (fs::path(options.robot).has_parent_path() || fs::is_directory(options.robot))
+    dataset.robot = fs::absolute(robot).lexically_normal().string();
+  const std::vector<std::string> setup_notes = dataset.notes;
+  Json json = {{"files", Json::array()}, {"assumed", setup_notes}};
+  std::string text;
+  for (const std::string& note : setup_notes) text += "assumed: " + note + "\n";
+  for (std::size_t i = 0; i < options.files.size(); ++i) {
+    std::vector<std::string> notes;
+    Stream stream = read_file(kind, options, options.files[i], notes);
+    const double start = start_of(stream, options.start, options.files[i], notes);
+    cut_stream(stream, start, cut, options.files[i]);
+    Trial trial{fmt::format("trial_{:02}", i + 1), {}};
+    text +=
+        fmt::format("{} -> {}: {} samples of {} channels, {:.4g} to {:.4g} s\n", options.files[i], trial.name,
+                    stream.time.size(), stream.channels.size(), stream.time[0], stream.time[stream.time.size() - 1]);
+    for (const std::string& note : notes) text += "  " + note + "\n";
+    json["files"].push_back({{"file", options.files[i]},
+                             {"trial", trial.name},
+                             {"samples", stream.time.size()},
+                             {"channels", stream.channels},
+                             {"notes", notes}});
+    trial.streams.push_back(std::move(stream));
+    dataset.trials.push_back(std::move(trial));
+  }
+  dataset.provenance = options.provenance.empty()
+                           ? fmt::format("Imported by jaculus from {} {} file{}; time zero: {}.", options.files.size(),
+                                         kind, options.files.size() == 1 ? "" : "s", options.start)
+                           : options.provenance;
+  prepare_folder(options.common.out);
+  write_dataset(dataset, options.common.out);
+  if (options.common.json) {
+    print(json.dump(1) + "\n");
+  } else if (!options.common.quiet) {
+    print(text + fmt::format("written to {}\n", options.common.out));
+  }
+  return kDone;
+}
+
+CLI::App* add_kind(CLI::App& parent, const std::string& kind, const std::string& help, const std::string& start,
+                   const std::shared_ptr<Options>& options, Action& chosen) {
+  CLI::App* command = parent.add_subcommand(kind, help);
+  command->add_option("files", options->files, "logs, a trial each")->required();
+  command->add_option("--out", options->common.out, "folder of the dataset");
+  command->add_flag("--quiet", options->common.quiet, "print nothing but errors");
+  command->add_flag("--json", options->common.json, "machine-readable result on standard output, nothing else there");
+  command->add_option("--robot", options->robot, "the robot: a folder of models/, or a path")->required();
+  command->add_option("--experiment", options->experiment, "what was done")
+      ->check(one_of({"leap", "self_righting", "tail_bench", "pendulum"}));
+  command->add_option("--plan", options->plan, "plan.csv that was commanded");
+  command->add_option("--controller", options->controller, "as in dataset.yaml: \"{kind: measured, input: torque}\"");
+  command->add_option("--provenance", options->provenance, "where the logs come from");
+  options->start = start;
+  command->add_option(
+      "--start", options->start,
+      "time zero: rule (the authors', on horizontal speed), first (sample), seconds of the file, or CHANNEL>VALUE");
+  command->add_option("--cut", options->cut, "FROM,TO: seconds about time zero that are kept; default: everything");
+  command->callback([kind, options, &chosen] { chosen = [kind, options] { return run(kind, *options); }; });
+  return command;
+}
+
+}  // namespace
+
+void add_import(CLI::App& app, Action& chosen) {
+  CLI::App* command = app.add_subcommand("import", "Logs of real robots into a dataset; prints what was assumed.");
+  command->footer(
+      "Example:\n  jaculus import optitrack take1.csv take2.csv --robot minitaur_tail --plan plan.csv --cut=-0.3,1 "
+      "--out leaps\n"
+      "  jaculus import openlog LOG1.TXT --format minitaur_log.yaml --robot minitaur --plan plan.csv --out joints");
+  command->require_subcommand(1);
+  auto mocap = std::make_shared<Options>();
+  CLI::App* optitrack =
+      add_kind(*command, "optitrack", "Motion capture as OptiTrack's Motive exports it, CSV of version 1.1 and later.",
+               "rule", mocap, chosen);
+  optitrack->add_option("--up", mocap->axes.up, "axis of the file that points up")->check(one_of({"y", "z"}));
+  optitrack
+      ->add_option("--forward", mocap->axes.forward, "axis of the file that points forward; auto: told by the motion")
+      ->check(one_of({"auto", "motion", "+x", "-x", "+y", "-y", "+z", "-z"}));
+  optitrack->add_option("--body", mocap->axes.body, "rigid body that is the robot's base; default: the first");
+  optitrack->add_option("--rest", mocap->axes.rest, "seconds at the beginning in which the robot rests")
+      ->check(CLI::PositiveNumber);
+  auto log = std::make_shared<Options>();
+  add_kind(*command, "openlog", "Binary logs of records, by a description of their layout.", "first", log, chosen)
+      ->add_option("--format", log->description, "layout of the records (YAML, format: jaculus-openlog/1)")
+      ->required();
+  auto csv = std::make_shared<Options>();
+  add_kind(*command, "csv", "Any CSV through a map of its columns.", "first", csv, chosen)
+      ->add_option("--map", csv->description, "columns of the channels (YAML, format: jaculus-columns/1)")
+      ->required();
+}
+
+}  // namespace jaculus::cli
