@@ -22,9 +22,11 @@ libboost-dev - the integrator that verifies plans and runs the plant (odeint)
 libceres-dev - least squares of the diagnosis
 libsodium-dev - seals the labels of test cases
 libmujoco-dev - the independent engine of the testbed
+python3-matplotlib - figures for papers
 '
 test_packages='
 libgtest-dev - the tests
+chromium - opens reports in the browser test
 '
 format_packages='
 clang-format - the one formatting of the code
@@ -32,8 +34,18 @@ clang-format - the one formatting of the code
 tidy_packages='
 clang-tidy - static checks
 '
+fuzz_packages='
+clang - compiles the fuzzers
+libclang-rt-14-dev - libFuzzer and its sanitizers
+'
 benchmark_packages='
 libbenchmark-dev - the benchmarks
+'
+
+# Charts of reports come from npm. Node's own packages bring npm along, Debian's don't, so programs are asked for, not packages.
+web_packages='
+nodejs - runs the bundler of reports
+npm - fetches the charts of reports
 '
 
 say() { printf '%s\n' "$*" >&2; }
@@ -56,6 +68,12 @@ ensure_packages() {
   say "These packages are missing and will be installed with apt:"
   for package in $missing; do printf '%s\n' "$table" | grep -F "$package - " | grep "^$package - " | sed 's/^/  /' >&2; done
   install_packages $missing
+}
+
+# ensure_web: node and npm, from wherever they are.
+ensure_web() {
+  if command -v node >/dev/null 2>&1 && command -v npm >/dev/null 2>&1; then return 0; fi
+  ensure_packages "$web_packages"
 }
 
 install_packages() {

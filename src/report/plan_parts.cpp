@@ -81,8 +81,9 @@ Chart channel_chart(const std::vector<PlanRecord>& plans, const ChannelChart& wh
     const int c = table.column(what.channel);
     if (c < 0) continue;
     chart.y.unit = table.columns[static_cast<std::size_t>(c)].unit;
+    const bool steps = what.held && plans[i].summary.input_hold == "held";
     chart.series.push_back({plans[i].summary.name, column(table, table.column("time")), column(table, c),
-                            SeriesStyle::line, static_cast<int>(i)});
+                            steps ? SeriesStyle::steps : SeriesStyle::line, static_cast<int>(i)});
   }
   if (what.limit == nullptr) return chart;
   const double limit = common_limit(plans, what);
@@ -139,11 +140,11 @@ Section motor_section(const std::vector<PlanRecord>& plans) {
                   {"Figures are those of one motor, before its gear; left and right are alike."}};
   for (const std::string& name : motor_names(plans)) {
     add(section, channel_chart(plans, {name + "_motor_torque", plain(name) + ": motor torque",
-                                       &MotorFigures::torque_limit, name}));
+                                       &MotorFigures::torque_limit, name, true}));
     add(section,
         channel_chart(plans, {name + "_voltage", plain(name) + ": voltage", &MotorFigures::voltage_limit, name}));
     add(section,
-        channel_chart(plans, {name + "_current", plain(name) + ": current", &MotorFigures::current_limit, name}));
+        channel_chart(plans, {name + "_current", plain(name) + ": current", &MotorFigures::current_limit, name, true}));
     if (channel_chart(plans, {name + "_motor_torque", ""}).series.empty())
       add(section, channel_chart(plans, {name + "_torque", plain(name) + ": torque"}));
   }

@@ -14,6 +14,7 @@ struct ChannelChart {
   std::string title;
   double MotorFigures::*limit = nullptr;  ///< drawn on both sides of zero, where every plan has the same
   std::string motor = {};                 ///< whose limit it is
+  bool held = false;                      ///< an input: steps where the plan holds it from sample to sample
 };
 
 /// A column of every plan that has it against time; no series where none has.

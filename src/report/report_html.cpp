@@ -9,10 +9,13 @@
 #include "report/assets.h"
 #include "report/html.h"
 #include "report/report_json.h"
+#include "report/thin.h"
 
 namespace jaculus {
 namespace {
 
+constexpr std::size_t kMostBytes = 4'800'000;  // of a report, which browsers and mail still take easily
+constexpr std::size_t kMostPoints = 10'000;    // of a series, the first thing to give way where that is passed
 constexpr const char* kPlainStyle =
     "body{font-family:sans-serif;margin:2em auto;max-width:70em;padding:0 "
     "1em}table{border-collapse:collapse;margin:1em 0}"
@@ -60,24 +63,39 @@ std::string plain_body(const Report& report) {
   return text;
 }
 
+/// The page with its viewer.
+Page viewer_page(const Report& report, const std::string& script, const std::string& style) {
+  Page page;
+  page.script = script;
+  page.style = style;
+  page.data = report_json(report);
+  page.body =
+      "<noscript>This report needs JavaScript, which it brings along.</noscript>\n<main id=\"report\"></main>\n";
+  return page;
+}
+
 }  // namespace
 
 std::string report_html(const Report& report) {
-  Page page;
-  page.title = fmt::format("{} \xC2\xB7 jaculus {}", report.title, report.kind);
+  const std::string title = fmt::format("{} \xC2\xB7 jaculus {}", report.title, report.kind);
   const auto script = web_asset("report.js");
   const auto style = web_asset("report.css");
-  if (script && style) {
-    page.script = *script;
-    page.style = *style;
-    page.data = report_json(report);
-    page.body =
-        "<noscript>This report needs JavaScript, which it brings along.</noscript>\n<main id=\"report\"></main>\n";
-  } else {
+  if (!script || !style) {
+    Page page;
+    page.title = title;
     page.style = kPlainStyle;
     page.body = plain_body(report);
+    return html_page(page);
   }
-  return html_page(page);
+  Page page = viewer_page(report, *script, *style);
+  page.title = title;
+  std::string text = html_page(page);
+  for (std::size_t most = kMostPoints; text.size() > kMostBytes && most > 100; most /= 2) {
+    page = viewer_page(thinned(report, most), *script, *style);
+    page.title = title;
+    text = html_page(page);
+  }
+  return text;
 }
 
 std::filesystem::path write_report(const Report& report, const std::filesystem::path& folder) {

@@ -4,7 +4,6 @@
 #include <cassert>
 #include <cmath>
 #include <cstring>
-#include <map>
 
 #include "jaculus/report/version.h"
 
@@ -33,23 +32,6 @@ std::string base64(const std::vector<float>& values) {
   }
   return text;
 }
-
-/// Arrays of a report, each kept once.
-class Arrays {
- public:
-  Json add(const std::vector<double>& values) {
-    if (values.empty()) return nullptr;
-    std::string text = base64({values.begin(), values.end()});
-    const auto [place, fresh] = index_.try_emplace(std::move(text), static_cast<int>(list_.size()));
-    if (fresh) list_.push_back(place->first);
-    return place->second;
-  }
-  [[nodiscard]] Json list() const { return list_; }
-
- private:
-  std::map<std::string, int> index_;
-  std::vector<std::string> list_;
-};
 
 Json axis(const Axis& a) {
   return {{"name", a.name},
@@ -84,7 +66,7 @@ const char* mark_name(MarkKind kind) {
   return "note";
 }
 
-Json chart(const Chart& c, Arrays& arrays) {
+Json chart(const Chart& c, NumberArrays& arrays) {
   Json json = {{"id", c.id},         {"title", c.title},        {"caption", c.caption},
                {"x", axis(c.x)},     {"y", axis(c.y)},          {"overTime", c.over_time},
                {"figure", c.figure}, {"series", Json::array()}, {"marks", Json::array()}};
@@ -153,7 +135,7 @@ Json choice(const Choice& c) {
   return json;
 }
 
-Json actor(const Actor& a, Arrays& arrays) {
+Json actor(const Actor& a, NumberArrays& arrays) {
   Json json = {{"name", a.name},
                {"style", a.style == ActorStyle::ghost ? "ghost" : "solid"},
                {"colour", a.colour},
@@ -176,7 +158,7 @@ Json actor(const Actor& a, Arrays& arrays) {
   return json;
 }
 
-Json animation(const Animation& a, Arrays& arrays) {
+Json animation(const Animation& a, NumberArrays& arrays) {
   Json json = {{"id", a.id}, {"title", a.title}, {"caption", a.caption}, {"panels", Json::array()}};
   for (const Animation::Panel& p : a.panels) {
     Json panel = {{"title", p.title}, {"actors", Json::array()}};
@@ -186,7 +168,7 @@ Json animation(const Animation& a, Arrays& arrays) {
   return json;
 }
 
-Json section(const Section& s, Arrays& arrays) {
+Json section(const Section& s, NumberArrays& arrays) {
   Json json = {{"title", s.title}, {"text", s.text}, {"folded", s.folded}};
   const auto list = [&json](const char* key, const auto& items, const auto& one) {
     json[key] = Json::array();
@@ -204,8 +186,16 @@ Json section(const Section& s, Arrays& arrays) {
 
 }  // namespace
 
+Json NumberArrays::add(const std::vector<double>& values) {
+  if (values.empty()) return nullptr;
+  std::string text = base64({values.begin(), values.end()});
+  const auto [place, fresh] = index_.try_emplace(std::move(text), static_cast<int>(list_.size()));
+  if (fresh) list_.push_back(place->first);
+  return place->second;
+}
+
 Json report_json(const Report& report) {
-  Arrays arrays;
+  NumberArrays arrays;
   Json json = {{"format", "jaculus-report/1"}, {"version", version()},     {"title", report.title},
                {"caption", report.caption},    {"kind", report.kind},      {"notices", report.notices},
                {"facts", Json::array()},       {"sections", Json::array()}};

@@ -120,10 +120,15 @@ function axes(chart) {
   ];
 }
 
-function scale(axis) {
-  const made = { time: false, distr: axis.log ? 3 : 1 };
+/** The scale of y: as the axis says, else what the data and the horizontal marks need. */
+function scaleY(axis, marks) {
+  const made = { distr: axis.log ? 3 : 1 };
   const [low, high] = axis.range;
+  const heights = marks.map((m) => m.y).filter((y) => y !== null && (!axis.log || y > 0));
   if (low !== null && high !== null) made.range = [low, high];
+  else if (heights.length && !axis.log) {
+    made.range = (u, least, most) => uPlot.rangeNum(Math.min(least, ...heights), Math.max(most, ...heights), 0.1, true);
+  }
   return made;
 }
 
@@ -163,7 +168,7 @@ export function makeChart(chart, data, place, hooks = {}) {
       width: width(),
       height: HEIGHT,
       pxAlign: 0,
-      scales: { x: { ...scale({ ...chart.x, range: [null, null] }) }, y: scale(chart.y) },
+      scales: { x: { time: false, distr: chart.x.log ? 3 : 1 }, y: scaleY(chart.y, chart.marks) },
       series: options,
       bands,
       axes: axes(chart),
@@ -195,7 +200,7 @@ export function makeChart(chart, data, place, hooks = {}) {
           },
         ],
       },
-      plugins: [marksPlugin(chart.marks, chart.y)],
+      plugins: [marksPlugin(chart.marks)],
     },
     joined(series, ...full),
     canvas,

@@ -74,6 +74,8 @@ function build(data) {
     clock.follow((t) => moving.forEach((c) => c.setTime(t)));
     for (const c of moving) c.plot.over.addEventListener('click', () => clock.set(c.plot.posToVal(c.plot.cursor.left, 'x')));
   }
+  if (clock) requestAnimationFrame(() => clock.set(clock.time));  // charts know their scales by then
+  addEventListener('beforeprint', () => main.querySelectorAll('details').forEach((d) => (d.open = true)));
   // For tests: what stands on the page.
   window.jaculusReport = { data, clock, charts };
   document.documentElement.classList.add('ready');
