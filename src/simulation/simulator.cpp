@@ -135,7 +135,7 @@ void Simulator::list_functions() {
       functions_.push_back({Function::cone_plus, c, force});
       functions_.push_back({Function::cone_minus, c, force});
     } else {
-      functions_.push_back({Function::slide, c, 1e-9});
+      functions_.push_back({Function::slide, c, 0.5 * kStill});
     }
   }
 }
@@ -206,11 +206,11 @@ void Simulator::dense(double t, State& out) {
   stepper_.calc_state(t, out, y_, dydt_, t_, y_new_, dydt_new_, t_ + step_);
 }
 
-double Simulator::value_at(const EventFunction& f, double t) {
+double Simulator::value_at(const EventFunction& f, double t, double shift) {
   dense(t, y_dense_);
   const bool ok = forces_at(f) ? equations_.evaluate(t, y_dense_.data(), dydt_dense_.data())
                                : equations_.set_state(y_dense_.data());
-  return ok ? value(f) + f.tolerance : -f.tolerance;
+  return ok ? value(f) + shift : -f.tolerance;
 }
 
 /// Whether a gap that is open at both ends of the step closes between them; `bottom`: an instant at which it is closed.
@@ -223,21 +223,23 @@ bool Simulator::dips(EventFunction& f, double& bottom) {
   return true;
 }
 
-/// The instant within the step at which f has just passed its tolerance below zero.
+/// The instant within the step at which f passes zero, or has just passed its tolerance where it began below zero.
 double Simulator::first_crossing(const EventFunction& f) {
-  double from = t_, at_from = f.at_start + f.tolerance;
+  // Where it is clearly positive at the start, zero itself is looked for.
+  const double shift = f.at_start > f.tolerance ? 0.0 : f.tolerance;
+  double from = t_, at_from = f.at_start + shift;
   if (at_from <= 0.0) {
     // Just off a contact: the bracket begins where the gap has opened.
     for (double share = 1e-9; share < 0.9 && at_from <= 0.0 && f.kind == Function::gap; share *= 4.0) {
       from = t_ + share * (t_new_ - t_);
-      at_from = value_at(f, from);
+      at_from = value_at(f, from, shift);
     }
   }
-  if (at_from <= 0.0 || f.at_end + f.tolerance > 0.0) return t_;
+  if (at_from <= 0.0 || f.at_end + shift > 0.0) return t_;
   std::uintmax_t iterations = 80;
   const auto close = [](double a, double b) { return b - a < 1e-12; };
-  const auto root = boost::math::tools::toms748_solve([&](double t) { return value_at(f, t); }, from, t_new_, at_from,
-                                                      f.at_end + f.tolerance, close, iterations);
+  const auto root = boost::math::tools::toms748_solve([&](double t) { return value_at(f, t, shift); }, from, t_new_,
+                                                      at_from, f.at_end + shift, close, iterations);
   return root.second;
 }
 
@@ -257,7 +259,7 @@ bool Simulator::handle_events() {
   for (auto& [f, until] : suspects) {
     t_new_ = until;
     if (until != t_end) {
-      f->at_end = value_at(*f, until) - f->tolerance;
+      f->at_end = value_at(*f, until, 0.0);
       if (f->at_end >= -f->tolerance) continue;
     }
     const double crossing = first_crossing(*f);

@@ -16,6 +16,9 @@
 
 namespace jaculus::detail {
 
+/// A rate that counts as zero; above what is left of one that a contact holds at zero [m/s, rad/s].
+inline constexpr double kStill = 2e-7;
+
 class Simulator {
  public:
   Simulator(const Plant& plant, const Controller& controller, const StartState& start,
@@ -45,7 +48,7 @@ class Simulator {
   [[nodiscard]] bool forces_at(const EventFunction& f) const {
     return f.kind != Function::gap && f.kind != Function::slide;
   }
-  double value_at(const EventFunction& f, double t);
+  double value_at(const EventFunction& f, double t, double shift);
   double first_crossing(const EventFunction& f);
   [[nodiscard]] bool dips(EventFunction& f, double& bottom);
   void list_functions();

@@ -11,7 +11,6 @@ namespace jaculus::detail {
 
 namespace {
 
-constexpr double kStill = 1e-8;      ///< a rate that counts as zero [m/s, rad/s]
 constexpr double kRest = 1e-3;       ///< slower impacts end at rest: nothing bounces, nothing rocks on [m/s, rad/s]
 constexpr int kCrowd = 60;           ///< events within kCrowdTime that make a cluster
 constexpr double kCrowdTime = 1e-7;  ///< [s]
