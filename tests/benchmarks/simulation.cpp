@@ -1,0 +1,95 @@
+// The plant on a leap and a drop: simulations a second, real-time factor, evaluations, and the error against a tight reference.
+
+#include <benchmark/benchmark.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "jaculus/model/robot.h"
+#include "jaculus/simulation/simulate.h"
+
+namespace jaculus {
+namespace {
+
+struct Case {
+  Plant plant;
+  Controller controller;
+  StartState start;
+  double duration;
+};
+
+/// Minitaur with tail pushes off within 0.25 s under joint PD of torque, sampled at 1 kHz.
+Case leap() {
+  const PlanarModel model = read_robot(find_robot("minitaur_tail", "")).planar;
+  Case c{nominal_plant(model), {}, {}, 0.25};
+  Reference& r = c.controller.reference;
+  const auto motors = static_cast<Eigen::Index>(model.motors.size());
+  constexpr Eigen::Index samples = 26;
+  r.time = Vector::LinSpaced(samples, 0.0, c.duration);
+  r.duration = c.duration;
+  r.position.resize(motors, samples);
+  r.velocity.resize(motors, samples);
+  for (Eigen::Index m = 0; m < motors; ++m) {
+    r.motors.push_back(model.motors[static_cast<size_t>(m)].joint);
+    const double sweep = r.motors.back() == "tail" ? -1.2 : (r.motors.back().starts_with("rear") ? 1.2 : 0.9);
+    for (Eigen::Index k = 0; k < samples; ++k) {
+      const double s = r.time[k] / c.duration;
+      r.position(m, k) = 1.0 + sweep * s * s;
+      r.velocity(m, k) = 2.0 * sweep * s / c.duration;
+    }
+    r.initial[r.motors.back()] = 1.0;
+  }
+  c.controller.kp = Vector::Constant(motors, 8.0);
+  c.controller.kd = Vector::Constant(motors, 0.15);
+  c.controller.kp[motors - 1] = 0.5;
+  c.controller.kd[motors - 1] = 0.02;
+  c.start = reference_start(c.plant, r);
+  return c;
+}
+
+/// The tail at full battery against its stop while the body falls.
+Case drop() {
+  const PlanarModel model = read_robot(find_robot("self_righting", "")).planar;
+  Case c{nominal_plant(model), {}, {Vector::Zero(2), Vector::Zero(2)}, 0.32};
+  c.plant.stops = {{"tail", {-kInfinity, std::numbers::pi}, 0.0}};
+  c.controller.quantity = CommandQuantity::voltage;
+  c.controller.rate_hz = kInfinity;
+  c.controller.after_end = AfterEnd::repeat;
+  c.controller.reference.motors = {"tail"};
+  c.controller.reference.time = Vector::Zero(1);
+  c.controller.reference.feedforward = Matrix::Constant(1, 1, 16.0);
+  return c;
+}
+
+SimulationOptions options_of(const Case& c, int samples, double tolerance) {
+  SimulationOptions options;
+  options.duration = c.duration;
+  options.sample_times = Vector::LinSpaced(samples, 0.0, c.duration);
+  options.relative_tolerance = tolerance;
+  options.absolute_tolerance = 1e-2 * tolerance;
+  return options;
+}
+
+void run(benchmark::State& state, const Case& c, int samples) {
+  const SimulationOptions options = options_of(c, samples, std::pow(10.0, -static_cast<double>(state.range(0))));
+  Simulation s;
+  for (auto _ : state) {
+    s = simulate(c.plant, c.controller, c.start, options);
+    benchmark::DoNotOptimize(s.q.data());
+  }
+  if (s.status != SimulationStatus::done) state.SkipWithError(s.message.c_str());
+  const Simulation tight = simulate(c.plant, c.controller, c.start, options_of(c, samples, 1e-11));
+  state.counters["evaluations"] = static_cast<double>(s.evaluations);
+  state.counters["error_rad_or_m"] = (s.q - tight.q).cwiseAbs().maxCoeff();
+  state.counters["real_time_factor"] =
+      benchmark::Counter(c.duration, benchmark::Counter::kIsIterationInvariantRate, benchmark::Counter::kIs1000);
+}
+
+void leap_1khz(benchmark::State& state) { run(state, leap(), 61); }
+BENCHMARK(leap_1khz)->Arg(4)->Arg(6)->Arg(8)->Unit(benchmark::kMillisecond);
+
+void drop_of_two_bodies(benchmark::State& state) { run(state, drop(), 77); }
+BENCHMARK(drop_of_two_bodies)->Arg(4)->Arg(6)->Arg(8)->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace jaculus
