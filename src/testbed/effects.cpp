@@ -102,7 +102,7 @@ void add_actuation(std::vector<BenchEffect>& rows) {
 void add_air(std::vector<BenchEffect>& rows) {
   rows.push_back(row("drag_coefficient", "the scoop drags more or less", {{"scale", "-", 1.0, 0.0, 3.0}}, kTail,
                      [](const Values& v, Changes& c) { c.drag_coefficient = v[0]; }));
-  rows.push_back(row("drag_without_translation", "the air moves along with the tail's pivot",
+  rows.push_back(row("drag_without_translation", "drag as a couple by the tail's rotation alone",
                      {{"share", "-", 0.0, 1.0, 1.0}}, kMoving,
                      [](const Values& v, Changes& c) { c.drag_ignores_translation = v[0] > 0.0; }));
   rows.push_back(row("wind", "a fan", {{"speed", "m/s", 0.0, -4.0, 4.0}}, kTail,
@@ -147,7 +147,7 @@ void add_contact_and_sensing(std::vector<BenchEffect>& rows) {
                      }));
   rows.push_back(row("foot_radius", "round toes", {{"radius", "m", 0.0, 0.0005, 0.02}}, kLeap,
                      [](const Values& v, Changes& c) { c.toe_radius = v[0]; }));
-  rows.push_back(row("tail_offset", "the tail's encoder is set wrong", {{"offset", "rad", 0.0, -0.15, 0.15}}, kTail,
+  rows.push_back(row("tail_offset", "the tail's encoder is set wrong", {{"offset", "rad", 0.0, -0.15, 0.15}}, kLeap,
                      [](const Values& v, Changes& c) { c.joint_offset["tail"] = v[0]; }));
   rows.push_back(row("leg_offset", "leg encoders are set wrong",
                      {{"front", "rad", 0.0, -0.1, 0.1}, {"rear", "rad", 0.0, -0.1, 0.1}}, kLeap,
@@ -241,6 +241,20 @@ const BenchEffect* find_bench_effect(const std::string& name) {
     if (effect.name == name) return &effect;
   }
   return nullptr;
+}
+
+std::string bench_component(const std::string& effect) {
+  const BenchEffect* found = find_bench_effect(effect);
+  if (found == nullptr || found->outside || effect.starts_with("leg_")) return "";
+  static const std::vector<std::pair<const char*, std::vector<std::string>>> parts = {
+      {"tail_aerodynamics", {"drag_coefficient", "drag_without_translation", "wind"}},
+      {"sensing", {"tail_offset", "sensor_latency", "sensor_scale"}},
+      {"body", {"payload", "com_shift", "body_inertia"}},
+      {"contact", {"foot_friction", "ground_compliance", "foot_radius"}}};
+  for (const auto& [part, names] : parts) {
+    if (std::find(names.begin(), names.end(), effect) != names.end()) return part;
+  }
+  return effect.starts_with("tail_") ? "tail_transmission" : "actuation";
 }
 
 void apply_effect(const std::string& given, Changes& changes) {

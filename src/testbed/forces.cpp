@@ -60,9 +60,11 @@ void add_drag(const Machine& machine, std::size_t index, const PlanarDrag& drag,
     if (changes.drag_ignores_translation) velocity -= carried;
     const double u = normal.dot(velocity);
     const Vec3 force = -factor * u * std::abs(u) * strip.length * normal;
-    const Vec3 moment = (place - Vec3(d.xipos + 3 * strip.body)).cross(force);
+    // Equation 2 knows the moment about the pivot alone: a couple.
+    const Vec3 from = changes.drag_ignores_translation ? pivot : Vec3(d.xipos + 3 * strip.body);
+    const Vec3 moment = (place - from).cross(force);
     for (int k = 0; k < 3; ++k) {
-      d.xfrc_applied[6 * strip.body + k] += force[k];
+      if (!changes.drag_ignores_translation) d.xfrc_applied[6 * strip.body + k] += force[k];
       d.xfrc_applied[6 * strip.body + 3 + k] += moment[k];
     }
   }

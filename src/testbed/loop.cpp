@@ -39,30 +39,31 @@ Loop::Loop(const RobotFiles& files, const Changes& changes, const Commands& comm
   now_.assign(files.drives.size(), kNaN);
 }
 
-double Loop::read_time() const { return std::max(0.0, static_cast<double>(index_) * period_ - latency_); }
+double Loop::instant() const { return late_ + static_cast<double>(index_) * period_; }
+
+double Loop::read_time() const { return std::max(0.0, instant() - latency_); }
 
 double Loop::next() const { return std::min(read_time(), sent_.empty() ? kInfinity : sent_.front().arrives); }
 
 void Loop::update(double t, const std::vector<double>& angles, const std::vector<double>& rates) {
   while (read_time() <= t + 1e-12) {
-    const double instant = static_cast<double>(index_) * period_;
-    sent_.push_back({instant + delay_, evaluate(instant, angles, rates)});
+    sent_.push_back({instant() + delay_, evaluate(instant() - late_, angles, rates)});
     ++index_;
   }
   while (!sent_.empty() && sent_.front().arrives <= t + 1e-12) {
     now_ = sent_.front().commands;
+    waiting_ = false;
     sent_.pop_front();
   }
 }
 
-std::vector<double> Loop::evaluate(double instant, const std::vector<double>& angles,
-                                   const std::vector<double>& rates) {
+std::vector<double> Loop::evaluate(double moment, const std::vector<double>& angles, const std::vector<double>& rates) {
   std::normal_distribution<double> normal;
   std::vector<double> out(row_.size(), kNaN);
   const Vector& time = commands_.time;
   const double end = time[time.size() - 1];
-  const bool waits = instant < late_ - 1e-12, ended = !waits && instant - late_ >= end;
-  const double at = std::clamp(instant - late_, 0.0, end);
+  const bool ended = moment >= end;
+  const double at = std::clamp(moment, 0.0, end);
   Eigen::Index k = 0;
   while (k + 1 < time.size() && time[k + 1] <= at + 1e-12) ++k;
   const Eigen::Index l = std::min(k + 1, time.size() - 1);
@@ -71,8 +72,8 @@ std::vector<double> Loop::evaluate(double instant, const std::vector<double>& an
     if (row_[i] < 0 || (ended && commands_.relax_after_end)) continue;
     const Eigen::Index r = row_[i];
     const bool tracks = commands_.position.size() > 0;
-    double value = waits || (ended && tracks) ? 0.0 : commands_.feedforward(r, k);
-    if (commands_.linear && !waits && !(ended && tracks)) {
+    double value = ended && !commands_.repeat_after_end ? 0.0 : commands_.feedforward(r, k);
+    if (commands_.linear && !ended) {
       value += s * (commands_.feedforward(r, l) - commands_.feedforward(r, k));
     }
     if (tracks) {
@@ -83,7 +84,7 @@ std::vector<double> Loop::evaluate(double instant, const std::vector<double>& an
       const auto& p = commands_.position;
       const auto& v = commands_.velocity;
       const double place = hermite(p(r, k), v(r, k), p(r, l), v(r, l), h, s);
-      const double rate = waits || ended ? 0.0 : v(r, k) + s * (v(r, l) - v(r, k));
+      const double rate = ended ? 0.0 : v(r, k) + s * (v(r, l) - v(r, k));
       value += gear_[i] * (kp_[i] * (place - seen) + kd_[i] * (rate - speed));
     }
     out[i] = value;

@@ -19,6 +19,8 @@ class Loop {
   [[nodiscard]] double next() const;
   /// Does what is due at `t`: angles and rates are those of the motors' side now.
   void update(double t, const std::vector<double>& angles, const std::vector<double>& rates);
+  /// Whether no command has arrived yet.
+  [[nodiscard]] bool waiting() const { return waiting_; }
   /// What the motors hear now, one a drive; NaN: off.
   [[nodiscard]] const std::vector<double>& now() const { return now_; }
 
@@ -27,8 +29,9 @@ class Loop {
     double arrives;
     std::vector<double> commands;
   };
-  [[nodiscard]] double read_time() const;
-  std::vector<double> evaluate(double instant, const std::vector<double>& angles, const std::vector<double>& rates);
+  [[nodiscard]] double instant() const;    ///< of the next sample [s]
+  [[nodiscard]] double read_time() const;  ///< when its encoders are read [s]
+  std::vector<double> evaluate(double moment, const std::vector<double>& angles, const std::vector<double>& rates);
 
   const Commands& commands_;
   std::vector<int> row_;  ///< of each drive in the commands, -1 where it hears none
@@ -37,6 +40,7 @@ class Loop {
   LoopSensors sensors_;
   std::mt19937_64 random_;
   long index_ = 0;
+  bool waiting_ = true;
   std::deque<Sent> sent_;
   std::vector<double> now_;
 };

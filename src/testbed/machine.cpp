@@ -145,6 +145,37 @@ void stand(Machine& machine, const RobotFiles& files, const StartPose& pose) {
   }
 }
 
+/// Floor plates under the weight: shares of front and rear toes from the balance of moments about the centre of mass.
+void sink(Machine& machine) {
+  const mjModel& m = *machine.model;
+  mjData& d = *machine.data;
+  const JointPlace first = machine.joint("plate_0");
+  if (first.qpos < 0 || machine.base_z.qpos < 0) return;
+  const double weight = m.body_subtreemass[machine.base] * std::abs(m.opt.gravity[2]);
+  const double center = d.subtree_com[3 * machine.base];
+  double sum = 0.0, square = 0.0;
+  const auto n = static_cast<double>(machine.toes.size());
+  for (const int toe : machine.toes) {
+    const double x = d.geom_xpos[3 * toe] - center;
+    sum += x;
+    square += x * x;
+  }
+  // Loads a + b x with the sum the weight and no moment about the centre of mass: as a rigid body loads equal springs.
+  const double b = -weight * sum / (n * square - sum * sum), a = (weight - b * sum) / n;
+  double front = 0.0, rear = 0.0, front_x = -kInfinity, rear_x = kInfinity;
+  for (std::size_t i = 0; i < machine.toes.size(); ++i) {
+    const double x = d.geom_xpos[3 * machine.toes[i]];
+    const int joint = mj_name2id(&m, mjOBJ_JOINT, fmt::format("plate_{}", i).c_str());
+    const double depth = (a + b * (x - center)) / m.jnt_stiffness[joint];
+    d.qpos[m.jnt_qposadr[joint]] = -depth;
+    if (x > front_x) front_x = x, front = depth;
+    if (x < rear_x) rear_x = x, rear = depth;
+  }
+  const double turn = (front - rear) / (front_x - rear_x);
+  d.qpos[machine.base_pitch.qpos] += std::atan(turn);
+  d.qpos[machine.base_z.qpos] -= rear + turn * (d.qpos[machine.base_x.qpos] - rear_x);
+}
+
 }  // namespace
 
 JointPlace Machine::joint(const std::string& name) const {
@@ -199,6 +230,24 @@ void place(Machine& machine, const RobotFiles& files, const StartPose& pose) {
   close_pins(machine, files);
   if (machine.base_z.qpos >= 0 && std::isnan(pose.z)) stand(machine, files, pose);
   mj_forward(machine.model.get(), &d);
+}
+
+void settle(Machine& machine) {
+  const mjModel& m = *machine.model;
+  mjData& d = *machine.data;
+  for (int pass = 0; pass < 20; ++pass) {
+    kinematics(machine);
+    mj_rne(&m, &d, 0, d.qfrc_bias);
+    for (int j = 0; j < m.njnt; ++j) {
+      const std::string name = mj_id2name(&m, mjOBJ_JOINT, j);
+      const double pull = -d.qfrc_bias[m.jnt_dofadr[j]];
+      double& q = d.qpos[m.jnt_qposadr[j]];
+      if (name.ends_with("_play")) q = pull > 0.0 ? m.jnt_range[2 * j + 1] : m.jnt_range[2 * j];
+      if (name.starts_with("tail_bend")) q = pull / m.jnt_stiffness[j];
+    }
+  }
+  sink(machine);
+  mj_forward(&m, &d);
 }
 
 }  // namespace jaculus::testbed

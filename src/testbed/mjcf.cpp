@@ -42,6 +42,7 @@ class Writer {
     base();
     out_ += "</worldbody>\n";
     constraints();
+    stops_behind_play();
     return out_ + "</mujoco>\n";
   }
 
@@ -167,6 +168,32 @@ class Writer {
     for (int i = 0; i < open; ++i) out_ += "</body>\n";
   }
 
+  [[nodiscard]] bool stops_at(const SpatialJoint& joint) const {
+    return setting_.stops && std::isfinite(joint.range.lower) && std::isfinite(joint.range.upper);
+  }
+
+  /// Of one stiffness whatever the damping: time constant 1/(zeta w), at most what MuJoCo takes at the finest step.
+  [[nodiscard]] std::string stop_of(const SpatialJoint& joint, const std::string& what) const {
+    const double ratio = damping_ratio_of_restitution(changes_.stop_restitution);
+    return fmt::format(
+        " limited=\"true\" range=\"{0:.17g} {1:.17g}\" solref{4}=\"{2:.17g} {3:.17g}\" solimp{4}=\"0.9999 0.9999 "
+        "0.001\"",
+        joint.range.lower, joint.range.upper, 6.0 * numerics_.step * kStopStep / ratio, ratio, what);
+  }
+
+  /// Where there is play the link meets the stop, so that the limit is on motor and play together.
+  void stops_behind_play() {
+    out_ += "<tendon>\n";
+    for (const SpatialJoint& joint : tree_.joints) {
+      if (!stops_at(joint) || play_of(drive_of(joint.name), tree_.links[at(joint.child)].name) == 0.0) continue;
+      out_ += fmt::format(
+          "<fixed name=\"{0}_stop\"{1}><joint joint=\"{0}\" coef=\"1\"/>"
+          "<joint joint=\"{0}_play\" coef=\"1\"/></fixed>\n",
+          joint.name, stop_of(joint, "limit"));
+    }
+    out_ += "</tendon>\n";
+  }
+
   std::string motor_joint(const SpatialJoint& joint, const Drive* drive, bool tail) {
     double armature = 0.0;
     if (drive != nullptr) {
@@ -174,14 +201,7 @@ class Writer {
       armature = drive->motor.gear * drive->motor.gear * (drive->motor.rotor_inertia + added);
     }
     std::string range;
-    if (setting_.stops && std::isfinite(joint.range.lower) && std::isfinite(joint.range.upper)) {
-      // Of one stiffness whatever the damping: time constant 1/(zeta w), at most what MuJoCo takes at the finest step.
-      const double ratio = damping_ratio_of_restitution(changes_.stop_restitution);
-      range = fmt::format(
-          " limited=\"true\" range=\"{:.17g} {:.17g}\" solreflimit=\"{:.17g} {:.17g}\" "
-          "solimplimit=\"0.9999 0.9999 0.001\"",
-          joint.range.lower, joint.range.upper, 6.0 * numerics_.step * kStopStep / ratio, ratio);
-    }
+    if (stops_at(joint) && play_of(drive, tree_.links[at(joint.child)].name) == 0.0) range = stop_of(joint, "limit");
     const DryFriction& f = tail ? changes_.tail_friction : changes_.leg_friction;
     const bool rubs = drive != nullptr && (f.coulomb > 0.0 || f.stribeck > 0.0 || f.load > 0.0);
     return fmt::format(

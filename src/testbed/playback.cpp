@@ -18,9 +18,9 @@ struct Log {
   std::vector<double> time;
   std::vector<std::vector<double>> rows;  ///< all quantities of one instant
 
-  void take(const Machine& machine, const Forces& forces) {
+  void take(const Machine& machine, const Forces& forces, double at_time) {
     const mjData& d = *machine.data;
-    time.push_back(d.time);
+    time.push_back(at_time);
     std::vector<double> row;
     for (const JointPlace& j : {machine.base_x, machine.base_z, machine.base_pitch}) {
       row.push_back(j.qpos < 0 ? 0.0 : d.qpos[j.qpos]);
@@ -102,8 +102,13 @@ StartPose start_pose(const RobotFiles& files, const Changes& changes, const Play
 /// Whether a joint is at its stop or meets it within 3 ms.
 bool near_stop(const Machine& machine) {
   const mjModel& m = *machine.model;
+  for (int t = 0; t < m.ntendon; ++t) {
+    const double reach = 3e-3 * std::abs(machine.data->ten_velocity[t]);
+    const double q = machine.data->ten_length[t];
+    if (q - reach < m.tendon_range[2 * t] + 0.01 || q + reach > m.tendon_range[2 * t + 1] - 0.01) return true;
+  }
   for (int j = 0; j < m.njnt; ++j) {
-    if (m.jnt_limited[j] == 0 || m.jnt_type[j] != mjJNT_HINGE) continue;
+    if (m.jnt_limited[j] == 0 || m.jnt_range[2 * j + 1] - m.jnt_range[2 * j] < 0.2) continue;  // play is no stop
     const double q = machine.data->qpos[m.jnt_qposadr[j]], reach = 3e-3 * std::abs(machine.data->qvel[m.jnt_dofadr[j]]);
     if (q - reach < m.jnt_range[2 * j] + 0.01 || q + reach > m.jnt_range[2 * j + 1] - 0.01) return true;
   }
@@ -132,23 +137,31 @@ Recording play(const RobotFiles& files, const Changes& changes, const Commands& 
   forces.commands.assign(files.drives.size(), kNaN);
   const ForcesGuard guard(forces);
   place(machine, files, start_pose(files, changes, options));
+  settle(machine);
   mjData& d = *machine.data;
   forces.start_x = machine.base_x.qpos < 0 ? 0.0 : d.qpos[machine.base_x.qpos];
   Log log;
   std::vector<double> angles(files.drives.size()), rates(files.drives.size());
   bool diverged = false;
+  double waited = 0.0;  // until the first command arrived [s]
+  forces.apply(d);
   while (true) {
     for (std::size_t i = 0; i < angles.size(); ++i) {
       angles[i] = d.qpos[machine.drives[i].qpos];
       rates[i] = d.qvel[machine.drives[i].dof];
     }
-    if (loop.next() <= d.time + kInstant) {
-      loop.update(d.time + kInstant, angles, rates);
+    while (loop.next() <= d.time + kInstant || loop.waiting()) {
+      waited = std::max(waited, loop.next());
+      loop.update(std::max(d.time, loop.next()) + kInstant, angles, rates);
       forces.commands = loop.now();
+    }
+    if (waited > d.time + kInstant) {
+      log.take(machine, forces, 0.0);
+      d.time = waited;
     }
     forces.apply(d);
     forces.renew_friction();
-    log.take(machine, forces);
+    log.take(machine, forces, d.time);
     if (d.time >= options.duration - kInstant) break;
     const double until = std::min(loop.next(), options.duration);
     const double left = until - d.time;

@@ -31,6 +31,7 @@ Numerics numerics_for(const RobotFiles& files, const Changes& changes, Numerics 
   }
   if (fastest == 0.0) return numerics;
   numerics.runge_kutta = false;
+  numerics.stiffness_steps = std::max(2.0, numerics.stiffness_steps);  // Euler rings where Runge-Kutta does not yet
   numerics.step = std::min(1e-4, 0.4 / fastest);
   return numerics;
 }

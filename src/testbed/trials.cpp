@@ -51,6 +51,7 @@ PlanCommands commands_of(const Dataset& asked, const RobotFiles& files) {
   }
   out.commands.rate_hz = stated.rate_hz;
   out.commands.relax_after_end = stated.after_end == "relax";
+  out.commands.repeat_after_end = stated.after_end == "repeat" || asked.script.has_value();
   const auto gain = [](const std::map<std::string, StatedGain>& gains, const std::string& joint) {
     auto found = gains.find(joint);
     if (found == gains.end()) found = gains.find("*");
@@ -229,16 +230,6 @@ Trial one_trial(const Dataset& asked, const RobotFiles& files, const PlanCommand
   return trial;
 }
 
-double floor_of(const std::string& channel, const std::string& unit, const SensorSpec& s, double sides) {
-  if (channel == "x" || channel == "z") return s.mocap_position;
-  if (channel == "pitch") return s.mocap_angle;
-  if (channel == "imu_pitch") return s.imu_angle;
-  if (channel == "imu_pitch_velocity") return s.imu_rate;
-  if (unit == "rad") return std::hypot(s.encoder, s.encoder_step / std::sqrt(12.0)) / std::sqrt(sides);
-  if (unit == "rad/s") return s.tachometer / std::sqrt(sides);
-  return kNaN;  // currents and the like are inputs of the motion rather than the motion
-}
-
 }  // namespace
 
 Dataset run_trials(const Dataset& asked, const Changes& changes, const TrialSpec& spec) {
@@ -250,6 +241,17 @@ Dataset run_trials(const Dataset& asked, const Changes& changes, const TrialSpec
   return out;
 }
 
+double channel_floor(const std::string& channel, const std::string& unit, const SensorSpec& s) {
+  const double sides = channel.starts_with("tail") ? 1.0 : 2.0;
+  if (channel == "x" || channel == "z") return s.mocap_position;
+  if (channel == "pitch") return s.mocap_angle;
+  if (channel == "imu_pitch") return s.imu_angle;
+  if (channel == "imu_pitch_velocity") return s.imu_rate;
+  if (unit == "rad") return std::hypot(s.encoder, s.encoder_step / std::sqrt(12.0)) / std::sqrt(sides);
+  if (unit == "rad/s") return s.tachometer / std::sqrt(sides);
+  return kNaN;  // currents and the like are inputs of the motion rather than the motion
+}
+
 double gap(const Dataset& a, const Dataset& b, const SensorSpec& sensors) {
   double sum = 0.0;
   int channels = 0;
@@ -257,8 +259,7 @@ double gap(const Dataset& a, const Dataset& b, const SensorSpec& sensors) {
     for (const Stream& stream : a.trials[t].streams) {
       const Stream* other = b.trials.at(t).stream(stream.name);
       for (std::size_t c = 0; c < stream.channels.size(); ++c) {
-        const double sides = stream.channels[c].find("tail") == 0 ? 1.0 : 2.0;
-        const double floor = floor_of(stream.channels[c], stream.units[c], sensors, sides);
+        const double floor = channel_floor(stream.channels[c], stream.units[c], sensors);
         if (std::isnan(floor)) continue;
         const auto row = static_cast<Eigen::Index>(c);
         const double rms = std::sqrt((stream.values.row(row) - other->values.row(row)).squaredNorm() /

@@ -64,7 +64,7 @@ struct Changes {
   std::map<std::string, double> torque_scale;  ///< planar joint: factor on the torque that arrives [-]
   // Air
   double drag_coefficient = 1.0;          ///< factor [-]
-  bool drag_ignores_translation = false;  ///< air moves along with the tail's pivot
+  bool drag_ignores_translation = false;  ///< a couple by the tail's rotation alone (equation 2)
   double wind = 0.0;                      ///< along +x [m/s]
   // Floor and feet
   double floor_friction_scale = 1.0;   ///< factor on the believed friction [-]

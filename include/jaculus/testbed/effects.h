@@ -30,6 +30,9 @@ struct BenchEffect {
 const std::vector<BenchEffect>& bench_effects();
 const BenchEffect* find_bench_effect(const std::string& name);  ///< null where there is none
 
+/// The part of the robot where it acts, by the names that a diagnosis uses; empty where that is several parts or none of them.
+std::string bench_component(const std::string& effect);
+
 /// "name:parameter=value,parameter=value" (or "name" alone where no strength is needed) put on `changes`. Unknown names, values
 /// out of range, a missing strength: InputError that names what is allowed.
 void apply_effect(const std::string& given, Changes& changes);

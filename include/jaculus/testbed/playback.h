@@ -3,6 +3,7 @@
 // air, and whatever was changed about the robot.
 //
 //   command  = feed-forward(t_k) + kp (reference - encoder) + kd (reference rate - tachometer),   t_k = k/rate; motor shaft angles
+//   Before the first command arrives the robot stands still, held as whoever placed it holds it.
 //   torque:  the driver asks for the current i = a tau + c tau^3 (as it believes) and gets what battery and limits leave
 //   duty:    V = duty V_bus;   voltage: V, at most V_bus
 //   current  i = (V - k_t w)/R within +-limit;  torque before the gear: the root of a tau + c tau^3 = i, within its limit
@@ -31,9 +32,10 @@ struct Commands {
   Vector time;                ///< of the reference, never falling [s]
   Matrix position, velocity;  ///< motors x samples [rad], [rad/s] at the joint; empty: no reference, no feedback
   Matrix feedforward;         ///< motors x samples, in the quantity, held from its sample on
-  bool linear = false;   ///< feed-forward is straight between samples instead
+  bool linear = false;        ///< feed-forward is straight between samples instead
   std::map<std::string, double> kp, kd;  ///< quantity a rad, a rad/s of the motor's shaft; missing: 0
-  bool relax_after_end = false;  ///< no commands after the last sample; else its pose is held without feed-forward
+  bool relax_after_end = false;   ///< no commands from the last sample on; else its pose is held without feed-forward
+  bool repeat_after_end = false;  ///< or with the last feed-forward
 };
 
 /// Encoders as the loop reads them.

@@ -24,7 +24,7 @@ struct SensorSpec {
   double mocap_lost = 0.0;        ///< share of samples that are lost [-]
   bool joints = true;
   double joints_rate_hz = 1000.0;
-  double encoder = 4e-4;           ///< noise of one encoder [rad]
+  double encoder = 1e-3;           ///< noise of one encoder [rad]
   double encoder_step = 3.835e-4;  ///< its resolution at the motor's shaft, 14 bit [rad]
   double tachometer = 0.05;        ///< noise of one motor's rate [rad/s]
   bool rates = true;               ///< whether joint rates are logged
@@ -59,6 +59,9 @@ Dataset self_righting(const std::filesystem::path& robot_folder);
 Dataset tail_bench(const std::filesystem::path& robot_folder);
 /// A pendulum: torque steps on the one motor of a robot on a fixed base.
 Dataset pendulum(const std::filesystem::path& robot_folder);
+
+/// Standard deviation of a channel's noise; NaN for currents and the like, which drive the motion rather than show it.
+double channel_floor(const std::string& channel, const std::string& unit, const SensorSpec& sensors);
 
 /// Root-mean-square difference of two noise-free datasets of one spec, every channel over its noise floor, root mean square over
 /// channels of all streams; scatter of the start pose is not part of the floor [-].

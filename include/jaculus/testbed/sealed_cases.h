@@ -1,0 +1,63 @@
+#pragma once
+// Sealed cases: datasets of the MuJoCo robot whose effect only the sealer knows. Effect and strength are drawn, and independently
+// of them the experiment (of those in which the effect can act at all), streams, rates, noise and number of trials. Folder names
+// are random; labels go into an encrypted file, their salted hash (the commitment) beside it, key and salt into a file of
+// their own outside the folder of the datasets.
+//
+// Strength: the gap between the robot with and without the effect, noise-free, in noise floors (trials.h), is drawn from
+// log-uniform [1, 20] and met by a search over the parameter. What is recorded leaves out the part that a shift of the streams'
+// clocks explains, since nobody knows their zeros; a case of less than 0.7 noise floors is drawn again. A case's true parameter is what a static or swept test of the
+// MuJoCo robot shows (static_tests.h), not what was typed.
+//
+// Equivalent effects: those whose signature (noise-free difference at small strength, the same streams), scaled to fit and
+// with shifts of each stream's clock taken out, leaves of the true difference less than half its squared misfit 3 over all trials.
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "jaculus/core/tasks.h"
+
+namespace jaculus::testbed {
+
+/// What is true of a case.
+struct CaseLabel {
+  std::string case_id;
+  std::string kind;  ///< "single", "pair", "none", "outside"
+  std::vector<std::string> effects;
+  std::vector<std::vector<double>> parameters;  ///< an effect each, as measured; NaN: has no counterpart
+  double strength_in_noise_floors = 0.0;        ///< as measured
+  std::vector<std::string> equivalent;
+  std::string component;
+  std::string experiment;  ///< "leap aerotail_V7.csv duty"
+  int trials = 0;
+};
+
+struct SealSpec {
+  int singles = 0, none = 0, pairs = 0, outside = 0;
+  std::uint64_t seed = 1;
+  std::vector<std::filesystem::path> plans;  ///< leaps, of a robot with a tail where the plan has one
+  std::filesystem::path out;
+  std::filesystem::path key;  ///< file of key and salt; not within `out`
+  std::string provenance;     ///< of the batch: seed or commit
+  int jobs = 0;
+  std::function<void(const TaskProgress&)> progress = {};
+};
+
+/// Draws and plays all cases, writes a folder a case, labels.sealed and commitment.txt into `out`, and the key. Same seed and
+/// plans: same datasets, byte for byte. InputError where `out` is not empty or `key` lies in it.
+std::vector<std::string> seal_cases(const SealSpec& spec);
+
+/// Ids of a sealed batch, sorted.
+std::vector<std::string> sealed_ids(const std::filesystem::path& folder);
+
+/// Opens the labels. InputError where key, labels and commitment do not belong together.
+std::vector<CaseLabel> open_labels(const std::filesystem::path& folder, const std::filesystem::path& key,
+                                   std::string* provenance = nullptr);
+
+/// Seed of a final batch from a commit's hash (40 hex digits): the first 63 bits of its BLAKE2b. InputError for anything else.
+std::uint64_t seed_of_commit(const std::string& hash);
+
+}  // namespace jaculus::testbed
