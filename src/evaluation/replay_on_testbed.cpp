@@ -1,0 +1,48 @@
+// A plan replayed on the testbed's robot, without noise: the base's speed from its own motion capture.
+
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+
+#include "jaculus/core/error.h"
+#include "jaculus/evaluation/replan.h"
+#include "jaculus/testbed/trials.h"
+
+namespace jaculus {
+namespace {
+
+/// Slope at `time` of the parabola through the three samples about it [1/s].
+double slope_at(const Vector& t, const Eigen::RowVectorXd& y, double time) {
+  Eigen::Index k = 1;
+  while (k + 2 < t.size() && t[k + 1] < time) ++k;
+  const double a = (y[k] - y[k - 1]) / (t[k] - t[k - 1]), b = (y[k + 1] - y[k]) / (t[k + 1] - t[k]);
+  const double curvature = (b - a) / (t[k + 1] - t[k - 1]);
+  return a + curvature * (2.0 * time - t[k - 1] - t[k]);
+}
+
+}  // namespace
+
+Replay replay_on_testbed(const std::filesystem::path& folder, const testbed::Changes& changes) {
+  if (!testbed::available()) throw InputError("replan on the testbed: this build was made without MuJoCo");
+  return [folder, changes](const Table& plan) {
+    std::string name = (std::filesystem::temp_directory_path() / "jaculus_plan_XXXXXX").string();
+    if (::mkdtemp(name.data()) == nullptr) throw std::runtime_error("a temporary folder can't be made");
+    const std::filesystem::path scratch = name;
+    write_csv(plan, scratch / "plan.csv");
+    testbed::TrialSpec spec;
+    spec.trials = 1;
+    spec.exact = true;
+    spec.sensors.mocap_rate_hz = 2000.0;
+    const Dataset played = testbed::run_trials(testbed::leap(folder, scratch / "plan.csv", "torque"), changes, spec);
+    std::filesystem::remove_all(scratch);
+    const Stream* mocap = played.trials.front().stream("mocap");
+    const int x = mocap == nullptr ? -1 : mocap->channel("x");
+    const int time = plan.column("time");
+    const double end = plan.values(plan.values.rows() - 1, time);
+    if (x < 0 || mocap->time[mocap->time.size() - 1] < end) return kNaN;
+    return slope_at(mocap->time, mocap->values.row(x), end);
+  };
+}
+
+}  // namespace jaculus
