@@ -166,6 +166,11 @@ Controller stated_controller(const Dataset& dataset, const PlanarModel& model, c
     controller.quantity = quantity_of(dataset.script->quantity);
     controller.reference = script_reference(*dataset.script, model, file);
     controller.after_end = AfterEnd::repeat;
+  } else if (dataset.controller.kind == "measured") {
+    throw InputError(
+        fmt::format("{}: controller: of kind measured: the log of each trial is its own command; allowed here: a plan, "
+                    "or an input",
+                    file.string()));
   } else {
     throw InputError(
         fmt::format("{}: plan: none, and no input either; one of them says what was commanded", file.string()));
