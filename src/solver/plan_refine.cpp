@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <cmath>
+
 #include "solver/plan_solve.h"
 
 namespace jaculus::detail {
@@ -49,15 +51,34 @@ bool refine(Problem& problem, const Layout& layout, const Vector& errors) {
   return any;
 }
 
-/// The start is nearly optimal: stay close to it and to its active bounds.
-SolverOptions near_options(const Problem& problem, const PlanOptions& options) {
+/// The start is nearly optimal: stay close to it and to its active bounds. `barrier`: the first one.
+SolverOptions near_options(const Problem& problem, const PlanOptions& options, const char* barrier) {
   SolverOptions near = solver_options(problem, options);
-  near.ipopt = {{"mu_init", "1e-4"},
+  near.ipopt = {{"mu_init", barrier},
                 {"bound_push", "1e-8"},
                 {"bound_frac", "1e-8"},
                 {"slack_bound_push", "1e-8"},
                 {"slack_bound_frac", "1e-8"}};
   return near;
+}
+
+/// A finer mesh can do nearly all that a coarser one can: where it does much worse the solver has strayed to another optimum.
+bool strayed(const NlpResult& coarse, const NlpResult& fine) {
+  constexpr double kWorse = 0.01;
+  return fine.objective > coarse.objective + kWorse * std::abs(coarse.objective);
+}
+
+/// The plan on a finer mesh, from the plan before; tried again with a smaller first barrier where it strays.
+NlpResult solve_finer(const Plan& plan, Programme& finer, const Vector& x, const PlanOptions& options) {
+  NlpResult result;
+  int before = 0;
+  for (const char* barrier : {"1e-4", "1e-6", "1e-8"}) {
+    result = solve_nlp(finer, {x}, near_options(finer.problem(), options, barrier));
+    result.iterations += before;
+    before = result.iterations;
+    if (!result.converged() || !strayed(plan.result, result)) break;
+  }
+  return result;
 }
 
 }  // namespace
@@ -72,13 +93,13 @@ void refine_mesh(Plan& plan, Problem problem, const PlanarModel& model, const Pl
     auto finer = std::make_unique<Programme>(problem, model);
     GuessSpec spec = problem.guess;
     spec.kind = "file";
-    NlpResult result = solve_nlp(*finer, {initial_guess(*finer, spec, 0, &before)}, near_options(problem, options));
-    if (!result.converged()) {
+    NlpResult result = solve_finer(plan, *finer, initial_guess(*finer, spec, 0, &before), options);
+    if (!result.converged() || strayed(plan.result, result)) {
       std::vector<int> intervals;
       for (const PhaseSpec& phase : problem.phases) intervals.push_back(phase.intervals);
-      plan.refinement_failure =
-          fmt::format("round {} of the mesh refinement, {} intervals, ended '{}'; the plan is that before it", number,
-                      fmt::join(intervals, " + "), to_string(result.status));
+      plan.refinement_failure = fmt::format(
+          "round {} of the mesh refinement, {} intervals, ended '{}'{}; the plan is that before it", number,
+          fmt::join(intervals, " + "), to_string(result.status), result.converged() ? " in a worse local optimum" : "");
       return;
     }
     const int own = result.iterations;

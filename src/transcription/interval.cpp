@@ -163,7 +163,16 @@ void Interval::chain_term(int i, const PathTerm& term, Matrix& by_s) {
 void Interval::path_jacobian(const PathRows& rows, Matrix& out) {
   const int count = static_cast<int>(rows.term->rows.size());
   chain_term(rows.point, *rows.term, by_s_);
-  out.topRows(count) = by_s_.topRows(count).lazyProduct(S_[static_cast<size_t>(rows.point)]);
+  auto J = out.topRows(count);
+  const auto by_s = by_s_.topRows(count);
+  if (rows.point == 1) {
+    J.noalias() = by_s * S_[1];
+    return;
+  }
+  // At the ends (q, v, u) are variables themselves.
+  J.setZero();
+  J.middleCols(rows.point == 0 ? 0 : 2 * n_, 2 * n_) = by_s.leftCols(2 * n_);
+  J.middleCols(rows.point == 0 || held_ ? 4 * n_ : 4 * n_ + n_u_, n_u_) = by_s.rightCols(n_u_);
 }
 
 double Interval::integral(const IntegralCost& cost) {
