@@ -213,6 +213,12 @@ Controller experiment_controller(const Experiment& experiment, const PlanarModel
              dataset_robot(experiment.setup).planar.body_of_joint(entry.first) < 0;
     });
   }
+  if (setup.plan && !experiment.plan_file.empty())  // names the file; a dataset's plan is always plan.csv
+    (void)plan_reference(*setup.plan, model,
+                         stated.quantity == "duty"      ? CommandQuantity::duty
+                         : stated.quantity == "voltage" ? CommandQuantity::voltage
+                                                        : CommandQuantity::torque,
+                         1.0, experiment.plan_file);
   Controller controller = stated_controller(setup, model, {});
   if (stated.after_end == "hold") controller.after_end = AfterEnd::hold;
   if (stated.after_end == "relax") controller.after_end = AfterEnd::relax;

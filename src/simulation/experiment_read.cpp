@@ -204,6 +204,7 @@ Experiment read_parts(const yaml::Node& file, const fs::path& folder) {
   experiment.name = file.at("name").text();
   DatasetOutline outline = read_dataset_setup(file);
   load_commands(outline, folder);
+  if (outline.plan) experiment.plan_file = folder / outline.plan->text();
   experiment.setup = std::move(outline.dataset);
   experiment.setup.folder = folder;
   if (!experiment.setup.plan && !experiment.setup.script)

@@ -57,6 +57,7 @@ struct SensorStream {
 struct Experiment {
   std::string name;
   Dataset setup;  ///< robot, commands, controller; no trials. setup.folder: what its paths are relative to
+  std::filesystem::path plan_file;  ///< of setup.plan, for messages
   double lead = 0.0;
   double duration = 0.0;  ///< from the command's start [s]
   int trials = 1;
