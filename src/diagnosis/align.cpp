@@ -26,7 +26,7 @@ void span_system(const Condition& condition, const RowSpan& span, const Predicti
   slope.resize(span.count);
   for (int i = 0; i < span.count; ++i) {
     const double t = time[i] - run.start - shift, h = prediction.step;
-    residual[i] = run.value[at(span.channel)][i] - prediction.at(span.channel, t);
+    residual[i] = run.value[at(span.channel)][i] - prediction.row(run, span.channel, t);
     slope[i] = -(prediction.at(span.channel, t + h) - prediction.at(span.channel, t - h)) / (2.0 * h);
   }
   if (relative_to_rest(condition.channels[at(span.channel)])) {

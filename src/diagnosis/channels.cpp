@@ -48,6 +48,15 @@ double interpolate(const Eigen::Ref<const Eigen::RowVectorXd>& values, double st
 
 double Prediction::at(int channel, double time) const { return interpolate(values.row(channel), step, time); }
 
+double Prediction::row(const Run& run, int channel, double time) const {
+  const int block = run.block[static_cast<std::size_t>(channel)];
+  if (block == 1) return at(channel, time);
+  const double spacing = run.spacing[static_cast<std::size_t>(channel)];
+  double sum = 0.0;
+  for (int k = 0; k < block; ++k) sum += at(channel, time + (k - 0.5 * (block - 1)) * spacing);
+  return sum / block;
+}
+
 Matrix channels_of(const Condition& condition, const Plant& plant, const Simulation& simulation) {
   const double step = simulation.time.size() > 1 ? simulation.time[1] - simulation.time[0] : 1.0;
   Matrix values(static_cast<Eigen::Index>(condition.channels.size()), simulation.time.size());
@@ -76,7 +85,7 @@ Vector predicted_rows(const Condition& condition, const std::vector<const Predic
     const int stream = condition.stream_index(channel.stream);
     const double shift = run.start + run.shift[static_cast<std::size_t>(stream)];
     const Vector& time = run.time[static_cast<std::size_t>(span.channel)];
-    for (int i = 0; i < span.count; ++i) rows[span.first + i] = prediction.at(span.channel, time[i] - shift);
+    for (int i = 0; i < span.count; ++i) rows[span.first + i] = prediction.row(run, span.channel, time[i] - shift);
   }
   return rows;
 }

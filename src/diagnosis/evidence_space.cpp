@@ -180,7 +180,7 @@ Vector EvidenceSpace::apply(const std::vector<Vector>& raw) const {
   return white;
 }
 
-EvidenceSpace evidence_space(const Problem& problem, const Linearisation& about, const RunMask& mask) {
+EvidenceSpace evidence_space(const DiagnosisProblem& problem, const Linearisation& about, const RunMask& mask) {
   EvidenceSpace space;
   for (std::size_t c = 0; c < problem.observations.conditions.size(); ++c) {
     const Condition& condition = problem.observations.conditions[c];

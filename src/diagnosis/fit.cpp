@@ -1,6 +1,7 @@
 #include "jaculus/diagnosis/fit.h"
 
 #include <ceres/ceres.h>
+#include <glog/logging.h>
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -29,7 +30,7 @@ double log_normal_cdf(double x) {
 /// The residual as a function of u, with differences.
 class Residual {
  public:
-  Residual(const Problem& problem, const EvidenceSpace& space, std::vector<int> free, Vector fixed)
+  Residual(const DiagnosisProblem& problem, const EvidenceSpace& space, std::vector<int> free, Vector fixed)
       : problem_(problem), space_(space), free_(std::move(free)), fixed_(std::move(fixed)) {
     steps_ = Vector::Constant(static_cast<Eigen::Index>(free_.size()), kFirstStep);
   }
@@ -89,7 +90,7 @@ class Residual {
   [[nodiscard]] Eigen::Index size() const { return static_cast<Eigen::Index>(free_.size()); }
 
  private:
-  const Problem& problem_;
+  const DiagnosisProblem& problem_;
   const EvidenceSpace& space_;
   std::vector<int> free_;
   Vector fixed_, steps_;
@@ -126,7 +127,7 @@ class Cost : public ceres::CostFunction {
 
 /// Minimises from u; false where no point could be evaluated.
 bool minimise(Residual& residual, int iterations, Vector& u) {
-  // One column of Jacobian needs row-major storage as well as many do; Ceres takes a vector for either.
+  FLAGS_minloglevel = google::GLOG_FATAL;  // a simulation that fails is a status here, no message of a library
   ceres::Problem::Options ownership;
   ownership.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   Cost cost(residual);
@@ -171,7 +172,8 @@ void complete(const Residual& residual, const Vector& u, Fit& fit) {
 }
 
 /// Cost at u_i = value with the others refitted; kFailed where it can't be had.
-double profile(const Problem& problem, const EvidenceSpace& space, const Fit& fit, int parameter, double p_value) {
+double profile(const DiagnosisProblem& problem, const EvidenceSpace& space, const Fit& fit, int parameter,
+               double p_value) {
   std::vector<int> others;
   for (const int i : fit.free)
     if (i != parameter) others.push_back(i);
@@ -184,8 +186,8 @@ double profile(const Problem& problem, const EvidenceSpace& space, const Fit& fi
 }
 
 /// End of the interval on one side.
-double interval_end(const Problem& problem, const EvidenceSpace& space, const Fit& fit, int parameter, double deviation,
-                    double side) {
+double interval_end(const DiagnosisProblem& problem, const EvidenceSpace& space, const Fit& fit, int parameter,
+                    double deviation, double side) {
   const FreeParameter& own = problem.hypotheses.parameters[static_cast<std::size_t>(parameter)];
   const double from = fit.p[parameter], rise = 0.5 * kQuantile * kQuantile;
   const double end = std::clamp(from + side * kQuantile * deviation, own.bounds.lower, own.bounds.upper);
@@ -209,7 +211,7 @@ double interval_end(const Problem& problem, const EvidenceSpace& space, const Fi
 
 }  // namespace
 
-Fit evaluate_model(const Problem& problem, const EvidenceSpace& space, const Vector& p) {
+Fit evaluate_model(const DiagnosisProblem& problem, const EvidenceSpace& space, const Vector& p) {
   Fit fit;
   fit.p = p;
   Residual residual(problem, space, {}, p);
@@ -220,7 +222,7 @@ Fit evaluate_model(const Problem& problem, const EvidenceSpace& space, const Vec
   return fit;
 }
 
-Fit fit_model(const Problem& problem, const EvidenceSpace& space, const std::vector<int>& free,
+Fit fit_model(const DiagnosisProblem& problem, const EvidenceSpace& space, const std::vector<int>& free,
               const std::vector<Vector>& starts, const FitOptions& options) {
   if (free.empty()) return evaluate_model(problem, space, starts.front());
   Fit best;
@@ -245,7 +247,7 @@ Fit fit_model(const Problem& problem, const EvidenceSpace& space, const std::vec
   return best;
 }
 
-Bounds interval95(const Problem& problem, const EvidenceSpace& space, const Fit& fit, int parameter) {
+Bounds interval95(const DiagnosisProblem& problem, const EvidenceSpace& space, const Fit& fit, int parameter) {
   const auto place = std::find(fit.free.begin(), fit.free.end(), parameter) - fit.free.begin();
   const FreeParameter& own = problem.hypotheses.parameters[static_cast<std::size_t>(parameter)];
   const double deviation = own.scale * std::sqrt(fit.covariance(place, place));

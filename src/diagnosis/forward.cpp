@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "diagnosis/starts.h"
+#include "jaculus/simulation/experiment.h"
 
 namespace jaculus {
 namespace {
@@ -17,7 +18,8 @@ constexpr double kLegP = 3.3, kLegD = 0.1, kTailP = 8.0, kTailD = 0.1;  // N m/r
 constexpr double kTorqueOfDuty = 8.2;                                   // N m for a duty of 1
 constexpr double kGainSpread = 0.7, kScaleSpread = 0.3;                 // of the logarithms
 constexpr double kGrid = 1e-3;                                          // s, of predictions
-constexpr double kBeyond = 0.02;                                        // s, simulated after the window for shifts
+constexpr double kLeastHinge = 0.1;  // of the prior's scale, below which a hinge's influence is interpolated
+constexpr double kBeyond = 0.02;     // s, simulated after the window for shifts
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
@@ -143,7 +145,7 @@ Controller measured_controller(const Condition& condition, const Run& run) {
 
 Base base_of(const Condition& condition) {
   Base base;
-  base.plant = nominal_plant(condition.model);
+  base.plant = dataset_plant(condition.dataset, condition.model);
   if (condition.measured_input) {
     for (const Run& run : condition.runs) base.controllers.push_back(measured_controller(condition, run));
     base.start = {condition.runs.front().start_q, condition.runs.front().start_v};
@@ -229,7 +231,22 @@ RunSetup setup_of(const Model& model, int c, int r, const Vector& p) {
   return setup;
 }
 
-Prediction predict_run(const Model& model, int c, int r, const Vector& p) {
+/// The first parameter of a candidate that adds a stiff hinge (a little play or compliance), with the least value worth simulating;
+/// -1 where there is none. Influence is proportional to play and compliance near zero while the stiffness, and the cost, grow.
+int stiff_parameter(const Model& model, const PlanarModel& robot, const Vector& p, double& least) {
+  for (const Candidate& candidate : model.hypotheses.candidates) {
+    const int i = candidate.parameters.front();
+    const FreeParameter& own = model.hypotheses.parameters[at(i)];
+    least = own.nominal + kLeastHinge * own.scale;
+    if (p[i] <= own.nominal || p[i] >= least || !own.one_sided() || !candidate.effect->applies(robot)) continue;
+    Plant plant = nominal_plant(robot);
+    candidate.effect->apply(candidate.effect->probed(), plant);
+    if (!plant.transmissions.empty()) return i;
+  }
+  return -1;
+}
+
+Prediction simulate_run(const Model& model, int c, int r, const Vector& p) {
   const RunSetup setup = setup_of(model, c, r, p);
   const Simulation simulation = simulate(setup.plant, setup.controller, setup.start, setup.options);
   Prediction prediction;
@@ -242,6 +259,21 @@ Prediction predict_run(const Model& model, int c, int r, const Vector& p) {
   prediction.valid = prediction.values.allFinite();
   if (!prediction.valid) prediction.message = "the simulation gave values that are not finite";
   return prediction;
+}
+
+Prediction predict_run(const Model& model, int c, int r, const Vector& p) {
+  double least = 0.0;
+  const int stiff = stiff_parameter(model, model.observations->conditions[at(c)].model, p, least);
+  if (stiff < 0) return simulate_run(model, c, r, p);
+  const double zero = model.hypotheses.parameters[at(stiff)].nominal, share = (p[stiff] - zero) / (least - zero);
+  Vector there = p;
+  there[stiff] = zero;
+  Prediction without = predict_run(model, c, r, there);
+  there[stiff] = least;
+  const Prediction with = predict_run(model, c, r, there);
+  if (!without.valid || !with.valid) return without.valid ? with : without;
+  without.values += share * (with.values - without.values);
+  return without;
 }
 
 }  // namespace

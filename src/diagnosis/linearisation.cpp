@@ -60,7 +60,7 @@ void add_shifts(const Condition& condition, int r, const Prediction& prediction,
     const auto slope = [&](int channel, double time) {
       if (condition.stream_index(condition.channels[at(channel)].stream) != static_cast<int>(s)) return 0.0;
       const double t = time - run.start - run.shift[s], h = prediction.step;
-      return -(prediction.at(channel, t + h) - prediction.at(channel, t - h)) / (2.0 * h);
+      return -(prediction.row(run, channel, t + h) - prediction.row(run, channel, t - h)) / (2.0 * h);
     };
     add_column(condition, r, "shift of " + condition.streams[s], -run.shift[s], shift_scale(condition, s), slope, out);
   }
@@ -76,7 +76,7 @@ void add_offsets(const Condition& condition, int r, RunNuisances& out) {
   }
 }
 
-RunNuisances run_nuisances(const Problem& problem, const Linearisation& about, int c, int r) {
+RunNuisances run_nuisances(const DiagnosisProblem& problem, const Linearisation& about, int c, int r) {
   const Condition& condition = problem.observations.conditions[at(c)];
   RunNuisances out;
   for (const RowSpan& span : row_spans(condition)) {
@@ -94,7 +94,7 @@ RunNuisances run_nuisances(const Problem& problem, const Linearisation& about, i
     const auto difference = [&](int channel, double time) {
       const auto stream = static_cast<std::size_t>(condition.stream_index(condition.channels[at(channel)].stream));
       const double t = time - run.start - run.shift[stream];
-      return (moved.at(channel, t) - nominal.at(channel, t)) / parameter.scale;
+      return (moved.row(run, channel, t) - nominal.row(run, channel, t)) / parameter.scale;
     };
     add_column(condition, r, "start of " + parameter.name, 0.0, parameter.scale, difference, out);
   }
@@ -111,7 +111,7 @@ std::vector<const Prediction*> PredictionSet::runs(const Condition& condition, i
   return pointers;
 }
 
-PredictionSet predict_all(const Problem& problem, const Vector& p) {
+PredictionSet predict_all(const DiagnosisProblem& problem, const Vector& p) {
   PredictionSet set;
   set.valid = true;
   for (std::size_t c = 0; c < problem.observations.conditions.size(); ++c) {
@@ -129,7 +129,7 @@ PredictionSet predict_all(const Problem& problem, const Vector& p) {
   return set;
 }
 
-std::vector<Vector> rows_of(const Problem& problem, const PredictionSet& predictions) {
+std::vector<Vector> rows_of(const DiagnosisProblem& problem, const PredictionSet& predictions) {
   std::vector<Vector> rows;
   for (std::size_t c = 0; c < problem.observations.conditions.size(); ++c) {
     const Condition& condition = problem.observations.conditions[c];
@@ -138,7 +138,7 @@ std::vector<Vector> rows_of(const Problem& problem, const PredictionSet& predict
   return rows;
 }
 
-Linearisation linearise(Problem& problem, const Vector& p) {
+Linearisation linearise(DiagnosisProblem& problem, const Vector& p) {
   Linearisation about;
   about.p = p;
   about.at_p = predict_all(problem, p);
@@ -161,7 +161,7 @@ Linearisation linearise(Problem& problem, const Vector& p) {
   return about;
 }
 
-void declare_discrepancy(Problem& problem, const Linearisation& about, double share, double floor) {
+void declare_discrepancy(DiagnosisProblem& problem, const Linearisation& about, double share, double floor) {
   const std::vector<Vector> predicted = rows_of(problem, about.at_p);
   for (std::size_t c = 0; c < problem.observations.conditions.size(); ++c) {
     Condition& condition = problem.observations.conditions[c];

@@ -19,6 +19,8 @@ constexpr double kSmoothing = 0.02;  // s, half width of the fit that starts a w
 
 struct Samples {
   Vector time, value;
+  int block = 1;
+  double spacing = 0.0;
 };
 
 /// Samples of one channel within [from, to], gaps left out, averaged in blocks so that at most `most` remain. A block never
@@ -38,8 +40,12 @@ Samples cut(const Stream& stream, int channel, double from, double to, int most)
     times.push_back(stream.time.segment(kept[i], n).mean());
     values.push_back(stream.values.row(channel).segment(kept[i], n).mean());
   }
+  const double spacing = kept.size() > 1 ? (stream.time[kept.back()] - stream.time[kept.front()]) /
+                                               static_cast<double>(kept.back() - kept.front())
+                                         : 0.0;
   return {Eigen::Map<Vector>(times.data(), static_cast<Eigen::Index>(times.size())),
-          Eigen::Map<Vector>(values.data(), static_cast<Eigen::Index>(values.size()))};
+          Eigen::Map<Vector>(values.data(), static_cast<Eigen::Index>(values.size())), static_cast<int>(block),
+          spacing};
 }
 
 bool ends_with(const std::string& text, const std::string& end) { return text.ends_with(end); }
@@ -123,6 +129,8 @@ void add_channels(const Condition& condition, const Trial& trial, double from, d
     if (samples.time.size() < kFewestSamples) samples = {};
     run.time.push_back(samples.time);
     run.value.push_back(samples.value);
+    run.block.push_back(samples.block);
+    run.spacing.push_back(samples.spacing);
   }
 }
 
@@ -206,6 +214,8 @@ void drop_dead_channels(Condition& condition, const std::string& label, std::vec
     for (Run& run : condition.runs) {
       run.time.erase(run.time.begin() + static_cast<std::ptrdiff_t>(c));
       run.value.erase(run.value.begin() + static_cast<std::ptrdiff_t>(c));
+      run.block.erase(run.block.begin() + static_cast<std::ptrdiff_t>(c));
+      run.spacing.erase(run.spacing.begin() + static_cast<std::ptrdiff_t>(c));
     }
   }
 }

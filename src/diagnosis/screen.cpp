@@ -10,7 +10,8 @@
 namespace jaculus {
 namespace {
 
-constexpr double kSmall = 0.15;  // of the probing step
+constexpr double kInfluence = 0.1;  // norm of a prior scale's signature below which these data can't see a candidate
+constexpr double kSmall = 0.15;     // of the probing step
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
@@ -22,7 +23,7 @@ double probe_step(const FreeParameter& parameter, double value, double share) {
 }
 
 /// Column per prior scale for moving parameter i of p by `step`; false where a simulation fails.
-bool column(const Problem& problem, const EvidenceSpace& space, const Vector& p, const Vector& r_at_p, int i,
+bool column(const DiagnosisProblem& problem, const EvidenceSpace& space, const Vector& p, const Vector& r_at_p, int i,
             double step, VectorRef out) {
   Vector moved = p;
   moved[i] += step;
@@ -32,7 +33,7 @@ bool column(const Problem& problem, const EvidenceSpace& space, const Vector& p,
   return true;
 }
 
-bool columns(const Problem& problem, const EvidenceSpace& space, const Fit& base, const Candidate& candidate,
+bool columns(const DiagnosisProblem& problem, const EvidenceSpace& space, const Fit& base, const Candidate& candidate,
              double share, Matrix& out) {
   out.resize(space.rows, static_cast<Eigen::Index>(candidate.parameters.size()));
   Vector p = base.p, r = base.residual;
@@ -67,8 +68,8 @@ Linear linear_evidence(const Matrix& G, const Vector& r) {
   return result;
 }
 
-void score(const Problem& problem, const Fit& base, const Candidate& candidate, const Matrix& own, double alone,
-           Probe& probe) {
+void score(const DiagnosisProblem& problem, const Fit& base, const Candidate& candidate, const Matrix& own,
+           double alone, Probe& probe) {
   Matrix G(own.rows(), own.cols() + base.jacobian.cols());
   G << own, -base.jacobian;
   Linear linear = linear_evidence(G, base.residual);
@@ -88,7 +89,8 @@ void score(const Problem& problem, const Fit& base, const Candidate& candidate, 
 
 }  // namespace
 
-std::vector<Probe> screen(const Problem& problem, const EvidenceSpace& space, const Fit& base) {
+std::vector<Probe> screen(const DiagnosisProblem& problem, const EvidenceSpace& space, const Fit& base,
+                          bool single_strength) {
   const auto& candidates = problem.hypotheses.candidates;
   std::vector<Probe> probes(candidates.size());
   const double alone = linear_evidence(-base.jacobian, base.residual).log_evidence;
@@ -97,11 +99,15 @@ std::vector<Probe> screen(const Problem& problem, const EvidenceSpace& space, co
     const bool freed = std::find(base.free.begin(), base.free.end(), candidate.parameters.front()) != base.free.end();
     Probe& probe = probes[i];
     if (freed) return;
-    if (columns(problem, space, base, candidate, 1.0, probe.full)) {
+    if (columns(problem, space, base, candidate, 1.0, probe.full) && probe.full.norm() > kInfluence) {
       score(problem, base, candidate, probe.full, alone, probe);
       probe.valid = true;
     }
-    if (columns(problem, space, base, candidate, kSmall, probe.small)) {
+    if (single_strength) {
+      probe.small = probe.full;
+      return;
+    }
+    if (columns(problem, space, base, candidate, kSmall, probe.small) && probe.small.norm() > kInfluence) {
       score(problem, base, candidate, probe.small, alone, probe);
       if (!probe.valid) probe.full = probe.small;
       probe.valid = true;

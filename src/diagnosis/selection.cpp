@@ -14,8 +14,9 @@ namespace {
 
 constexpr double kPriorNone = 0.5, kPriorSingle = 0.38, kPriorPair = 0.09, kPriorTriple = 0.02, kPriorUnknown = 0.02;
 constexpr double kGain = 2.0;  // log posterior odds by which a larger model must lead for its successors to be tried
-constexpr int kMostMates = 6;  // class members fitted beyond those that screening kept
-constexpr int kTested = 6;     // models whose remainder is tested for structure
+constexpr double kLeastScore = -1.5;  // of a candidate that is fitted; none of the prior's mass moves below
+constexpr int kMostMates = 6;         // class members fitted beyond those that screening kept
+constexpr int kTested = 6;            // models whose remainder is tested for structure
 
 using Members = std::vector<int>;
 
@@ -32,7 +33,7 @@ double log_prior(std::size_t members, std::size_t candidates) {
 /// All models fitted so far.
 class Search {
  public:
-  Search(const Problem& problem, const EvidenceSpace& space, const SelectionOptions& options)
+  Search(const DiagnosisProblem& problem, const EvidenceSpace& space, const SelectionOptions& options)
       : problem_(problem), space_(space), options_(options) {}
 
   std::vector<ModelFit> models;
@@ -61,6 +62,7 @@ class Search {
     std::iota(order.begin(), order.end(), 0);
     std::stable_sort(order.begin(), order.end(),
                      [&](int a, int b) { return probes[at(a)].score > probes[at(b)].score; });
+    std::erase_if(order, [&](int c) { return !probes[at(c)].valid || probes[at(c)].score < kLeastScore; });
     order.resize(std::min(order.size(), at(count)));
     extend(base, probes, order);
   }
@@ -79,8 +81,9 @@ class Search {
   }
 
   std::vector<Probe> probe(const ModelFit& base) {
-    predictions += 2 * static_cast<long>(problem_.hypotheses.candidates.size());
-    return screen(problem_, space_, base.fit);
+    const bool single_strength = !base.candidates.empty();
+    predictions += (single_strength ? 1 : 2) * static_cast<long>(problem_.hypotheses.candidates.size());
+    return screen(problem_, space_, base.fit, single_strength);
   }
 
  private:
@@ -126,7 +129,7 @@ class Search {
     }
   }
 
-  const Problem& problem_;
+  const DiagnosisProblem& problem_;
   const EvidenceSpace& space_;
   const SelectionOptions& options_;
 };
@@ -198,7 +201,8 @@ void search_larger(Search& search, const SelectionOptions& options) {
 }
 
 /// Probabilities from priors, evidence and structure.
-void weigh(const Problem& problem, const EvidenceSpace& space, const SelectionOptions& options, Selection& out) {
+void weigh(const DiagnosisProblem& problem, const EvidenceSpace& space, const SelectionOptions& options,
+           Selection& out) {
   auto& models = out.models;
   const auto value = [&](const ModelFit& m) {
     return m.fit.valid ? m.log_prior + options.temper * m.fit.log_evidence : -kInfinity;
@@ -236,7 +240,7 @@ void weigh(const Problem& problem, const EvidenceSpace& space, const SelectionOp
 
 }  // namespace
 
-Selection select_models(const Problem& problem, const EvidenceSpace& space, const SelectionOptions& options) {
+Selection select_models(const DiagnosisProblem& problem, const EvidenceSpace& space, const SelectionOptions& options) {
   Selection out;
   Search search(problem, space, options);
   search.fit_none();

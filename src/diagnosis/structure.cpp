@@ -32,7 +32,7 @@ Matrix structure_columns(const Condition& condition, const ConditionSpace& space
 
 }  // namespace
 
-double structure_evidence(const Problem& problem, const EvidenceSpace& space, const Fit& fit) {
+double structure_evidence(const DiagnosisProblem& problem, const EvidenceSpace& space, const Fit& fit) {
   Eigen::Index width = 0;
   for (const Condition& c : problem.observations.conditions)
     width += static_cast<Eigen::Index>(c.channels.size()) * kModes;

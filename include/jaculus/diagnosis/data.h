@@ -28,12 +28,14 @@ struct Channel {
 
 /// Samples of one run.
 struct Run {
-  int trial = 0;              ///< index in the dataset's trials
-  double start = 0.0;         ///< data's time at which the simulation begins [s]
-  std::vector<Vector> time;   ///< a channel each: data's time of samples [s]; empty where it has none
-  std::vector<Vector> value;  ///< a channel each: samples without gaps [unit]
-  std::vector<double> shift;  ///< a stream each: stamps are late by this, as aligned so far [s]
-  Vector start_q, start_v;    ///< kind measured: initial coordinates and rates from the data, else empty
+  int trial = 0;                ///< index in the dataset's trials
+  double start = 0.0;           ///< data's time at which the simulation begins [s]
+  std::vector<Vector> time;     ///< a channel each: data's time of samples [s]; empty where it has none
+  std::vector<int> block;       ///< a channel each: samples averaged into one row, whose time is their mean
+  std::vector<double> spacing;  ///< a channel each: between those samples [s]
+  std::vector<Vector> value;    ///< a channel each: samples without gaps [unit]
+  std::vector<double> shift;    ///< a stream each: stamps are late by this, as aligned so far [s]
+  Vector start_q, start_v;      ///< kind measured: initial coordinates and rates from the data, else empty
 };
 
 struct Condition {

@@ -55,7 +55,7 @@ struct EvidenceSpace {
 
 /// Which runs of which condition take part; empty: all.
 using RunMask = std::vector<std::vector<bool>>;
-EvidenceSpace evidence_space(const Problem& problem, const Linearisation& about, const RunMask& mask = {});
+EvidenceSpace evidence_space(const DiagnosisProblem& problem, const Linearisation& about, const RunMask& mask = {});
 
 /// Modes of step 3 at the rows of a channel, rows x K.
 Matrix fault_modes(const Condition& condition, const Channel& channel, const Vector& time, int modes);

@@ -34,14 +34,14 @@ struct FitOptions {
 };
 
 /// Fits the parameters `free` from each of `starts` (full vectors; their other entries count as fixed) and keeps the best.
-Fit fit_model(const Problem& problem, const EvidenceSpace& space, const std::vector<int>& free,
+Fit fit_model(const DiagnosisProblem& problem, const EvidenceSpace& space, const std::vector<int>& free,
               const std::vector<Vector>& starts, const FitOptions& options = {});
 
 /// Fixed parameters: r and log evidence alone.
-Fit evaluate_model(const Problem& problem, const EvidenceSpace& space, const Vector& p);
+Fit evaluate_model(const DiagnosisProblem& problem, const EvidenceSpace& space, const Vector& p);
 
 /// 95 % interval of one free parameter: +-1.96 standard deviations, cut at the bounds, where the cost there rises as the curvature
 /// says within a third; else ends where the profile (others refitted) has risen by 1.92.
-Bounds interval95(const Problem& problem, const EvidenceSpace& space, const Fit& fit, int parameter);
+Bounds interval95(const DiagnosisProblem& problem, const EvidenceSpace& space, const Fit& fit, int parameter);
 
 }  // namespace jaculus

@@ -25,6 +25,8 @@ struct Prediction {
 
   /// Value of a channel at a model time, linear between grid points, constant beyond the ends.
   [[nodiscard]] double at(int channel, double time) const;
+  /// Mean over the samples that a run averages into a row whose mean time, in the model, is `time`.
+  [[nodiscard]] double row(const Run& run, int channel, double time) const;
 };
 
 /// Predicts run `run` of condition `condition` at the flat parameters `p`. Pure: may be called from several threads.

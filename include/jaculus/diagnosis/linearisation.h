@@ -18,7 +18,7 @@
 namespace jaculus {
 
 /// What is diagnosed: data, hypotheses and the map from parameters to predictions.
-struct Problem {
+struct DiagnosisProblem {
   Observations observations;
   Hypotheses hypotheses;
   ForwardModel forward;
@@ -33,9 +33,9 @@ struct PredictionSet {
   /// A pointer a run.
   [[nodiscard]] std::vector<const Prediction*> runs(const Condition& condition, int c) const;
 };
-PredictionSet predict_all(const Problem& problem, const Vector& p);
+PredictionSet predict_all(const DiagnosisProblem& problem, const Vector& p);
 /// Rows of all conditions, one vector each.
-std::vector<Vector> rows_of(const Problem& problem, const PredictionSet& predictions);
+std::vector<Vector> rows_of(const DiagnosisProblem& problem, const PredictionSet& predictions);
 
 /// Nuisances of one run, on its rows alone.
 struct RunNuisances {
@@ -54,9 +54,9 @@ struct Linearisation {
 
 /// Aligns streams (sets the runs' shifts), builds nuisances and estimates noise floors and correlations, all about p. The
 /// linearisation is invalid (at_p.valid) where the simulation fails at p.
-Linearisation linearise(Problem& problem, const Vector& p);
+Linearisation linearise(DiagnosisProblem& problem, const Vector& p);
 
 /// Declared discrepancy of each channel: `share` of the gap at the linearisation point, rms, and `floor` noise floors.
-void declare_discrepancy(Problem& problem, const Linearisation& about, double share, double floor);
+void declare_discrepancy(DiagnosisProblem& problem, const Linearisation& about, double share, double floor);
 
 }  // namespace jaculus

@@ -20,8 +20,10 @@ struct Probe {
   Vector estimate;  ///< u of its parameters by the better linear model, within bounds
 };
 
-/// Probes every candidate that `base` has not freed, in parallel. Order of candidates; freed ones stay invalid.
-std::vector<Probe> screen(const Problem& problem, const EvidenceSpace& space, const Fit& base);
+/// Probes every candidate that `base` has not freed, in parallel. Order of candidates; freed ones, and those without influence on
+/// these data, stay invalid. `single_strength`: at the probing step alone.
+std::vector<Probe> screen(const DiagnosisProblem& problem, const EvidenceSpace& space, const Fit& base,
+                          bool single_strength = false);
 
 /// Energy |.|^2 of a signature that the columns `own`, with prior N(0, I) times `stretch`^2, can't reproduce.
 double unexplained_energy(const Vector& signature, const Matrix& own);

@@ -47,9 +47,10 @@ struct SelectionOptions {
   std::function<void(const std::string&)> progress;
 };
 
-Selection select_models(const Problem& problem, const EvidenceSpace& space, const SelectionOptions& options = {});
+Selection select_models(const DiagnosisProblem& problem, const EvidenceSpace& space,
+                        const SelectionOptions& options = {});
 
 /// log Bayes factor of smooth unknown structure in what a fit leaves.
-double structure_evidence(const Problem& problem, const EvidenceSpace& space, const Fit& fit);
+double structure_evidence(const DiagnosisProblem& problem, const EvidenceSpace& space, const Fit& fit);
 
 }  // namespace jaculus

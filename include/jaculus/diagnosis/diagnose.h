@@ -1,0 +1,90 @@
+#pragma once
+// From datasets to a verdict: where the gap lies, which effect causes it, how far it shrinks.
+//
+//   observe -> predict, align, noise -> contradictions, one-off disturbances -> select models -> held-out gap -> verdict
+//
+// Verdict, from the posterior of selection.h:
+//   insufficient  the data can't answer (reasons are in `reasons`), or there is one trial and nothing to tell its noise by
+//   none          p(none) is the largest and above 0.5
+//   unexplained   p(unknown structure) above 0.5
+//   effect        one effect alone has 0.8 or more
+//   several       one set of effects has 0.8 or more
+//   ambiguous     else; the effects that take part in models of 95 % of the rest are listed
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "jaculus/diagnosis/checks.h"
+#include "jaculus/diagnosis/held_out.h"
+#include "jaculus/diagnosis/localise.h"
+#include "jaculus/diagnosis/selection.h"
+
+namespace jaculus {
+
+/// A parameter as users read it.
+struct FoundParameter {
+  std::string name, unit;
+  double value = 0.0;
+  Bounds ci95;
+};
+
+struct FoundEffect {
+  std::string name, caption;
+  double probability = 0.0;
+  std::vector<FoundParameter> parameters;
+  std::vector<std::string> like;  ///< effects that these data can't tell from it, by sensitivities
+};
+
+/// One row of the ranking: an effect or a set of them, "none" or "unexplained".
+struct Ranked {
+  std::string effect;            ///< "a", "a + b"
+  double log_evidence = kNaN;    ///< relative to none
+  double held_out_error = kNaN;  ///< [noise floors]
+  double probability = 0.0;
+};
+
+/// An experiment that would separate the rivals of an ambiguous verdict.
+struct NextExperiment {
+  std::string experiment;
+  double log_bayes_factor = kNaN;  ///< expected
+};
+
+struct Diagnosis {
+  std::string verdict;
+  std::vector<std::string> reasons;  ///< why this verdict, or what to record next time
+  std::vector<std::string> notes;    ///< what was left out or assumed
+  std::vector<FoundEffect> effects;  ///< most probable first; empty for none, unexplained and insufficient
+  std::vector<Ranked> ranking;
+  std::vector<OneOff> disturbances;
+  HeldOut gap;
+  std::optional<Localisation> where;
+  std::optional<NextExperiment> next;
+  std::shared_ptr<DiagnosisProblem>
+      problem;              ///< as diagnosed, noise floors and shifts in it; null where nothing could be
+  Vector p;                 ///< all parameters of the most probable model
+  Vector p_none;            ///< nominal, condition-wide nuisances fitted
+  std::vector<int> chosen;  ///< candidates of the most probable model
+  long predictions = 0;
+  double log_unknown = kNaN;  ///< log Bayes factor of structure that the best model leaves
+};
+
+struct DiagnoseOptions {
+  ObservationOptions observation;
+  SelectionOptions selection;
+  double discrepancy_share = 0.03;     ///< of a channel's gap that the plant may misshape; see declare_discrepancy
+  double discrepancy_floor = 0.3;      ///< smooth faults of the plant itself, in noise floors
+  std::vector<const Effect*> effects;  ///< empty: the catalogue
+  std::function<void(const std::string&)> progress;  ///< a line on what is going on
+};
+
+/// Diagnoses one or several datasets of one robot. Bad files are InputErrors of those who read them; a robot that lacks what a plan
+/// commands, an InputError here; everything numerical is in the verdict.
+Diagnosis diagnose(const std::vector<Dataset>& datasets, const DiagnoseOptions& options = {});
+
+/// The same for any problem, for models that are no plant. The robot-specific parts (where, next, shown parameters) stay empty.
+Diagnosis diagnose_problem(std::shared_ptr<DiagnosisProblem> problem, const DiagnoseOptions& options = {});
+
+}  // namespace jaculus

@@ -1,0 +1,63 @@
+// jaculus diagnose: why a robot did something else than its plan.
+
+#include "jaculus/diagnosis/diagnose.h"
+
+#include <fmt/format.h>
+#include <tbb/global_control.h>
+
+#include <cstdio>
+#include <memory>
+
+#include "cli/command.h"
+#include "jaculus/diagnosis/diagnosis_json.h"
+#include "jaculus/trajectory/csv.h"
+
+namespace jaculus::cli {
+namespace {
+
+struct Options {
+  Common common;
+  std::vector<std::string> datasets;
+};
+
+int run(const Options& options) {
+  std::vector<Dataset> datasets;
+  for (const std::string& folder : options.datasets) datasets.push_back(read_dataset(folder));
+  if (!options.common.out.empty()) prepare_folder(options.common.out);
+  const tbb::global_control workers(tbb::global_control::max_allowed_parallelism,
+                                    static_cast<std::size_t>(options.common.jobs));
+  DiagnoseOptions diagnosing;
+  const bool progress = shows_progress(options.common);
+  if (progress) diagnosing.progress = [](const std::string& what) { fmt::print(stderr, "\r\033[K{} ...", what); };
+  const Diagnosis diagnosis = diagnose(datasets, diagnosing);
+  if (progress) fmt::print(stderr, "\r\033[K");
+  const std::string json = diagnosis_json(diagnosis);
+  if (!options.common.out.empty()) {
+    const std::filesystem::path folder = options.common.out;
+    write_file(folder / "diagnosis.json", json);
+    write_file(folder / "augmented.yaml", augmented_yaml(diagnosis));
+  }
+  if (options.common.json) {
+    print(json);
+  } else if (!options.common.quiet) {
+    print(diagnosis_text(diagnosis));
+  }
+  return kDone;
+}
+
+}  // namespace
+
+void add_diagnose(CLI::App& app, Action& chosen) {
+  auto options = std::make_shared<Options>();
+  options->common.jobs = 2;
+  CLI::App* command =
+      app.add_subcommand("diagnose", "where the gap between model and robot lies, and which effect causes it");
+  command->footer(
+      "Several datasets of one robot are diagnosed together, an operating condition each.\n"
+      "Example:\n  jaculus diagnose shared/data/pendulum/ak80 --out ak80_diagnosis");
+  command->add_option("datasets", options->datasets, "folders of datasets")->required();
+  add_common(*command, options->common, "folder for diagnosis.json, augmented.yaml and report.html");
+  command->callback([options, &chosen] { chosen = [options] { return run(*options); }; });
+}
+
+}  // namespace jaculus::cli

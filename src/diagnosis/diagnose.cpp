@@ -1,0 +1,151 @@
+#include "jaculus/diagnosis/diagnose.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include "diagnosis/findings.h"
+#include "jaculus/diagnosis/forward.h"
+#include "jaculus/simulation/experiment.h"
+
+namespace jaculus {
+namespace {
+
+void tell(const DiagnoseOptions& options, const std::string& what) {
+  if (options.progress) options.progress(what);
+}
+
+/// Leaves out channels without any scatter: they were computed, not measured, or a sensor froze.
+void drop_silent_channels(DiagnosisProblem& problem, std::vector<std::string>& notes) {
+  for (Condition& condition : problem.observations.conditions) {
+    for (std::size_t c = condition.channels.size(); c-- > 0;) {
+      const Channel& channel = condition.channels[c];
+      double size = 0.0;
+      for (const Run& run : condition.runs)
+        if (run.value[c].size() > 0) size = std::max(size, run.value[c].cwiseAbs().maxCoeff());
+      if (channel.noise_floor > 1e-9 * size && channel.noise_floor > 0.0) continue;
+      notes.push_back(fmt::format("{} has no scatter at all, so it is no measurement: left out", channel.name));
+      condition.channels.erase(condition.channels.begin() + static_cast<std::ptrdiff_t>(c));
+      for (Run& run : condition.runs) {
+        run.time.erase(run.time.begin() + static_cast<std::ptrdiff_t>(c));
+        run.value.erase(run.value.begin() + static_cast<std::ptrdiff_t>(c));
+        run.block.erase(run.block.begin() + static_cast<std::ptrdiff_t>(c));
+        run.spacing.erase(run.spacing.begin() + static_cast<std::ptrdiff_t>(c));
+      }
+    }
+  }
+  std::erase_if(problem.observations.conditions, [](const Condition& c) { return c.rows() == 0; });
+}
+
+/// Aligned, noise known, one-off disturbances cut; false where the data can't go on, with the reasons in `out`.
+bool prepare(DiagnosisProblem& problem, Linearisation& about, const DiagnoseOptions& options, Diagnosis& out) {
+  const Vector nominal = problem.hypotheses.nominal();
+  tell(options, "noise and alignment");
+  about = linearise(problem, nominal);
+  if (!about.at_p.valid) {
+    out.reasons.push_back("the nominal model can't be simulated through this experiment: " + about.at_p.message);
+    return false;
+  }
+  out.reasons = contradictions(problem, about);
+  if (!out.reasons.empty()) return false;
+  const std::size_t notes = out.notes.size();
+  drop_silent_channels(problem, out.notes);
+  if (problem.observations.conditions.empty()) {
+    out.reasons.push_back("no channel has any scatter, so nothing tells the noise");
+    return false;
+  }
+  out.disturbances = one_off_disturbances(problem, about);
+  for (const OneOff& one : out.disturbances) {
+    cut(problem, one);
+    const Condition& condition = problem.observations.conditions[static_cast<std::size_t>(one.condition)];
+    const auto trial = static_cast<std::size_t>(condition.runs[static_cast<std::size_t>(one.run)].trial);
+    out.notes.push_back(
+        fmt::format("{} left the other trials at {:.3f} s (most in {}, {:.1f} times their scatter): a one-off "
+                    "disturbance, its data from there on are cut out, not explained",
+                    condition.dataset.trials[trial].name, one.onset, one.channel, one.excess));
+  }
+  if (!out.disturbances.empty() || out.notes.size() != notes) about = linearise(problem, nominal);
+  return true;
+}
+
+/// The space in which models are compared; condition-wide nuisances are fitted first, and everything is linearised about them.
+EvidenceSpace compare_in(DiagnosisProblem& problem, Linearisation& about, const DiagnoseOptions& options) {
+  declare_discrepancy(problem, about, options.discrepancy_share, options.discrepancy_floor);
+  EvidenceSpace space = evidence_space(problem, about);
+  if (problem.hypotheses.nuisances.empty()) return space;
+  for (int round = 0; round < 2; ++round) {
+    const Fit none = fit_model(problem, space, problem.hypotheses.nuisances, {about.p});
+    if (!none.valid) return space;
+    Linearisation again = linearise(problem, none.p);
+    if (!again.at_p.valid) return space;
+    about = std::move(again);
+    declare_discrepancy(problem, about, options.discrepancy_share, options.discrepancy_floor);
+    space = evidence_space(problem, about);
+  }
+  return space;
+}
+
+bool one_trial(const DiagnosisProblem& problem) {
+  int trials = 0;
+  bool windows = false;
+  for (const Condition& c : problem.observations.conditions) {
+    trials += c.trials;
+    windows = windows || c.measured_input;
+  }
+  return trials < 2 && !windows;
+}
+
+std::vector<PlanarModel> robots_of(const std::vector<Dataset>& datasets) {
+  std::vector<PlanarModel> models;
+  for (const Dataset& dataset : datasets) models.push_back(dataset_robot(dataset).planar);
+  return models;
+}
+
+}  // namespace
+
+Diagnosis diagnose_problem(std::shared_ptr<DiagnosisProblem> problem, const DiagnoseOptions& options) {
+  Diagnosis out;
+  out.verdict = "insufficient";
+  out.notes = problem->observations.notes;
+  out.reasons = problem->observations.insufficient;
+  if (!out.reasons.empty() || problem->observations.conditions.empty()) return out;
+  out.problem = problem;
+  Linearisation about;
+  if (!prepare(*problem, about, options, out)) return out;
+  const EvidenceSpace space = compare_in(*problem, about, options);
+  SelectionOptions selecting = options.selection;
+  selecting.progress = options.progress;
+  const Selection selection = select_models(*problem, space, selecting);
+  if (selection.models.empty()) {
+    out.reasons.push_back("the nominal model can't be fitted to these data");
+    return out;
+  }
+  out.predictions = selection.predictions;
+  tell(options, "held-out gap and intervals");
+  state_findings(*problem, about, space, selection, out);
+  if (one_trial(*problem)) {
+    out.verdict = "insufficient";
+    out.reasons.push_back(
+        "one trial: its noise can only be guessed from its own roughness, so no cause is stated; record three or more");
+  }
+  return out;
+}
+
+Diagnosis diagnose(const std::vector<Dataset>& datasets, const DiagnoseOptions& options) {
+  auto problem = std::make_shared<DiagnosisProblem>();
+  problem->observations = observe(datasets, robots_of(datasets), options.observation);
+  if (problem->observations.conditions.empty() || !problem->observations.insufficient.empty())
+    return diagnose_problem(problem, options);
+  std::vector<const Effect*> effects = options.effects;
+  if (effects.empty())
+    for (const Effect& effect : effect_catalogue()) effects.push_back(&effect);
+  const PlantForward forward = plant_forward(problem->observations, effects);
+  problem->hypotheses = forward.hypotheses;
+  problem->forward = forward.predict;
+  return diagnose_problem(problem, options);
+}
+
+}  // namespace jaculus

@@ -1,0 +1,217 @@
+#include "jaculus/diagnosis/diagnosis_json.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <nlohmann/json.hpp>
+
+#include "jaculus/effects/select.h"
+
+namespace jaculus {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+Json pair(const Bounds& b) { return Json::array({number(b.lower), number(b.upper)}); }
+
+Json effects_json(const Diagnosis& d) {
+  Json list = Json::array();
+  for (const FoundEffect& e : d.effects) {
+    Json parameters = Json::object();
+    for (const FoundParameter& p : e.parameters)
+      parameters[p.name] = {{"value", number(p.value)}, {"ci95", pair(p.ci95)}, {"unit", p.unit}};
+    list.push_back({{"name", e.name},
+                    {"caption", e.caption},
+                    {"probability", e.probability},
+                    {"parameters", parameters},
+                    {"like", e.like}});
+  }
+  return list;
+}
+
+Json channels_json(const Diagnosis& d) {
+  Json channels = Json::object();
+  if (d.where) {
+    for (const ChannelGap& c : d.where->channels)
+      channels[c.name] = {
+          {"gap", number(c.gap)}, {"noise_floor", number(c.noise_floor)}, {"unit", c.unit}, {"stream", c.stream}};
+    return channels;
+  }
+  if (!d.problem) return channels;
+  for (const Condition& condition : d.problem->observations.conditions) {
+    for (const Channel& c : condition.channels) {
+      const auto found = d.gap.channels.find(c.stream + "." + c.name);
+      channels[c.name] = {
+          {"gap", found == d.gap.channels.end() ? Json(nullptr) : number(found->second.before * c.noise_floor)},
+          {"noise_floor", number(c.noise_floor)},
+          {"unit", c.unit},
+          {"stream", c.stream}};
+    }
+  }
+  return channels;
+}
+
+Json shares(const std::vector<ComponentShare>& list, bool detail) {
+  Json out = Json::object();
+  for (const ComponentShare& s : list) {
+    Json& entry = out[component_name(s.component)];
+    if (detail) {
+      entry = {{"share", number(s.share)}, {"ci95", pair(s.ci95)}, {"visible", s.visible}};
+    } else {
+      entry = number(s.share);
+    }
+  }
+  return out;
+}
+
+Json where_json(const Diagnosis& d) {
+  Json where = {{"components", Json::object()},
+                {"phases", Json::object()},
+                {"first_departure_s", nullptr},
+                {"channels", channels_json(d)}};
+  if (!d.where) return where;
+  where["components"] = shares(d.where->components, false);
+  where["component_intervals"] = shares(d.where->components, true);
+  for (const PhaseShare& phase : d.where->phases) where["phases"][phase.name] = number(phase.share);
+  if (d.where->departure.found) where["first_departure_s"] = number(d.where->departure.time);
+  where["first_departure_ci95"] = pair(d.where->departure.ci95);
+  where["unexplained"] = number(d.where->unexplained);
+  where["notes"] = d.where->notes;
+  return where;
+}
+
+Json gap_json(const Diagnosis& d) {
+  Json channels = Json::object();
+  for (const auto& [name, c] : d.gap.channels)
+    channels[name] = {{"before", number(c.before)}, {"after", number(c.after)}};
+  return {{"before", number(d.gap.before)},
+          {"after", number(d.gap.after)},
+          {"noise_floor", 1.0},
+          {"shrink", d.gap.shrink ? number(*d.gap.shrink) : Json(nullptr)},
+          {"ci95", pair(d.gap.ci95)},
+          {"held_out", d.gap.over},
+          {"folds", d.gap.folds},
+          {"per_channel", channels}};
+}
+
+/// `name:parameter=value,...` of one chosen effect.
+std::string effect_text(const Diagnosis& d, int candidate) {
+  const Candidate& c = d.problem->hypotheses.candidates[static_cast<std::size_t>(candidate)];
+  std::vector<std::string> parts;
+  for (std::size_t k = 0; k < c.parameters.size(); ++k)
+    parts.push_back(fmt::format("{}={}", c.effect->parameters[k].name, d.p[c.parameters[k]]));
+  return fmt::format("{}:{}", c.name, fmt::join(parts, ","));
+}
+
+std::string shown_number(double value) { return std::isfinite(value) ? fmt::format("{:.4g}", value) : "-"; }
+
+std::string effects_text(const Diagnosis& d) {
+  std::string text;
+  for (const FoundEffect& e : d.effects) {
+    text += fmt::format("  {:<26} p {:.2f}", e.name, e.probability);
+    for (const FoundParameter& p : e.parameters)
+      text += fmt::format("  {} {} [{}, {}] {}", p.name, shown_number(p.value), shown_number(p.ci95.lower),
+                          shown_number(p.ci95.upper), p.unit);
+    text += "\n";
+    if (!e.like.empty()) text += fmt::format("    not told apart here from: {}\n", fmt::join(e.like, ", "));
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string diagnosis_json(const Diagnosis& d) {
+  Json ranking = Json::array(), disturbances = Json::array();
+  for (const Ranked& r : d.ranking) {
+    ranking.push_back({{"effect", r.effect},
+                       {"log_evidence", number(r.log_evidence)},
+                       {"held_out_error", number(r.held_out_error)},
+                       {"probability", r.probability}});
+  }
+  for (const OneOff& one : d.disturbances) {
+    const Condition& c = d.problem->observations.conditions[static_cast<std::size_t>(one.condition)];
+    const auto trial = static_cast<std::size_t>(c.runs[static_cast<std::size_t>(one.run)].trial);
+    disturbances.push_back({{"trial", c.dataset.trials[trial].name},
+                            {"from_s", one.onset},
+                            {"channel", one.channel},
+                            {"excess", one.excess}});
+  }
+  Json json = {{"format", "jaculus-diagnosis/1"},
+               {"verdict", d.verdict},
+               {"reasons", d.reasons},
+               {"effects", effects_json(d)},
+               {"ranking", ranking},
+               {"where", where_json(d)},
+               {"gap", gap_json(d)},
+               {"disturbances", disturbances},
+               {"notes", d.notes}};
+  json["discriminating_experiment"] = nullptr;
+  if (d.next) {
+    json["discriminating_experiment"] = {{"experiment", d.next->experiment},
+                                         {"expected_log_bayes_factor", number(d.next->log_bayes_factor)}};
+  }
+  return json.dump(2) + "\n";
+}
+
+std::string augmented_yaml(const Diagnosis& d) {
+  std::string text = "format: jaculus-augmented/1\n";
+  if (!d.problem || d.problem->observations.conditions.empty()) return text + "effects: []\n";
+  const Condition& condition = d.problem->observations.conditions.front();
+  text += fmt::format("robot: {}\n", condition.dataset.robot);
+  std::vector<ModelOverride> overrides;
+  for (const auto& [path, value] : condition.dataset.overrides) overrides.emplace_back(path, value);
+  std::string effects;
+  PlanarModel model = condition.model;
+  for (const int c : d.chosen) {
+    const Candidate& candidate = d.problem->hypotheses.candidates[static_cast<std::size_t>(c)];
+    if (candidate.effect == nullptr || !candidate.effect->applies(model)) continue;
+    Vector theta(static_cast<Eigen::Index>(candidate.parameters.size()));
+    for (std::size_t k = 0; k < candidate.parameters.size(); ++k)
+      theta[static_cast<Eigen::Index>(k)] = d.p[candidate.parameters[k]];
+    for (const ModelOverride& value : candidate.effect->overrides(theta, model)) {
+      std::erase_if(overrides, [&](const ModelOverride& o) { return o.first == value.first; });
+      overrides.push_back(value);
+    }
+    Plant plant = nominal_plant(model);  // a second effect's overrides count on top of the first one's
+    candidate.effect->apply(theta, plant);
+    model = plant.model;
+    effects += fmt::format("  - \"{}\"\n", effect_text(d, c));
+  }
+  text += "# Model values by which planning knows of the effect; where it can't, nothing stands here.\noverride:";
+  text += overrides.empty() ? " {}\n" : "\n";
+  for (const auto& [path, value] : overrides) text += fmt::format("  {}: {}\n", path, value);
+  return text + "# All of it for simulation, in place of the overrides: jaculus simulate --effect\neffects:" +
+         (effects.empty() ? " []\n" : "\n" + effects);
+}
+
+std::string diagnosis_text(const Diagnosis& d) {
+  std::string text = fmt::format("verdict: {}\n", d.verdict);
+  for (const std::string& reason : d.reasons) text += "  " + reason + "\n";
+  text += effects_text(d);
+  if (d.gap.valid) {
+    text += fmt::format("gap on held-out {}: {:.2f} noise floors before, {:.2f} after", d.gap.over, d.gap.before,
+                        d.gap.after);
+    text += d.gap.shrink ? fmt::format(", shrink {:.2f} [{}, {}]\n", *d.gap.shrink, shown_number(d.gap.ci95.lower),
+                                       shown_number(d.gap.ci95.upper))
+                         : "\n";
+  }
+  if (!d.ranking.empty())
+    text += fmt::format("\n{:<44} {:>12} {:>9} {:>11}\n", "ranking", "log evidence", "held out", "probability");
+  std::size_t rows = 0;
+  for (const Ranked& r : d.ranking) {
+    if (++rows > 10) break;
+    text += fmt::format("{:<44} {:>12} {:>9} {:>11.3f}\n", r.effect, shown_number(r.log_evidence),
+                        shown_number(r.held_out_error), r.probability);
+  }
+  if (d.next)
+    text += fmt::format("\nto tell them apart: {} (expected log Bayes factor {:.1f})\n", d.next->experiment,
+                        d.next->log_bayes_factor);
+  for (const std::string& note : d.notes) text += "note: " + note + "\n";
+  return text;
+}
+
+}  // namespace jaculus

@@ -1,0 +1,156 @@
+#include "diagnosis/findings.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include "jaculus/effects/select.h"
+
+namespace jaculus {
+namespace {
+
+constexpr double kSure = 0.8;        // probability from which an effect is stated
+constexpr double kLikely = 0.5;      // of none or of something unknown, or of a rival that forbids a statement
+constexpr double kListed = 0.05;     // share of the effects' probability from which a rival is listed
+constexpr double kRanked = 1e-3;     // probability of sets worth a line
+constexpr std::size_t kHeldOut = 4;  // models whose held-out error is computed
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+std::string name_of(const DiagnosisProblem& problem, const std::vector<int>& candidates) {
+  std::string name;
+  for (const int c : candidates) name += (name.empty() ? "" : " + ") + problem.hypotheses.candidates[at(c)].name;
+  return name.empty() ? "none" : name;
+}
+
+const ModelFit* find_model(const Selection& selection, const std::vector<int>& candidates) {
+  for (const ModelFit& model : selection.models)
+    if (model.candidates == candidates && model.fit.valid) return &model;
+  return nullptr;
+}
+
+/// Most probable model that frees a candidate.
+const ModelFit* best_with(const Selection& selection, int candidate) {
+  const ModelFit* best = nullptr;
+  for (const ModelFit& m : selection.models) {
+    const bool has = std::find(m.candidates.begin(), m.candidates.end(), candidate) != m.candidates.end();
+    if (has && m.fit.valid && (best == nullptr || m.probability > best->probability)) best = &m;
+  }
+  return best;
+}
+
+FoundParameter shown(const Candidate& candidate, std::size_t k, double value, const Bounds& ci) {
+  if (candidate.effect == nullptr) return {"parameter", "-", value, ci};
+  const EffectParameter& p = candidate.effect->parameters[k];
+  FoundParameter found{p.name, p.unit, value, ci};
+  if (p.shown_as.empty()) return found;
+  found.name = p.shown_name;
+  found.unit = p.shown_unit;
+  found.value = shown_value(p, value);
+  const double a = shown_value(p, ci.lower), b = shown_value(p, ci.upper);
+  found.ci95 = {std::min(a, b), std::max(a, b)};
+  return found;
+}
+
+FoundEffect found_effect(const DiagnosisProblem& problem, const EvidenceSpace& space, const Selection& selection,
+                         int c) {
+  const Candidate& candidate = problem.hypotheses.candidates[at(c)];
+  FoundEffect found{
+      candidate.name, candidate.effect != nullptr ? candidate.effect->caption : "", selection.involved[at(c)], {}, {}};
+  for (const int other : selection.equivalent[at(c)])
+    if (other != c) found.like.push_back(problem.hypotheses.candidates[at(other)].name);
+  const ModelFit* model = best_with(selection, c);
+  if (model == nullptr) return found;
+  for (std::size_t k = 0; k < candidate.parameters.size(); ++k) {
+    const int p = candidate.parameters[k];
+    found.parameters.push_back(shown(candidate, k, model->fit.p[p], interval95(problem, space, model->fit, p)));
+  }
+  return found;
+}
+
+/// Candidates to state, most probable first, and the verdict.
+std::vector<int> decide(const Selection& selection, std::string& verdict) {
+  std::vector<int> order;
+  for (std::size_t c = 0; c < selection.involved.size(); ++c) order.push_back(static_cast<int>(c));
+  std::stable_sort(order.begin(), order.end(),
+                   [&](int a, int b) { return selection.involved[at(a)] > selection.involved[at(b)]; });
+  if (selection.unexplained > kLikely) {
+    verdict = "unexplained";
+    return {};
+  }
+  if (selection.none > kLikely) {
+    verdict = "none";
+    return {};
+  }
+  const double mass = 1.0 - selection.none - selection.unexplained;
+  std::vector<int> sure, listed;
+  bool rival = false;
+  for (const int c : order) {
+    const double p = selection.involved[at(c)];
+    if (p >= kSure) sure.push_back(c);
+    if (p >= kListed * mass) listed.push_back(c);
+    rival = rival || (p >= kLikely && p < kSure);
+  }
+  if (!sure.empty() && !rival) {
+    verdict = sure.size() == 1 ? "effect" : "several";
+    return sure;
+  }
+  verdict = listed.size() == 1 ? "effect" : "ambiguous";
+  return listed;
+}
+
+void rank(const DiagnosisProblem& problem, const Linearisation& about, const Selection& selection, Diagnosis& out) {
+  const ModelFit* none = find_model(selection, {});
+  const double zero = none != nullptr ? none->fit.log_evidence : 0.0;
+  std::size_t judged = 0;
+  for (const ModelFit& model : selection.models) {
+    if (!model.fit.valid || (model.candidates.size() > 1 && model.probability < kRanked)) continue;
+    Ranked row{name_of(problem, model.candidates), model.fit.log_evidence - zero, kNaN, model.probability};
+    if (none != nullptr && (judged < kHeldOut || model.candidates.empty())) {
+      row.held_out_error = held_out(problem, about, none->fit, model.fit).after;
+      ++judged;
+    }
+    out.ranking.push_back(row);
+  }
+  double log_unknown = -kInfinity;
+  for (const ModelFit& model : selection.models)
+    log_unknown = std::max(log_unknown, model.fit.log_evidence - zero + model.structure);
+  out.ranking.push_back({"unexplained", log_unknown, kNaN, selection.unexplained});
+  std::stable_sort(out.ranking.begin(), out.ranking.end(),
+                   [](const Ranked& a, const Ranked& b) { return a.probability > b.probability; });
+}
+
+/// The model whose after-gap is stated: of what the verdict names, else the most probable one.
+const ModelFit* chosen_model(const Selection& selection, const std::vector<int>& stated, const std::string& verdict) {
+  if (verdict == "none") return find_model(selection, {});
+  if (verdict == "effect" || verdict == "several") {
+    std::vector<int> sorted = stated;
+    std::sort(sorted.begin(), sorted.end());
+    if (const ModelFit* model = find_model(selection, sorted)) return model;
+  }
+  const ModelFit* best = nullptr;
+  for (const ModelFit& model : selection.models)
+    if (model.fit.valid &&
+        (best == nullptr || model.log_prior + model.fit.log_evidence > best->log_prior + best->fit.log_evidence))
+      best = &model;
+  return best;
+}
+
+}  // namespace
+
+void state_findings(const DiagnosisProblem& problem, const Linearisation& about, const EvidenceSpace& space,
+                    const Selection& selection, Diagnosis& out) {
+  const std::vector<int> stated = decide(selection, out.verdict);
+  for (const int c : stated) out.effects.push_back(found_effect(problem, space, selection, c));
+  rank(problem, about, selection, out);
+  const ModelFit* none = find_model(selection, {});
+  const ModelFit* chosen = chosen_model(selection, stated, out.verdict);
+  if (none == nullptr || chosen == nullptr) return;
+  out.p = chosen->fit.p;
+  out.p_none = none->fit.p;
+  out.chosen = chosen->candidates;
+  out.log_unknown = chosen->structure;
+  out.gap = held_out(problem, about, none->fit, chosen->fit);
+}
+
+}  // namespace jaculus

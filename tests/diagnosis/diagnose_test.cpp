@@ -1,0 +1,140 @@
+// The whole statistics on toy problems: none stays none, effects come back with intervals, classes are told, structure that
+// no candidate has is not explained away, bad data are refused.
+
+#include "jaculus/diagnosis/diagnose.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "jaculus/diagnosis/diagnosis_json.h"
+#include "toy.h"
+
+namespace jaculus {
+namespace {
+
+using test::toy_problem;
+using test::toy_truth;
+using test::ToyData;
+
+std::vector<std::string> names(const Diagnosis& d) {
+  std::vector<std::string> found;
+  for (const FoundEffect& e : d.effects) found.push_back(e.name);
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+TEST(Diagnose, NoEffectIsNoneInAlmostEveryDraw) {
+  int alarms = 0;
+  for (unsigned seed = 1; seed <= 30; ++seed) {
+    ToyData data;
+    data.seed = seed;
+    alarms += diagnose_problem(toy_problem(toy_truth(0.0, 0.0), data)).verdict != "none";
+  }
+  EXPECT_LE(alarms, 2);
+}
+
+TEST(Diagnose, SecondEffectComesBackWithItsInterval) {
+  int covered = 0;
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    ToyData data;
+    data.seed = seed;
+    const Diagnosis d = diagnose_problem(toy_problem(toy_truth(0.0, 0.02), data));
+    ASSERT_EQ(d.verdict, "effect") << diagnosis_text(d);
+    ASSERT_EQ(names(d), std::vector<std::string>{"second"});
+    covered += d.effects[0].parameters[0].ci95.contains(0.02);
+    EXPECT_NEAR(d.effects[0].parameters[0].value, 0.02, 0.002);
+    EXPECT_GT(d.gap.before, 3.0);
+    EXPECT_LT(d.gap.after, 1.3);
+    EXPECT_GT(*d.gap.shrink, 0.8);
+  }
+  EXPECT_GE(covered, 16);  // of 20 at 95 %: fewer has a chance of 3e-4
+}
+
+TEST(Diagnose, TwinsAreNotToldApart) {
+  const Diagnosis d = diagnose_problem(toy_problem(toy_truth(0.03, 0.0)));
+  EXPECT_EQ(d.verdict, "ambiguous") << diagnosis_text(d);
+  EXPECT_EQ(names(d), (std::vector<std::string>{"first", "twin"}));
+  ASSERT_FALSE(d.effects.empty());
+  EXPECT_LT(d.effects[0].probability, 0.8);
+  EXPECT_EQ(d.effects[0].like.size(), 1u);
+}
+
+TEST(Diagnose, PairIsFound) {
+  const Diagnosis d = diagnose_problem(toy_problem(toy_truth(0.05, 0.03)));
+  EXPECT_NE(d.verdict, "effect") << diagnosis_text(d);
+  const std::vector<std::string> found = names(d);
+  EXPECT_NE(std::find(found.begin(), found.end(), "second"), found.end()) << diagnosis_text(d);
+  EXPECT_NE(std::find(found.begin(), found.end(), "first"), found.end()) << diagnosis_text(d);
+  EXPECT_LT(d.gap.after, 1.3);
+}
+
+TEST(Diagnose, WhatNoCandidateHasIsUnexplained) {
+  ToyData data;
+  data.extra = [](int channel, double t) {
+    return channel == 0 && t > 0.0 ? 0.02 * std::sin(25.0 * t) * t / 0.5 : 0.0;
+  };
+  const Diagnosis d = diagnose_problem(toy_problem(toy_truth(0.0, 0.0), data));
+  EXPECT_EQ(d.verdict, "unexplained") << diagnosis_text(d);
+}
+
+TEST(Diagnose, PushInOneTrialIsCutAndNotExplained) {
+  ToyData data;
+  data.runs = 6;
+  data.pushed = 2;
+  const Diagnosis d = diagnose_problem(toy_problem(toy_truth(0.0, 0.0), data));
+  ASSERT_EQ(d.disturbances.size(), 1u) << diagnosis_text(d);
+  EXPECT_EQ(d.disturbances[0].run, 2);
+  EXPECT_NEAR(d.disturbances[0].onset, 0.3, 0.1);
+  EXPECT_EQ(d.verdict, "none") << diagnosis_text(d);
+}
+
+TEST(Diagnose, OneTrialIsNeverAStatement) {
+  ToyData data;
+  data.runs = 1;
+  const Diagnosis d = diagnose_problem(toy_problem(toy_truth(0.0, 0.05), data));
+  EXPECT_EQ(d.verdict, "insufficient");
+  EXPECT_FALSE(d.reasons.empty());
+}
+
+TEST(Diagnose, InvertedChannelIsNamed) {
+  auto problem = toy_problem(toy_truth(0.0, 0.0));
+  for (auto& run : problem->observations.conditions[0].runs) run.value[0] *= -1.0;
+  const Diagnosis d = diagnose_problem(problem);
+  EXPECT_EQ(d.verdict, "insufficient");
+  ASSERT_FALSE(d.reasons.empty());
+  EXPECT_NE(d.reasons[0].find("a looks inverted"), std::string::npos) << d.reasons[0];
+}
+
+TEST(Diagnose, DegreesAreNamed) {
+  auto problem = toy_problem(toy_truth(0.0, 0.0));
+  for (auto& run : problem->observations.conditions[0].runs) run.value[1] *= 57.29578;
+  const Diagnosis d = diagnose_problem(problem);
+  EXPECT_EQ(d.verdict, "insufficient");
+  ASSERT_FALSE(d.reasons.empty());
+  EXPECT_NE(d.reasons[0].find("b looks like degrees"), std::string::npos) << d.reasons[0];
+}
+
+TEST(Diagnose, NoiseFloorIsTheSensors) {
+  const Diagnosis d = diagnose_problem(toy_problem(toy_truth(0.0, 0.0)));
+  for (const Channel& channel : d.problem->observations.conditions[0].channels) {
+    EXPECT_NEAR(channel.noise_floor, 1e-3, 1e-4);
+    EXPECT_LT(channel.correlation, 0.2);
+  }
+}
+
+TEST(Diagnose, SimulationThatFailsIsSaid) {
+  auto problem = toy_problem(toy_truth(0.0, 0.0));
+  problem->forward = [](int, int, const Vector&) {
+    Prediction failed;
+    failed.message = "diverged at 0.1 s";
+    return failed;
+  };
+  const Diagnosis d = diagnose_problem(problem);
+  EXPECT_EQ(d.verdict, "insufficient");
+  ASSERT_FALSE(d.reasons.empty());
+  EXPECT_NE(d.reasons[0].find("diverged at 0.1 s"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace jaculus
