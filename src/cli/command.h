@@ -44,6 +44,7 @@ void add_study(CLI::App& app, Action& chosen);
 void add_simulate(CLI::App& app, Action& chosen);
 void add_import(CLI::App& app, Action& chosen);
 void add_testbed(CLI::App& app, Action& chosen);
+void add_diagnose(CLI::App& app, Action& chosen);
 
 /// A problem with its robot, everything checked that can be checked before a solve.
 struct Loaded {

@@ -78,6 +78,7 @@ int run(int argc, char** argv) {
   add_simulate(app, chosen);
   add_import(app, chosen);
   add_testbed(app, chosen);
+  add_diagnose(app, chosen);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
