@@ -4,6 +4,7 @@
 #include "jaculus/testbed/playback.h"
 #include "jaculus/testbed/trials.h"
 #include "testbed/mjcf.h"
+#include "testbed/static_tests.h"
 
 namespace jaculus::testbed {
 
@@ -15,9 +16,20 @@ bool available() { return true; }
 
 bool available() { return false; }
 
-Recording play(const RobotFiles&, const Changes&, const Commands&, const PlayOptions&, const Numerics&) {
+namespace {
+
+[[noreturn]] void refuse() {
   throw InputError(
       "the testbed needs MuJoCo, which this build was made without; install libmujoco-dev (Debian) and build again");
+}
+
+}  // namespace
+
+Recording play(const RobotFiles&, const Changes&, const Commands&, const PlayOptions&, const Numerics&) { refuse(); }
+
+std::vector<double> measured_parameters(const std::string&, const std::vector<double>&, const RobotFiles&,
+                                        const Changes&) {
+  refuse();
 }
 
 #endif
