@@ -3,14 +3,14 @@
 import './report.css';
 import './view3d.css';
 import {
-  AmbientLight, Color, DirectionalLight, GridHelper, Group, LoadingManager, PerspectiveCamera, Scene, Vector3, WebGLRenderer,
+  AmbientLight, Box3, Color, DirectionalLight, GridHelper, Group, LoadingManager, PerspectiveCamera, Scene, Vector3, WebGLRenderer,
 } from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import URDFLoader from 'urdf-loader';
 import { makeClock, makeControls } from './clock.js';
 import { element, readData } from './data.js';
 import { frameAt } from './frames.js';
-import { colour, onTheme } from './theme.js';
+import { colour, onTheme, paletteColour } from './theme.js';
 
 /** The robot as its URDF draws it. Files that a URDF names are not here: such shapes stay empty. */
 function loadRobot(urdf) {
@@ -23,8 +23,21 @@ function loadRobot(urdf) {
   return [loader.parse(urdf), missing];
 }
 
+/** Shapes without a colour of their own get one by the chain of links that they hang on: the base's children differ. */
+function paint(robot) {
+  const chains = new Map();
+  robot.traverse((shape) => {
+    if (!shape.isMesh || shape.material.color.getHex() !== 0xffffff) return;
+    let chain = '';
+    for (let up = shape.parent; up && up !== robot; up = up.parent) if (up.isURDFJoint) chain = up.name;
+    if (!chains.has(chain)) chains.set(chain, chains.size);
+    shape.material = shape.material.clone();
+    shape.material.color.set(paletteColour(chain === '' ? 0 : chains.get(chain) % 2 ? 1 : 2));
+  });
+}
+
 function light(scene) {
-  scene.add(new AmbientLight(0xffffff, 1.6));
+  scene.add(new AmbientLight(0xffffff, 1.2));
   const sun = new DirectionalLight(0xffffff, 2.2);
   sun.position.set(-1, -2, 3);
   scene.add(sun);
@@ -62,29 +75,40 @@ function build(data) {
   const scene = new Scene();
   light(scene);
   floor(scene);
+  paint(robot);
   scene.add(robot);
   const camera = new PerspectiveCamera(40, 1, 0.01, 100);
   camera.up.set(0, 0, 1);
   const controls = new OrbitControls(camera, renderer.domElement);
-  const middle = new Vector3((Math.min(...base[0]) + Math.max(...base[0])) / 2, 0, 0.35);
-  const away = 1.3 + 0.8 * (Math.max(...base[0]) - Math.min(...base[0]));
-  camera.position.copy(middle).add(new Vector3(0.5 * away, -1.4 * away, 0.5 * away));
-  controls.target.copy(middle);
-  controls.update();
   const draw = () => {
     scene.background = new Color(colour('--raised'));
     renderer.render(scene, camera);
     window.jaculusView.drawn += 1;
   };
-  const pose = (t) => {
+  const place = (t) => {
     const [frame, share] = frameAt(time, t);
     const next = Math.min(frame + 1, time.length - 1);
     const at = (values) => values[frame] + share * (values[next] - values[frame]);
     robot.position.set(at(base[0]), 0, at(base[1]));
     robot.rotation.set(0, at(base[2]), 0);
     for (const [name, values] of joints) robot.setJointValue(name, at(values));
+  };
+  const pose = (t) => {
+    place(t);
     draw();
   };
+  // The camera sees the whole motion.
+  const box = new Box3();
+  for (let k = 0; k <= 10; k++) {
+    place(clock.from + ((clock.to - clock.from) * k) / 10);
+    robot.updateMatrixWorld(true);
+    box.union(new Box3().setFromObject(robot));
+  }
+  const middle = box.getCenter(new Vector3());
+  const away = 0.75 * box.getSize(new Vector3()).length() + 0.3;
+  camera.position.copy(middle).add(new Vector3(0.45 * away, -1.2 * away, 0.35 * away));
+  controls.target.copy(middle);
+  controls.update();
   const resize = () => {
     const { clientWidth, clientHeight } = stage;
     renderer.setPixelRatio(devicePixelRatio);
