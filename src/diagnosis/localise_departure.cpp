@@ -24,7 +24,7 @@ std::vector<Sample> standardised(const std::vector<DepartureChannel>& channels, 
   for (size_t c = 0; c < channels.size(); ++c) {
     for (Eigen::Index k = 0; k < channels[c].time.size(); ++k) {
       if (channels[c].time[k] > until || !std::isfinite(channels[c].mean[k])) continue;
-      samples.push_back({channels[c].time[k], static_cast<int>(c), channels[c].mean[k] / channels[c].error});
+      samples.push_back({channels[c].time[k], static_cast<int>(c), channels[c].mean[k] / channels[c].error[k]});
     }
   }
   std::stable_sort(samples.begin(), samples.end(), [](const Sample& a, const Sample& b) { return a.time < b.time; });
@@ -67,18 +67,18 @@ int crossing(const std::vector<Sample>& samples, const std::vector<char>& any) {
 double hinge_chi2(const std::vector<DepartureChannel>& channels, double t0, double end) {
   double chi2 = 0.0;
   for (const DepartureChannel& c : channels) {
-    std::vector<double> before, y, s;
+    double energy = 0.0;
+    std::vector<double> y, s, weight;
     for (Eigen::Index k = 0; k < c.time.size() && c.time[k] <= end; ++k) {
       if (!std::isfinite(c.mean[k])) continue;
       if (c.time[k] > t0) {
         s.push_back((c.time[k] - t0) / (end - t0));
-        y.push_back(c.mean[k]);
+        y.push_back(c.mean[k] / c.error[k]);
+        weight.push_back(1.0 / c.error[k]);
       } else {
-        before.push_back(c.mean[k]);
+        energy += std::pow(c.mean[k] / c.error[k], 2);
       }
     }
-    double energy = 0.0;
-    for (const double v : before) energy += v * v;
     const auto n = static_cast<Eigen::Index>(y.size());
     if (n > 0) {
       const Eigen::Map<const Vector> tau(s.data(), n);
@@ -87,9 +87,10 @@ double hinge_chi2(const std::vector<DepartureChannel>& channels, double t0, doub
       Matrix basis(n, n > 1 ? 2 : 1);
       basis.col(0) = c.rate ? tau : square;
       if (n > 1) basis.col(1) = c.rate ? square : Vector(square.cwiseProduct(tau));
+      basis = Eigen::Map<const Vector>(weight.data(), n).asDiagonal() * basis;
       energy += (value - basis * basis.colPivHouseholderQr().solve(value)).squaredNorm();
     }
-    chi2 += energy / (c.error * c.error * c.inflation);
+    chi2 += energy / c.inflation;
   }
   return chi2;
 }
@@ -137,7 +138,7 @@ Departure first_departure(const std::vector<DepartureChannel>& channels, double 
   const std::vector<Sample> samples = standardised(channels, until);
   double tests = 0.0;
   for (const DepartureChannel& c : channels) {
-    assert(c.error > 0.0 && c.inflation >= 1.0);
+    assert(c.error.size() == c.time.size() && c.mean.size() == c.time.size() && c.inflation >= 1.0);
     tests += static_cast<double>((c.time.array() <= until).count()) / c.inflation;
   }
   if (samples.empty()) return d;

@@ -15,7 +15,7 @@ struct DepartureChannel {
   bool rate = false;       ///< a velocity: it grows one power of time earlier than a position
   Vector time;             ///< rising [s]
   Vector mean;             ///< measured - predicted, in the channel's unit
-  double error = 1.0;      ///< standard deviation of a sample of `mean`
+  Vector error;            ///< standard deviation of `mean`, a sample each
   double inflation = 1.0;  ///< samples for one independent one, by autocorrelation, >= 1
 };
 

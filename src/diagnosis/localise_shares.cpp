@@ -73,10 +73,16 @@ Subset make_subset(const std::vector<ShareCandidate>& candidates, const std::vec
 
 /// All subsets up to `largest`, with their prior.
 std::vector<Subset> all_subsets(const std::vector<ShareCandidate>& candidates, int largest) {
-  std::array<int, kComponentCount> entries{};
-  for (const ShareCandidate& c : candidates) ++entries[static_cast<size_t>(c.component)];
+  std::array<double, kComponentCount> entries{};
+  for (const ShareCandidate& c : candidates)
+    for (const SharePart& part : c.parts)
+      entries[static_cast<size_t>(part.component)] += 1.0 / static_cast<double>(c.parts.size());
   std::vector<double> weight;
-  for (const ShareCandidate& c : candidates) weight.push_back(1.0 / entries[static_cast<size_t>(c.component)]);
+  for (const ShareCandidate& c : candidates) {
+    weight.push_back(0.0);
+    for (const SharePart& part : c.parts)
+      weight.back() += 1.0 / (entries[static_cast<size_t>(part.component)] * static_cast<double>(c.parts.size()));
+  }
   std::vector<Subset> subsets;
   std::vector<std::vector<int>> of_size{{}};
   for (int size = 0; size <= std::min<int>(largest, static_cast<int>(kSizePrior.size()) - 1); ++size) {
@@ -130,13 +136,15 @@ Vector draw(const Subset& s, std::mt19937_64& generator) {
 Vector shapley(const ShareSystem& system, const std::vector<ShareCandidate>& candidates, const Subset& s,
                const Vector& theta) {
   Vector energy = Vector::Zero(kComponentCount);
-  const Vector pull = pick(system.G, s.columns) * theta;
+  const Vector pull = system.G(Eigen::all, s.columns) * theta;
   Eigen::Index row = 0;
   for (const int m : s.members) {
     const ShareCandidate& c = candidates[static_cast<size_t>(m)];
-    const auto k = static_cast<Eigen::Index>(c.columns.size());
-    energy[static_cast<Eigen::Index>(c.component)] += theta.segment(row, k).dot(pull.segment(row, k));
-    row += k;
+    for (const SharePart& part : c.parts)
+      for (size_t i = 0; i < part.columns.size(); ++i)
+        energy[static_cast<Eigen::Index>(part.component)] +=
+            theta[row + static_cast<Eigen::Index>(i)] * pull[part.columns[i]];
+    row += static_cast<Eigen::Index>(c.columns.size());
   }
   return energy.cwiseMax(0.0);
 }
@@ -167,7 +175,7 @@ void find_alike(const ShareSystem& system, const std::vector<ShareCandidate>& ca
     Subset best;
     best.log_weight = -kInfinity;
     for (const ShareCandidate& c : candidates) {
-      if (c.component != share.component) continue;
+      if (!c.acts_in(share.component) || c.parts.size() > 1) continue;
       Subset alone;
       alone.columns = c.columns;
       alone.sides = c.sides;
@@ -182,10 +190,11 @@ void find_alike(const ShareSystem& system, const std::vector<ShareCandidate>& ca
     theta *= std::sqrt(gap / energy);
     const Vector b = system.G * theta;
     for (const ShareCandidate& c : candidates) {
-      if (c.component == share.component) continue;
+      if (c.acts_in(share.component) || c.parts.size() > 1) continue;
+      const Component other = c.parts.front().component;
       const bool passes = left_by(system, c, b, gap, kappa) / kappa < 6.0;  // a factor of 20 in likelihood
-      if (passes && std::find(share.like.begin(), share.like.end(), c.component) == share.like.end())
-        share.like.push_back(c.component);
+      if (passes && std::find(share.like.begin(), share.like.end(), other) == share.like.end())
+        share.like.push_back(other);
     }
     std::sort(share.like.begin(), share.like.end());
   }
@@ -231,6 +240,29 @@ void ShareSystem::add(const Matrix& S, const Vector& r, const Matrix& N, const V
   rows += std::max(0.0, effective - lost);
 }
 
+void ShareSystem::project_out(const std::vector<int>& columns) {
+  if (columns.empty()) return;
+  const auto m = static_cast<Eigen::Index>(columns.size());
+  const Matrix NN = pick(G, columns);
+  const Eigen::LLT<Matrix> inner(Matrix::Identity(m, m) + NN);
+  const Matrix across = G(Eigen::all, columns);
+  const Vector along = b(columns);
+  const Vector mean = inner.solve(along);
+  rows = std::max(0.0, rows - inner.solve(NN).trace());
+  rr -= along.dot(mean);
+  b -= across * mean;
+  G -= across * inner.solve(across.transpose());
+  for (const int c : columns) {
+    G.row(c).setZero();
+    G.col(c).setZero();
+    b[c] = 0.0;
+  }
+}
+
+bool ShareCandidate::acts_in(Component component) const {
+  return std::any_of(parts.begin(), parts.end(), [&](const SharePart& part) { return part.component == component; });
+}
+
 ShareAnswer component_shares(const ShareSystem& system, const std::vector<ShareCandidate>& candidates,
                              const ShareOptions& options) {
   std::vector<Subset> subsets = all_subsets(candidates, options.largest);
@@ -257,7 +289,8 @@ ShareAnswer component_shares(const ShareSystem& system, const std::vector<ShareC
     if (subsets[i].members.empty()) answer.nothing = weight[i];
     std::array<bool, kComponentCount> counted{};
     for (const int m : subsets[i].members)
-      counted[static_cast<size_t>(candidates[static_cast<size_t>(m)].component)] = true;
+      for (const SharePart& part : candidates[static_cast<size_t>(m)].parts)
+        counted[static_cast<size_t>(part.component)] = true;
     for (int c = 0; c < kComponentCount; ++c) involved[c] += counted[static_cast<size_t>(c)] ? weight[i] : 0.0;
   }
   const Matrix shares = sample_shares(system, candidates, subsets, weight, options);
@@ -269,8 +302,9 @@ ShareAnswer component_shares(const ShareSystem& system, const std::vector<ShareC
     share.ci95 = {quantile(values, 0.025), quantile(values, 0.975)};
     share.involved = involved[c];
     for (const ShareCandidate& candidate : candidates)
-      for (const int column : candidate.columns)
-        share.visible = share.visible || (candidate.component == share.component && system.G(column, column) >= 9.0);
+      for (const SharePart& part : candidate.parts)
+        for (const int column : part.columns)
+          share.visible = share.visible || (part.component == share.component && system.G(column, column) >= 9.0);
     answer.components.push_back(share);
   }
   answer.unexplained = shares.col(kComponentCount).mean();

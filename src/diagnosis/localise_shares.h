@@ -8,8 +8,8 @@
 //   posterior    = N(A^-1 b_s/kappa, A^-1), cut to the sides.
 // kappa = 1 + max(0, chi2 of the best subset - rows) / 20: what the linear model leaves beyond noise is structured and fills some
 // twenty independent directions, in each of which it weighs as that much noise.
-// Subsets of none to three effects have prior weights 0.5, 0.35, 0.1, 0.05, within a size the product over its effects of
-// 1/(components x effects of the component), so that no component gains by having many entries.
+// Subsets of none to three effects have prior weights 0.5, 0.35, 0.1, 0.05; within a size in proportion to the product over its
+// effects of 1/(effects of the component), so that no component gains by having many entries.
 // Share of a component: f_c = sum of its effects' contributions, explained energy ||P sum_c f_c||^2, whose Shapley value is
 // f_c^T P f (opposing parts count as zero), over the sum of those and the energy that stays unexplained beyond noise.
 // Limits of validity: signatures linear up to the measured gap; sides treated one by one.
@@ -21,11 +21,20 @@
 
 namespace jaculus {
 
-/// One effect: which component, which columns of the system, and on which side of nominal each may lie.
-struct ShareCandidate {
+/// A component's part in an effect: the columns of what the effect does there alone.
+struct SharePart {
   Component component = Component::body;
+  std::vector<int> columns;  ///< as many as the candidate has
+};
+
+/// One effect: its columns of the system, and on which side of nominal each may lie. One that acts in several components at once
+/// (all legs) has a part for each, whose columns sum to its own.
+struct ShareCandidate {
   std::vector<int> columns;
   std::vector<int> sides;  ///< +1, -1: one-sided; 0: both
+  std::vector<SharePart> parts;
+
+  [[nodiscard]] bool acts_in(Component component) const;
 };
 
 /// Sums over blocks of rows (trials) after nuisances.
@@ -39,6 +48,8 @@ struct ShareSystem {
 
   /// Adds a block: S (k x p), r (k), nuisances N (k x m) with prior precision (m; 0: free). `effective`: independent rows of it.
   void add(const Matrix& S, const Vector& r, const Matrix& N, const Vector& precision, double effective);
+  /// Takes columns out as nuisances of prior precision 1, shared by all blocks. They stay in place, as zeros.
+  void project_out(const std::vector<int>& columns);
 };
 
 struct ShareOptions {

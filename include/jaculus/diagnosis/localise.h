@@ -12,16 +12,16 @@
 // By component  linear signatures S_e of every effect of the catalogue through simulation, nuisances projected out, in the linear
 //               Gaussian model r = sum_{e in subset} S_e theta_e + noise; average over all subsets of up to three effects by
 //               their evidence; share of a component = its Shapley value of the explained energy, over explained + unexplained.
-//               Where joints and base are both measured, a second answer: the generalised force that the model lacks
-//               along the measured motion, in weak form, on the patterns that each component can exert.
+//               Where base and joints are both measured, a second answer: the generalised force that the model lacks along
+//               the measured motion, through a smoother, shared among what the same effects would exert there.
 
 #include <cstdint>
 #include <string>
 #include <vector>
 
 #include "jaculus/core/types.h"
-#include "jaculus/diagnosis/data.h"
 #include "jaculus/diagnosis/forward.h"
+#include "jaculus/diagnosis/linearisation.h"
 #include "jaculus/effects/effect.h"
 
 namespace jaculus {
@@ -75,12 +75,12 @@ struct ComponentShare {
   std::vector<Component> like;  ///< components that these data can't tell from it
 };
 
-/// Generalised force that the model lacks, in weak form (see the top); one row a coordinate.
+/// Generalised force that the model lacks along the measured motion; one row a coordinate.
 struct ForceResidual {
   std::vector<std::string> coordinates;
   std::vector<std::string> units;  ///< N or N m
-  Vector time;                     ///< middle of each test function [s]
-  Matrix mean;                     ///< coordinates x times: mean over the test function, stance forces removed
+  Vector time;                     ///< [s]
+  Matrix mean;                     ///< coordinates x times, stance forces removed
   Matrix deviation;                ///< standard deviation of `mean` by measurement noise
 };
 
@@ -89,23 +89,24 @@ struct Localisation {
   std::vector<PhaseShare> phases;
   Departure departure;
   std::vector<RestartedWindow> windows;
-  std::vector<ComponentShare> components;        ///< all of them, in the enum's order; by signatures
-  std::vector<ComponentShare> force_components;  ///< the same by the force residual; empty where it can't be had
-  ForceResidual force;                           ///< empty where it can't be had
+  std::vector<ComponentShare> components;  ///< all of them, in the enum's order; by signatures
+  std::vector<ComponentShare>
+      force_components;            ///< by the force residual; empty where not every coordinate is measured
+  ForceResidual force;             ///< likewise
   double unexplained = 0.0;        ///< share of the gap's energy that no effect of the catalogue accounts for [-]
   double strength = 0.0;           ///< overall gap, rms in noise floors [-]
   std::vector<std::string> notes;  ///< what can't be told, and why
 };
 
 struct LocaliseOptions {
-  int windows = 8;         ///< restarts over a plan's duration
-  double shift = 0.01;     ///< standard deviation of a stream's time shift in a run, beyond its alignment [s]
+  int windows = 8;         ///< restarts over the data's duration
   std::uint64_t seed = 1;  ///< of the draws behind intervals
 };
 
-/// Localises the gap between observations and the model at parameters `p` (nominal effects; nuisances as fitted). Starts and
-/// shifts of every run are estimated from its prefix for what is judged in time, and projected out for the components.
-Localisation localise(const Observations& observations, const PlantForward& forward, const Vector& p,
+/// Localises the gap that a linearisation leaves: at nominal effects the whole one, at fitted ones what remains. `forward` made
+/// the problem's hypotheses. What is judged in time has its nuisances from the prefix alone; for the components they
+/// are marginalised.
+Localisation localise(const DiagnosisProblem& problem, const Linearisation& about, const PlantForward& forward,
                       const LocaliseOptions& options = {});
 
 }  // namespace jaculus
