@@ -38,7 +38,10 @@ ShareSystem system_of(const Matrix& S, const Vector& r) {
 
 std::vector<ShareCandidate> candidates_of(const std::vector<Component>& components, int side = 0) {
   std::vector<ShareCandidate> candidates;
-  for (const Component c : components) candidates.push_back({{c}, {static_cast<int>(candidates.size())}, {side}});
+  for (const Component c : components) {
+    const int column = static_cast<int>(candidates.size());
+    candidates.push_back({{column}, {side}, {{c, {column}}}});
+  }
   return candidates;
 }
 
@@ -125,6 +128,34 @@ TEST(ComponentShares, WhatANuisanceMakesIsNoGap) {
   for (const ComponentShare& c : answer.components) EXPECT_EQ(c.ci95.lower, 0.0);
 }
 
+TEST(ComponentShares, ASharedNuisanceGoesOutAsOneOfEachBlockDoes) {
+  std::mt19937 generator(6);
+  const Matrix S = signatures(3);
+  const Vector r = 2.0 * S.col(0) + noise(kRows, generator);
+  ShareSystem block(3), shared(3);
+  block.add(S, r, S.col(2), Vector::Ones(1), kRows);
+  shared.add(S, r, Matrix(kRows, 0), Vector(0), kRows);
+  shared.project_out({2});
+  EXPECT_NEAR(block.rr, shared.rr, 1e-9 * block.rr);
+  EXPECT_LT((block.b - shared.b).head(2).norm(), 1e-9 * block.b.norm());
+  EXPECT_LT((block.G - shared.G).topLeftCorner(2, 2).norm(), 1e-9 * block.G.norm());
+  EXPECT_NEAR(block.rows, shared.rows, 1e-9);
+}
+
+TEST(ComponentShares, AnEffectInTwoComponentsIsSplitByTheirEnergies) {
+  std::mt19937 generator(8);
+  Matrix S = Matrix::Zero(kRows, 3);
+  S.col(0).head(kRows / 2).setConstant(5.0);
+  S.col(1).tail(kRows / 2).setConstant(10.0);
+  S.col(2) = S.col(0) + S.col(1);
+  const std::vector<ShareCandidate> candidates{{{0}, {1}, {{Component::front_legs, {0}}}},
+                                               {{1}, {1}, {{Component::rear_legs, {1}}}},
+                                               {{2}, {1}, {{Component::front_legs, {0}}, {Component::rear_legs, {1}}}}};
+  const ShareAnswer answer = component_shares(system_of(S, S.col(2) + noise(kRows, generator)), candidates);
+  EXPECT_NEAR(share_of(answer, Component::front_legs).share, 0.2, 0.03);
+  EXPECT_NEAR(share_of(answer, Component::rear_legs).share, 0.8, 0.03);
+}
+
 /// A position and a rate that leave at `onset` with an acceleration [unit/s^2]; noise 1.
 std::vector<DepartureChannel> leaving(double onset, double acceleration, std::mt19937& generator) {
   std::vector<DepartureChannel> channels(2);
@@ -132,6 +163,7 @@ std::vector<DepartureChannel> leaving(double onset, double acceleration, std::mt
     channels[c].name = c == 0 ? "position" : "rate";
     channels[c].rate = c == 1;
     channels[c].time = Vector::LinSpaced(201, 0.0, 0.2);
+    channels[c].error = Vector::Ones(201);
     channels[c].mean = noise(201, generator);
     for (Eigen::Index k = 0; k < 201; ++k) {
       const double t = std::max(0.0, channels[c].time[k] - onset);
