@@ -88,6 +88,40 @@ EvidenceSpace compare_in(DiagnosisProblem& problem, Linearisation& about, const 
   return space;
 }
 
+/// Nuisances act differently once an effect is there (a shift on a tail that swings): where an effect leads clearly, everything is
+/// linearised about it and compared again.
+constexpr double kClearLead = 10.0;  // log evidence over none
+
+const ModelFit* clear_leader(const Selection& selection) {
+  const ModelFit* none = nullptr;
+  const ModelFit* best = nullptr;
+  for (const ModelFit& m : selection.models) {
+    if (!m.fit.valid) continue;
+    if (m.candidates.empty()) none = &m;
+    if (best == nullptr || m.log_prior + m.fit.log_evidence > best->log_prior + best->fit.log_evidence) best = &m;
+  }
+  const bool leads = best != nullptr && none != nullptr && best->fit.log_evidence > none->fit.log_evidence + kClearLead;
+  return leads ? best : nullptr;
+}
+
+Selection select_twice(DiagnosisProblem& problem, Linearisation& about, EvidenceSpace& space,
+                       const SelectionOptions& options) {
+  SelectionOptions singles = options;
+  singles.largest = 1;
+  Selection first = select_models(problem, space, singles);
+  if (first.none > 0.5 || first.models.empty()) return first;
+  if (const ModelFit* leader = clear_leader(first)) {
+    Linearisation again = linearise(problem, leader->fit.p);
+    if (again.at_p.valid) {
+      about = std::move(again);
+      space = evidence_space(problem, about);
+    }
+  }
+  Selection second = select_models(problem, space, options);
+  second.predictions += first.predictions;
+  return second;
+}
+
 bool one_trial(const DiagnosisProblem& problem) {
   int trials = 0;
   bool windows = false;
@@ -115,10 +149,10 @@ Diagnosis diagnose_problem(std::shared_ptr<DiagnosisProblem> problem, const Diag
   out.problem = problem;
   Linearisation about;
   if (!prepare(*problem, about, options, out)) return out;
-  const EvidenceSpace space = compare_in(*problem, about, options);
+  EvidenceSpace space = compare_in(*problem, about, options);
   SelectionOptions selecting = options.selection;
   selecting.progress = options.progress;
-  const Selection selection = select_models(*problem, space, selecting);
+  const Selection selection = select_twice(*problem, about, space, selecting);
   if (selection.models.empty()) {
     out.reasons.push_back("the nominal model can't be fitted to these data");
     return out;

@@ -151,6 +151,10 @@ void state_findings(const DiagnosisProblem& problem, const Linearisation& about,
   out.chosen = chosen->candidates;
   out.log_unknown = chosen->structure;
   out.gap = held_out(problem, about, none->fit, chosen->fit);
+  if (out.verdict == "unexplained" && !chosen->candidates.empty()) {
+    out.reasons.push_back("the nearest of the catalogue, which leaves structure beyond noise: " +
+                          name_of(problem, chosen->candidates));
+  }
 }
 
 }  // namespace jaculus
