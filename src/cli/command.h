@@ -41,10 +41,11 @@ void add_common(CLI::App& command, Common& common, const std::string& out_help);
 void add_check(CLI::App& app, Action& chosen);
 void add_export(CLI::App& app, Action& chosen);
 void add_study(CLI::App& app, Action& chosen);
+void add_view(CLI::App& app, Action& chosen);
 void add_simulate(CLI::App& app, Action& chosen);
 void add_import(CLI::App& app, Action& chosen);
-void add_testbed(CLI::App& app, Action& chosen);
 void add_diagnose(CLI::App& app, Action& chosen);
+void add_testbed(CLI::App& app, Action& chosen);
 
 /// A problem with its robot, everything checked that can be checked before a solve.
 struct Loaded {

@@ -8,8 +8,9 @@
 #include <cstdio>
 #include <memory>
 
-#include "cli/command.h"
+#include "cli/reporting.h"
 #include "jaculus/diagnosis/diagnosis_json.h"
+#include "jaculus/report/diagnosis_report.h"
 #include "jaculus/trajectory/csv.h"
 
 namespace jaculus::cli {
@@ -23,6 +24,7 @@ struct Options {
 int run(const Options& options) {
   std::vector<Dataset> datasets;
   for (const std::string& folder : options.datasets) datasets.push_back(read_dataset(folder));
+  check_figures(options.common);
   if (!options.common.out.empty()) prepare_folder(options.common.out);
   const tbb::global_control workers(tbb::global_control::max_allowed_parallelism,
                                     static_cast<std::size_t>(options.common.jobs));
@@ -42,6 +44,10 @@ int run(const Options& options) {
   } else if (!options.common.quiet) {
     print(diagnosis_text(diagnosis));
   }
+  if (!options.common.out.empty()) {
+    const std::filesystem::path first = std::filesystem::weakly_canonical(options.datasets.front());
+    write_reporting(diagnosis_report(diagnosis, first.filename().string()), options.common);
+  }
   return kDone;
 }
 
@@ -57,6 +63,7 @@ void add_diagnose(CLI::App& app, Action& chosen) {
       "Example:\n  jaculus diagnose shared/data/pendulum/ak80 --out ak80_diagnosis");
   command->add_option("datasets", options->datasets, "folders of datasets")->required();
   add_common(*command, options->common, "folder for diagnosis.json, augmented.yaml and report.html");
+  add_figures(*command, options->common);
   command->callback([options, &chosen] { chosen = [options] { return run(*options); }; });
 }
 

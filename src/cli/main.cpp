@@ -75,10 +75,11 @@ int run(int argc, char** argv) {
   add_compare(app, chosen, solve_loaded);
   add_export(app, chosen);
   add_study(app, chosen);
+  add_view(app, chosen);
   add_simulate(app, chosen);
   add_import(app, chosen);
-  add_testbed(app, chosen);
   add_diagnose(app, chosen);
+  add_testbed(app, chosen);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

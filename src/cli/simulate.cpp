@@ -7,10 +7,11 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "cli/command.h"
+#include "cli/reporting.h"
 #include "jaculus/core/error.h"
 #include "jaculus/core/interrupt.h"
 #include "jaculus/effects/select.h"
+#include "jaculus/report/dataset_report.h"
 #include "jaculus/report/text_table.h"
 #include "jaculus/report/version.h"
 #include "jaculus/simulation/experiment.h"
@@ -288,6 +289,7 @@ int run(const Options& options) {
     throw InputError(
         fmt::format("--perturb: {} states no uncertainties; allowed: an experiment with a block `uncertainties:`",
                     experiment.name));
+  check_figures(options.common);
   if (!options.common.out.empty()) prepare_folder(options.common.out);
   Result result = run_trials(experiment, effects, model);
   if (options.perturb > 0 && !interrupt_requested()) {
@@ -301,6 +303,8 @@ int run(const Options& options) {
     write_file(fs::path(options.common.out) / "summary.json", result.summary.dump(1) + "\n");
   }
   show(experiment, result, options);
+  if (!result.dataset.trials.empty())
+    write_reporting(dataset_report(result.dataset, model, experiment.name), options.common);
   if (interrupt_requested()) fmt::print(stderr, "jaculus: interrupted; the trials that are done are kept\n");
   return result.done && !interrupt_requested() ? kDone : kNotSolved;
 }
@@ -311,12 +315,14 @@ void add_simulate(CLI::App& app, Action& chosen) {
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("simulate", "Plays a plan or an experiment on a plant; writes a dataset.");
   command->footer(
-      "Writes dataset.yaml, the trials and summary.json into --out; exit code 1 where a simulation did not end.\n"
+      "Writes dataset.yaml, the trials, summary.json and report.html into --out; exit code 1 where a simulation did "
+      "not end.\n"
       "Example:\n  jaculus simulate problems/leap_trials.yaml --trials 6 --seed 1 --effect "
       "tail_compliance:stiffness=98 "
       "--out out/trials\n  jaculus simulate out/leap/plan.csv --robot minitaur_tail --perturb 0");
   command->add_option("target", options->target, "experiment (YAML), plan (CSV) or folder of a plan")->required();
   add_common(*command, options->common, "folder for the dataset; nothing is written unless given");
+  add_figures(*command, options->common);
   command->add_option("--robot", options->robot, "robot that a plan is played on: a folder of models/, or a path");
   command->add_option(
       "--controller", options->controller,

@@ -33,7 +33,7 @@ std::string base64(const std::vector<float>& values) {
   return text;
 }
 
-Json axis(const Axis& a) {
+Json axis(const ChartAxis& a) {
   return {{"name", a.name},
           {"unit", a.unit},
           {"log", a.logarithmic},

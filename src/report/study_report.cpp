@@ -38,7 +38,7 @@ double number(const StudyJson& value) { return value.is_number() ? value.get<dou
 
 std::string value_name(const std::string& column, const StudyJson& value) {
   if (!value.is_number()) return cell(value);
-  const Axis axis = column_axis(column);
+  const ChartAxis axis = column_axis(column);
   return fmt::format("{} {:.5g}{}", axis.name, value.get<double>(), axis.unit == "-" ? "" : " " + axis.unit);
 }
 
@@ -105,7 +105,7 @@ std::vector<Bars> case_bars(const StudyResult& study) {
   if (!cases || study.axes.size() > 1 || study.kind != "reorientation") return all;
   for (const std::string& column : study.columns) {
     if (!numeric(study, column) || all.size() == kMostCharts) continue;
-    const Axis axis = column_axis(column);
+    const ChartAxis axis = column_axis(column);
     Bars bars{report_id(study.name + "_" + column), axis.name, axis.unit == "-" ? "" : axis.unit, {}, ""};
     for (const StudyJson& row : study.rows)
       bars.items.push_back({cell(row.at("case")), number(row.at(column)), kNaN, kNaN, ""});
@@ -124,7 +124,7 @@ ReportTable reference_table(const StudyResult& study) {
 Section rows_section(const StudyResult& study) {
   ReportTable table{"", {}, {}, ""};
   for (const std::string& column : study.columns) {
-    const Axis axis = column_axis(column);
+    const ChartAxis axis = column_axis(column);
     table.columns.push_back(axis.unit == "-" ? axis.name : fmt::format("{} [{}]", axis.name, axis.unit));
   }
   for (const StudyJson& row : study.rows) {
@@ -160,7 +160,7 @@ Section study_section(const StudyResult& study) {
 
 }  // namespace
 
-Axis column_axis(const std::string& column) {
+ChartAxis column_axis(const std::string& column) {
   struct Suffix {
     const char* written;
     const char* unit;
@@ -172,7 +172,7 @@ Axis column_axis(const std::string& column) {
        {"_deg", "°"},         {"_rad", "rad"},     {"_kg", "kg"},           {"_ohm", "Ω"},
        {"_V", "V"},           {"_A", "A"},         {"_Hz", "Hz"},           {"_m", "m"},
        {"_s", "s"},           {"_N", "N"}}};
-  Axis axis{column, "-"};
+  ChartAxis axis{column, "-"};
   for (const Suffix& suffix : kSuffixes) {
     if (!column.ends_with(suffix.written)) continue;
     axis.name = column.substr(0, column.size() - std::string_view(suffix.written).size());

@@ -178,6 +178,27 @@ async function checkReport(browser, kind, file) {
   console.log(`${kind}: ${charts} charts, ${animated} animations, ${bytes} bytes`);
 }
 
+/** The robot in three dimensions moves with the scrubber. */
+async function checkView(browser, file) {
+  const page = await browser.open(pathToFileURL(file).href);
+  const bytes = statSync(file).size;
+  check(bytes < MOST_BYTES, `view: ${bytes} bytes`);
+  check(await page.evaluate('jaculusView.drawn > 0'), 'view: nothing was drawn');
+  const picture = async (share) => {
+    await page.evaluate(`(() => { const { clock } = jaculusView; clock.set(clock.from + ${share} * (clock.to - clock.from)); })()`);
+    await page.settle();
+    return page.evaluate("document.querySelector('.stage3d canvas').toDataURL()");
+  };
+  const [a, b] = [await picture(0.1), await picture(0.9)];
+  check(a !== b, 'view: the robot does not move');
+  check(a.length > 5000, 'view: the picture is empty');
+  check(page.errors.length === 0, `view: ${page.errors.join('; ')}`);
+  check(page.requests.every((url) => /^(file|data|blob|about):/.test(url)), `view: asks for ${page.requests}`);
+  await page.screenshot(join(file, '..', 'view.png'));
+  await page.close();
+  console.log(`view: ${bytes} bytes`);
+}
+
 /** Runs a program that must not fail. */
 function run(program, ...argumentsOf) {
   const { status, stderr } = spawnSync(program, argumentsOf, { encoding: 'utf8' });
@@ -194,6 +215,7 @@ function makeReports() {
   run(jaculus, 'solve', problem('double_integrator'), ...out('solve_slider'));
   run(jaculus, 'compare', problem('leap_tailless'), problem('leap_tail'), ...out('compare'));
   run(jaculus, 'study', problem('fig4_shaft'), problem('fig6_drop'), problem('drag_bench'), problem('self_righting'), ...out('study'));
+  run(jaculus, 'view', join(folder, 'solve'), '--quiet', '--out', join(folder, 'solve', 'view.html'));
   run(sampleReports, folder);
 }
 
@@ -203,6 +225,7 @@ try {
   const kinds = readdirSync(folder).filter((kind) => existsSync(join(folder, kind, 'report.html')));
   check(kinds.length > 0, `no report in ${folder}`);
   for (const kind of kinds) await checkReport(browser, kind, resolve(folder, kind, 'report.html'));
+  await checkView(browser, resolve(folder, 'solve', 'view.html'));
 } finally {
   await browser.close();
 }

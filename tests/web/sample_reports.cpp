@@ -8,7 +8,9 @@
 
 #include "jaculus/model/robot.h"
 #include "jaculus/report/dataset_report.h"
+#include "jaculus/report/diagnosis_report.h"
 #include "jaculus/report/score_report.h"
+#include "sample_diagnosis.h"
 
 namespace {
 
@@ -101,6 +103,7 @@ int main(int argc, char** argv) {
   const PlanarModel model = read_robot(find_robot("minitaur_tail", fs::current_path())).planar;
   write(dataset_report(long_log(model), model, kHostile), folder / "dataset");
   write(score_report(sample_score()), folder / "score");
+  write(diagnosis_report(sample_diagnosis(kHostile), kHostile), folder / "diagnose");
   std::puts("written");
   return 0;
 }

@@ -15,7 +15,7 @@
 
 namespace jaculus {
 
-struct Axis {
+struct ChartAxis {
   std::string name;  ///< "time"
   std::string unit;  ///< "s"; "-" for a ratio
   bool logarithmic = false;
@@ -53,7 +53,7 @@ struct Chart {
   std::string id;  ///< unique in the report, [a-z0-9_]; names the files of the figure
   std::string title;
   std::string caption;
-  Axis x, y;
+  ChartAxis x, y;
   std::vector<Series> series;
   std::vector<Mark> marks = {};
   bool over_time = false;  ///< x is the animation's time: its scrubber moves this chart's cursor

@@ -12,6 +12,6 @@ namespace jaculus {
 Report study_report(const std::vector<StudyResult>& studies);
 
 /// A column's name as an axis: "tail_inertia_kg_m2" is "tail inertia" in "kg m²".
-Axis column_axis(const std::string& column);
+ChartAxis column_axis(const std::string& column);
 
 }  // namespace jaculus
