@@ -6,11 +6,12 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "cli/command.h"
+#include "cli/reporting.h"
 #include "jaculus/core/error.h"
 #include "jaculus/core/interrupt.h"
 #include "jaculus/core/yaml.h"
 #include "jaculus/evaluation/score.h"
+#include "jaculus/report/score_report.h"
 #include "jaculus/simulation/experiment.h"
 #include "jaculus/testbed/effects.h"
 #include "jaculus/testbed/sealed_cases.h"
@@ -211,6 +212,7 @@ SealedTruth truth_of(const testbed::CaseLabel& label) {
 
 int score(const ScoreFlags& flags) {
   const Common& common = flags.common;
+  check_figures(common);
   if (common.out.empty()) throw InputError("testbed score: --out is missing; allowed: a folder for answers and score");
   const fs::path key =
       flags.key.empty() ? fs::path(fs::path(flags.folder).lexically_normal().string() + ".key") : fs::path(flags.key);
@@ -239,6 +241,7 @@ int score(const ScoreFlags& flags) {
   }
   result.provenance = provenance;
   print(common.json ? score_json(result) : common.quiet ? "" : score_text(result));
+  write_reporting(score_report(result), common);
   return kDone;
 }
 
@@ -250,7 +253,8 @@ void add_score(CLI::App& parent, Action& chosen) {
   command->add_option("--key", options->key, "file of key and salt; FOLDER.key unless given");
   command->add_flag("--resume", options->resume, "go on with what an interrupted run has finished in --out");
   command->add_flag("--no-baselines", options->no_baselines, "leave the baselines out");
-  add_common(*command, options->common, "folder for answers, score.json and score.txt");
+  add_common(*command, options->common, "folder for answers, score.json, score.txt and report.html");
+  add_figures(*command, options->common);
   command->callback([options, &chosen] { chosen = [options] { return score(*options); }; });
 }
 

@@ -104,6 +104,27 @@ MotionChannels predicted_motion(const Condition& condition, const Vector& rows, 
   return channels;
 }
 
+/// What was measured over the time that the predictions are about.
+MotionChannels measured_motion(const Trial& trial, const MotionChannels& predicted) {
+  double from = kInfinity, to = -kInfinity;
+  for (const auto& [name, channel] : predicted) {
+    if (channel.time.empty()) continue;
+    from = std::min(from, channel.time.front());
+    to = std::max(to, channel.time.back());
+  }
+  MotionChannels channels = motion_channels(trial);
+  for (auto& [name, channel] : channels) {
+    MotionChannel kept;
+    for (std::size_t i = 0; i < channel.time.size(); ++i) {
+      if (channel.time[i] < from || channel.time[i] > to) continue;
+      kept.time.push_back(channel.time[i]);
+      kept.value.push_back(channel.value[i]);
+    }
+    channel = std::move(kept);
+  }
+  return channels;
+}
+
 /// Bodies that a component stands for.
 bool part_of(const PlanarModel& model, int body, Component component) {
   const std::string kind = body_kind(model, body);
@@ -187,11 +208,16 @@ Animation overlay(const Diagnosis& diagnosis, const PredictedRows& rows) {
     }
     StickFigureOptions solid{measured.name, ActorStyle::solid, kGrey};
     if (condition.dataset.plan) solid.phases = motion_phases(*condition.dataset.plan);
-    panel.actors.push_back(stick_figure(condition.model, motion_channels(measured), solid));
+    panel.actors.push_back(
+        stick_figure(condition.model,
+                     measured_motion(measured, predicted_motion(condition, measured_rows(condition), trial)), solid));
     std::erase_if(panel.actors, [](const Actor& a) { return a.time.size() < 2; });
     if (!panel.actors.empty()) animation.panels.push_back(std::move(panel));
   }
-  animation.caption = "Bodies whose joints were not measured are not drawn.";
+  animation.caption =
+      "Over the time that is diagnosed. Bodies whose joints were not measured are not drawn; a trial's own offsets are "
+      "not "
+      "taken out.";
   return animation;
 }
 

@@ -161,6 +161,7 @@ function makePanel(panel, actors, box, reach, layers) {
     for (const actor of actors) {
       const ghost = actor.style === 'ghost';
       if (ghost && !layers.ghost) continue;
+      if (ghost && (time < actor.times[0] - 1e-9 || time > actor.times[actor.times.length - 1] + 1e-9)) continue;
       const at = frameAt(actor.times, time);
       ctx.globalAlpha = ghost ? 0.4 : 1;
       if (ghost) ctx.setLineDash([7, 5]);
