@@ -142,7 +142,7 @@ void add_study(CLI::App& app, Action& chosen) {
       app.add_subcommand("study", "Reorientation, tail design and drag bench over grids of parameters.");
   command->footer(
       "Writes study.csv, study.json and report.html into --out; exit code 1 where points are missing.\n"
-      "Example, the figures 3 to 6 of the paper:\n  jaculus study problems/fig3_effectiveness.yaml "
+      "Example: figures 3 to 6 of the paper\n  jaculus study problems/fig3_effectiveness.yaml "
       "problems/fig4_shaft.yaml "
       "problems/drag_bench.yaml \\\n                problems/fig6_drop.yaml --out figures --figures png,svg");
   command->add_option("study", options->files, "study files; several get a folder each and one report")->required();
