@@ -179,7 +179,12 @@ Diagnosis diagnose(const std::vector<Dataset>& datasets, const DiagnoseOptions& 
   const PlantForward forward = plant_forward(problem->observations, effects);
   problem->hypotheses = forward.hypotheses;
   problem->forward = forward.predict;
-  return diagnose_problem(problem, options);
+  Diagnosis out = diagnose_problem(problem, options);
+  if (!out.problem || out.p_none.size() == 0) return out;
+  tell(options, "where the gap lies");
+  const Linearisation about = linearise(*problem, out.p_none);
+  if (about.at_p.valid) out.where = localise(*problem, about, forward);
+  return out;
 }
 
 }  // namespace jaculus

@@ -136,21 +136,67 @@ const ModelFit* chosen_model(const Selection& selection, const std::vector<int>&
   return best;
 }
 
+/// Leaves out members of a set without which held-out data are predicted as well: what the fit wanted and prediction does not
+/// is a fault of the model of noise or start, not an effect of the robot.
+constexpr double kWorth = 0.02;  // share by which a member must lower the held-out error
+
+const ModelFit* prune(const DiagnosisProblem& problem, const Linearisation& about, const Selection& selection,
+                      const Fit& none, const ModelFit* model) {
+  for (bool again = true; again && model->candidates.size() > 1;) {
+    again = false;
+    const double full = held_out(problem, about, none, model->fit).after;
+    for (std::size_t k = 0; k < model->candidates.size() && !again; ++k) {
+      std::vector<int> rest = model->candidates;
+      rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(k));
+      const ModelFit* less = find_model(selection, rest);
+      if (less == nullptr || held_out(problem, about, none, less->fit).after > (1.0 + kWorth) * full) continue;
+      model = less;
+      again = true;
+    }
+  }
+  return model;
+}
+
+/// A verdict that names effects must predict: where held-out data are not predicted better than by the nominal model, there is no
+/// gap to explain (below kGap noise floors) or one that the catalogue does not explain.
+constexpr double kGap = 1.5;  // noise floors; below it the share of a gap that shrank means nothing
+
+void demand_prediction(Diagnosis& out) {
+  const bool named = out.verdict == "effect" || out.verdict == "several" || out.verdict == "ambiguous";
+  const bool small = out.gap.before < kGap;
+  if (!out.gap.valid || out.verdict == "none" || (!named && !small)) return;
+  if (out.gap.after < (1.0 - kWorth) * out.gap.before) return;
+  out.reasons.push_back(small ? "the fit prefers a model with effects, but it predicts held-out data no better than "
+                                "the nominal one, which is "
+                                "within 1.5 noise floors of them: no gap is claimed"
+                              : "the fitted effects predict held-out data no better than the nominal model does");
+  out.verdict = small ? "none" : "unexplained";
+  out.effects.clear();
+}
+
 }  // namespace
 
 void state_findings(const DiagnosisProblem& problem, const Linearisation& about, const EvidenceSpace& space,
                     const Selection& selection, Diagnosis& out) {
-  const std::vector<int> stated = decide(selection, out.verdict);
-  for (const int c : stated) out.effects.push_back(found_effect(problem, space, selection, c));
+  std::vector<int> stated = decide(selection, out.verdict);
   rank(problem, about, selection, out);
   const ModelFit* none = find_model(selection, {});
   const ModelFit* chosen = chosen_model(selection, stated, out.verdict);
   if (none == nullptr || chosen == nullptr) return;
+  if (out.verdict == "several") {
+    chosen = prune(problem, about, selection, none->fit, chosen);
+    std::erase_if(stated, [&](int c) {
+      return std::find(chosen->candidates.begin(), chosen->candidates.end(), c) == chosen->candidates.end();
+    });
+    if (stated.size() == 1) out.verdict = "effect";
+  }
+  for (const int c : stated) out.effects.push_back(found_effect(problem, space, selection, c));
   out.p = chosen->fit.p;
   out.p_none = none->fit.p;
   out.chosen = chosen->candidates;
   out.log_unknown = chosen->structure;
   out.gap = held_out(problem, about, none->fit, chosen->fit);
+  demand_prediction(out);
   if (out.verdict == "unexplained" && !chosen->candidates.empty()) {
     out.reasons.push_back("the nearest of the catalogue, which leaves structure beyond noise: " +
                           name_of(problem, chosen->candidates));

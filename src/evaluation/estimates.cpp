@@ -16,20 +16,20 @@ double average(const std::vector<double>& values) {
 
 }  // namespace
 
-Estimate proportion(int successes, int trials) {
+ScoreEstimate proportion(int successes, int trials) {
   assert(successes >= 0 && successes <= trials);
   if (trials == 0) return {};
   using Beta = boost::math::beta_distribution<double>;
   const double k = successes, n = trials;
-  Estimate e{k / n, {0.0, 1.0}, trials};
+  ScoreEstimate e{k / n, {0.0, 1.0}, trials};
   if (successes > 0) e.ci95.lower = boost::math::quantile(Beta(k, n - k + 1.0), 0.025);
   if (successes < trials) e.ci95.upper = boost::math::quantile(Beta(k + 1.0, n - k), 0.975);
   return e;
 }
 
-Estimate mean(const std::vector<double>& values) {
+ScoreEstimate mean(const std::vector<double>& values) {
   if (values.empty()) return {};
-  Estimate e{average(values), {kNaN, kNaN}, static_cast<int>(values.size())};
+  ScoreEstimate e{average(values), {kNaN, kNaN}, static_cast<int>(values.size())};
   if (values.size() == 1) return e;
   constexpr std::size_t kResamples = 4000;
   std::mt19937_64 random(20260101);
@@ -45,11 +45,11 @@ Estimate mean(const std::vector<double>& values) {
   return e;
 }
 
-Estimate median(std::vector<double> values) {
+ScoreEstimate median(std::vector<double> values) {
   if (values.empty()) return {};
   std::sort(values.begin(), values.end());
   const std::size_t n = values.size();
-  Estimate e{n % 2 == 1 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]), {-kInfinity, kInfinity}, 0};
+  ScoreEstimate e{n % 2 == 1 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]), {-kInfinity, kInfinity}, 0};
   e.count = static_cast<int>(n);
   // The largest r with P(Binomial(n, 1/2) <= r - 1) <= 0.025: values r and n + 1 - r (from one) bound the median.
   const boost::math::binomial_distribution<double> flips(static_cast<double>(n), 0.5);

@@ -12,8 +12,8 @@
 
 namespace jaculus::evaluation {
 
-Estimate proportion(int successes, int trials);
-Estimate mean(const std::vector<double>& values);
-Estimate median(std::vector<double> values);
+ScoreEstimate proportion(int successes, int trials);
+ScoreEstimate mean(const std::vector<double>& values);
+ScoreEstimate median(std::vector<double> values);
 
 }  // namespace jaculus::evaluation

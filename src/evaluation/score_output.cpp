@@ -15,24 +15,24 @@ using nlohmann::json;
 
 json number(double value) { return std::isfinite(value) ? json(value) : json(); }
 
-json to_json(const Estimate& e) {
+json to_json(const ScoreEstimate& e) {
   return {{"value", number(e.value)}, {"ci95", {number(e.ci95.lower), number(e.ci95.upper)}}, {"cases", e.count}};
 }
 
-json to_json(const std::map<std::string, Estimate>& table) {
+json to_json(const std::map<std::string, ScoreEstimate>& table) {
   json object = json::object();
   for (const auto& [key, e] : table) object[key] = to_json(e);
   return object;
 }
 
-bool met(const evaluation::Goal& goal, const Estimate& e) {
+bool met(const evaluation::Goal& goal, const ScoreEstimate& e) {
   return goal.at_least ? e.value >= goal.target : e.value <= goal.target;
 }
 
 json goals_json(const ScoreSheet& sheet) {
   json list = json::array();
   for (const evaluation::Goal& goal : evaluation::goals()) {
-    const Estimate& e = sheet.by.at(goal.key);
+    const ScoreEstimate& e = sheet.by.at(goal.key);
     list.push_back({{"what", goal.key},
                     {goal.at_least ? "at_least" : "at_most", goal.target},
                     {"reached", to_json(e)},
@@ -78,12 +78,12 @@ json case_json(const SealedTruth& truth, const Score& score, std::size_t i) {
   return entry;
 }
 
-std::string shown(const Estimate& e) {
+std::string shown(const ScoreEstimate& e) {
   if (e.count == 0) return "no case";
   return fmt::format("{:7.3f}  [{:.3f}, {:.3f}]  {:4d} cases", e.value, e.ci95.lower, e.ci95.upper, e.count);
 }
 
-std::string table_text(const std::string& title, const std::map<std::string, Estimate>& table) {
+std::string table_text(const std::string& title, const std::map<std::string, ScoreEstimate>& table) {
   std::string text = title + "\n";
   for (const auto& [key, e] : table) text += fmt::format("  {:<52} {}\n", key, shown(e));
   return text;
@@ -133,7 +133,7 @@ std::string score_text(const Score& score) {
   if (!score.provenance.empty()) text += score.provenance + "\n";
   text += "\ngoals\n";
   for (const evaluation::Goal& goal : evaluation::goals()) {
-    const Estimate& e = sheet.by.at(goal.key);
+    const ScoreEstimate& e = sheet.by.at(goal.key);
     text +=
         fmt::format("  {:<52} {}  {} {}: {}\n", goal.key, shown(e), goal.at_least ? "at least" : "at most", goal.target,
                     e.count == 0   ? "not judged"

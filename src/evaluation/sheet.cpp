@@ -26,12 +26,12 @@ std::function<bool(const SealedTruth&)> kind_is(const std::string& kind, double 
       [kind, least](const SealedTruth& truth) { return truth.kind == kind && truth.strength_in_noise_floors >= least; };
 }
 
-Estimate share(const Picks& picks, const std::function<bool(std::size_t)>& holds) {
+ScoreEstimate share(const Picks& picks, const std::function<bool(std::size_t)>& holds) {
   return proportion(static_cast<int>(std::count_if(picks.begin(), picks.end(), holds)), static_cast<int>(picks.size()));
 }
 
 /// Mean of what is not NaN.
-Estimate mean_of(const Picks& picks, const std::function<double(std::size_t)>& value) {
+ScoreEstimate mean_of(const Picks& picks, const std::function<double(std::size_t)>& value) {
   std::vector<double> values;
   for (const std::size_t i : picks) {
     if (!std::isnan(value(i))) values.push_back(value(i));

@@ -8,13 +8,13 @@
 namespace jaculus {
 namespace {
 
-std::string shown(const Estimate& e) {
+std::string shown(const ScoreEstimate& e) {
   return std::isnan(e.value)
              ? "–"
              : fmt::format("{:.3f} ({:.3f} to {:.3f}), {} cases", e.value, e.ci95.lower, e.ci95.upper, e.count);
 }
 
-Bars::Item item(const std::string& label, const Estimate& e) {
+Bars::Item item(const std::string& label, const ScoreEstimate& e) {
   return {label, e.value, e.ci95.lower, e.ci95.upper, fmt::format("{} cases", e.count)};
 }
 

@@ -132,15 +132,17 @@ bool PlantEquations::hold(double t, const double* y) {
   };
   Vector free, with;
   if (!acceleration(free)) return false;
+  constexpr double kProbe = 0.1;  // a is affine in the torques, so the step is large for the sake of rounding [N m]
   Matrix response(n(), motors);
   for (Eigen::Index m = 0; m < motors; ++m) {
-    hold_[static_cast<size_t>(m)].value = 1e-3;
+    hold_[static_cast<size_t>(m)].value = kProbe;
     if (!acceleration(with)) return false;
-    response.col(m) = (with - free) / 1e-3;
+    response.col(m) = (with - free) / kProbe;
     hold_[static_cast<size_t>(m)].value = 0.0;
   }
   Eigen::CompleteOrthogonalDecomposition<Matrix> solver(response);
-  solver.setThreshold(1e-9);
+  solver.setThreshold(
+      1e-7);  // feet that stand leave one combination of torques without effect: none of it is asked for
   const Vector torque = solver.solve(-free);
   for (Eigen::Index m = 0; m < motors; ++m) hold_[static_cast<size_t>(m)].value = torque[m];
   return true;

@@ -88,6 +88,35 @@ Vector initial_coordinates(const PlanarModel& model, const std::map<std::string,
 
 }  // namespace
 
+namespace {
+
+/// Turns and lifts the base until both feet of a standing robot touch: stated poses close to some 0.1 mm only, and a robot
+/// that stood on one foot would tip before its first command. One whose feet are meant to differ stays as it is.
+void level(const Plant& plant, const AbsoluteTree& tree, Vector& q) {
+  const PlanarModel& model = plant.model;
+  const int z = model.coordinate_index("z"), pitch = model.coordinate_index("pitch");
+  constexpr double kMeant = 0.01;  // difference of foot heights that is no error [m]
+  if (pitch < 0 || model.feet.size() != 2) return;
+  const int x = model.coordinate_index("x");
+  const double base_x = x >= 0 ? q[x] : model.base_pose[0];
+  Motion motion(tree);
+  const Vector stated = q;
+  for (int i = 0; i < 20; ++i) {
+    if (!set_configuration(tree, q, motion)) break;
+    const Vec2 a = foot_position(tree, motion, 0), b = foot_position(tree, motion, 1);
+    const double floor = plant.ground.height + plant.ground.foot_radius;
+    if (i == 0 && (std::abs(a.y() - b.y()) > kMeant || std::abs(a.x() - b.x()) < kMeant)) break;
+    if (std::abs(a.y() - b.y()) < 1e-13 && std::abs(a.y() - floor) < 1e-13) return;
+    // Height of a point falls by its distance ahead of the base for a unit of pitch, which is nose-down.
+    const double turn = (a.y() - b.y()) / (a.x() - b.x());
+    q[pitch] += turn;
+    q[z] += floor - a.y() + turn * (a.x() - base_x);
+  }
+  q = stated;
+}
+
+}  // namespace
+
 StartState reference_start(const Plant& plant, const Reference& reference) {
   const PlanarModel& model = plant.model;
   StartState start{initial_coordinates(model, reference.initial), Vector::Zero(model.size())};
@@ -102,6 +131,7 @@ StartState reference_start(const Plant& plant, const Reference& reference) {
   constexpr double kDrop = 0.05;  // higher above the floor than any plan's own error [m]
   if (lowest - plant.ground.height > kDrop) return start;
   start.q[z] += plant.ground.height - lowest;
+  level(plant, tree, start.q);
   if (plant.ground.compliance == 0.0) return start;
   // The floor gives way until it carries the weight, by the feet that touch.
   int touching = 0;

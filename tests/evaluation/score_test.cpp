@@ -123,7 +123,7 @@ TEST(Estimates, ClopperPearsonAgainstItsTable) {
 TEST(Estimates, MedianByOrderStatistics) {
   std::vector<double> values;
   for (int i = 1; i <= 20; ++i) values.push_back(i);
-  const Estimate e = evaluation::median(values);
+  const ScoreEstimate e = evaluation::median(values);
   EXPECT_EQ(e.value, 10.5);
   EXPECT_EQ(e.ci95.lower, 6.0);  // binomial(20, 1/2): 6 and 15 cover 95.9 %
   EXPECT_EQ(e.ci95.upper, 15.0);

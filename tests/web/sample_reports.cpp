@@ -56,7 +56,7 @@ Dataset long_log(const PlanarModel& model) {
   return dataset;
 }
 
-Estimate estimate(double value, int count) { return {value, {value - 0.1, value + 0.1}, count}; }
+ScoreEstimate estimate(double value, int count) { return {value, {value - 0.1, value + 0.1}, count}; }
 
 Score sample_score() {
   Score score;

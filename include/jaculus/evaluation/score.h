@@ -75,7 +75,7 @@ struct CaseMark {
 CaseMark mark_answer(const SealedTruth& truth, const CaseAnswer& answer);
 
 /// A proportion or mean with its 95 % interval.
-struct Estimate {
+struct ScoreEstimate {
   double value = kNaN;
   Bounds ci95{kNaN, kNaN};
   int count = 0;  ///< cases behind it
@@ -84,16 +84,16 @@ struct Estimate {
 struct ReliabilityBin {
   Bounds probability;
   double stated = kNaN;  ///< mean probability in the bin
-  Estimate right;
+  ScoreEstimate right;
 };
 
 /// Everything about one answerer on a set of cases.
 struct ScoreSheet {
-  std::string answerer;                ///< "diagnosis" or a baseline
-  std::vector<CaseMark> marks;         ///< a case each
-  std::map<std::string, Estimate> by;  ///< "singles credit at 3 or more", "false alarms", ... in words
-  std::map<std::string, Estimate> credit_by_effect;
-  std::map<std::string, Estimate> credit_by_strength;
+  std::string answerer;                     ///< "diagnosis" or a baseline
+  std::vector<CaseMark> marks;              ///< a case each
+  std::map<std::string, ScoreEstimate> by;  ///< "singles credit at 3 or more", "false alarms", ... in words
+  std::map<std::string, ScoreEstimate> credit_by_effect;
+  std::map<std::string, ScoreEstimate> credit_by_strength;
   std::map<std::string, std::map<std::string, int>> confusion;  ///< truth -> stated -> cases
   std::vector<ReliabilityBin> reliability;
   double calibration_error = kNaN;  ///< mean |stated - right| over bins, weighted by cases
@@ -102,7 +102,7 @@ struct ScoreSheet {
 /// A baseline against the diagnosis on the same cases, paired.
 struct Comparison {
   std::string answerer;
-  Estimate log_score_gain, accuracy_gain;  ///< diagnosis minus baseline
+  ScoreEstimate log_score_gain, accuracy_gain;  ///< diagnosis minus baseline
 };
 
 struct Score {
