@@ -25,7 +25,7 @@ Problem with_values(Problem problem, const std::vector<ModelOverride>& values) {
   return problem;
 }
 
-ReplanFigures plan_and_replay(const Problem& problem, const Replay& replay, const PlanOptions& options) {
+ReplanFigures plan_and_replay(const Problem& problem, const PlanReplay& replay, const PlanOptions& options) {
   ReplanFigures figures;
   const PlanarModel model = read_robot(problem.robot_folder, problem.overrides).planar;
   const Plan plan = make_plan(problem, model, options);
@@ -64,7 +64,7 @@ std::string figures_text(const std::string& which, const ReplanFigures& f) {
 
 }  // namespace
 
-Replay replay_on_plant(const std::filesystem::path& folder, const std::vector<EffectValue>& effects) {
+PlanReplay replay_on_plant(const std::filesystem::path& folder, const std::vector<EffectValue>& effects) {
   const PlanarModel model = read_robot(folder).planar;
   return [model, effects](const Table& plan) {
     Plant plant = nominal_plant(model);
@@ -82,7 +82,7 @@ Replay replay_on_plant(const std::filesystem::path& folder, const std::vector<Ef
   };
 }
 
-Replan replan(const Problem& problem, const std::vector<EffectValue>& effects, const Replay& replay,
+Replan replan(const Problem& problem, const std::vector<EffectValue>& effects, const PlanReplay& replay,
               const PlanOptions& options) {
   Replan result;
   PlanarModel model = read_robot(problem.robot_folder, problem.overrides).planar;

@@ -23,7 +23,7 @@ double slope_at(const Vector& t, const Eigen::RowVectorXd& y, double time) {
 
 }  // namespace
 
-Replay replay_on_testbed(const std::filesystem::path& folder, const testbed::Changes& changes) {
+PlanReplay replay_on_testbed(const std::filesystem::path& folder, const testbed::Changes& changes) {
   if (!testbed::available()) throw InputError("replan on the testbed: this build was made without MuJoCo");
   return [folder, changes](const Table& plan) {
     std::string name = (std::filesystem::temp_directory_path() / "jaculus_plan_XXXXXX").string();

@@ -18,12 +18,12 @@ namespace jaculus {
 
 /// Replays a plan (columns of plan.csv) and returns the base's forward velocity at the plan's end [m/s]; NaN where the robot did
 /// not get that far.
-using Replay = std::function<double(const Table& plan)>;
+using PlanReplay = std::function<double(const Table& plan)>;
 
 /// On a plant of the robot in `folder` with `effects`.
-Replay replay_on_plant(const std::filesystem::path& folder, const std::vector<EffectValue>& effects);
+PlanReplay replay_on_plant(const std::filesystem::path& folder, const std::vector<EffectValue>& effects);
 /// On the testbed's robot, changed. InputError where the build has no MuJoCo.
-Replay replay_on_testbed(const std::filesystem::path& folder, const testbed::Changes& changes);
+PlanReplay replay_on_testbed(const std::filesystem::path& folder, const testbed::Changes& changes);
 
 struct ReplanFigures {
   std::string status;  ///< of the solve
@@ -43,7 +43,7 @@ struct Replan {
 };
 
 /// Plans twice and replays both. Numerical failure is a status; a problem that does not fit its robot an InputError.
-Replan replan(const Problem& problem, const std::vector<EffectValue>& effects, const Replay& replay,
+Replan replan(const Problem& problem, const std::vector<EffectValue>& effects, const PlanReplay& replay,
               const PlanOptions& options = {});
 
 std::string replan_json(const Replan& replan);
