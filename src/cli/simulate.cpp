@@ -319,7 +319,7 @@ void add_simulate(CLI::App& app, Action& chosen) {
       "not end.\n"
       "Example:\n  jaculus simulate problems/leap_trials.yaml --trials 6 --seed 1 --effect "
       "tail_compliance:stiffness=98 "
-      "--out out/trials\n  jaculus simulate out/leap/plan.csv --robot minitaur_tail --perturb 0");
+      "--out out/trials\n  jaculus simulate out/leap/plan.csv --robot minitaur_tail");
   command->add_option("target", options->target, "experiment (YAML), plan (CSV) or folder of a plan")->required();
   add_common(*command, options->common, "folder for the dataset; nothing is written unless given");
   add_figures(*command, options->common);
