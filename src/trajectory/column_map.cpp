@@ -11,6 +11,7 @@
 #include "jaculus/core/error.h"
 #include "trajectory/channel_units.h"
 #include "trajectory/line_reader.h"
+#include "trajectory/open_input.h"
 
 namespace jaculus {
 namespace {
@@ -205,12 +206,7 @@ Stream read_mapped_csv(std::istream& stream, const std::string& name, const Colu
 }
 
 Stream read_mapped_csv(const std::filesystem::path& file, const ColumnMap& map, std::vector<std::string>& notes) {
-  std::error_code code;
-  if (!std::filesystem::exists(file, code)) throw InputError(fmt::format("{}: there is no such file", file.string()));
-  if (std::filesystem::is_directory(file, code))
-    throw InputError(fmt::format("{}: a folder; a CSV file is expected", file.string()));
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw InputError(fmt::format("{}: can't be read", file.string()));
+  std::ifstream stream = open_input(file, "a CSV file");
   return read_mapped_csv(stream, file.string(), map, notes);
 }
 

@@ -11,6 +11,7 @@
 #include "jaculus/core/error.h"
 #include "jaculus/core/yaml.h"
 #include "trajectory/line_reader.h"
+#include "trajectory/open_input.h"
 
 namespace jaculus {
 namespace {
@@ -180,12 +181,7 @@ Table parse_csv(std::string_view text, const std::string& name) {
 }
 
 Table read_csv(const std::filesystem::path& file) {
-  std::error_code code;
-  if (!std::filesystem::exists(file, code)) throw InputError(fmt::format("{}: there is no such file", file.string()));
-  if (std::filesystem::is_directory(file, code))
-    throw InputError(fmt::format("{}: a folder; a CSV file is expected", file.string()));
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw InputError(fmt::format("{}: can't be read", file.string()));
+  std::ifstream stream = open_input(file, "a CSV file");
   return Parser(stream, file.string()).parse();
 }
 

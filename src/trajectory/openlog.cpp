@@ -8,6 +8,7 @@
 #include <fstream>
 
 #include "jaculus/core/error.h"
+#include "trajectory/open_input.h"
 
 namespace jaculus {
 namespace {
@@ -219,12 +220,7 @@ Stream read_openlog(std::istream& stream, const std::string& name, const OpenLog
 }
 
 Stream read_openlog(const std::filesystem::path& file, const OpenLogFormat& format, std::vector<std::string>& notes) {
-  std::error_code code;
-  if (!std::filesystem::exists(file, code)) throw InputError(fmt::format("{}: there is no such file", file.string()));
-  if (std::filesystem::is_directory(file, code))
-    throw InputError(fmt::format("{}: a folder; a binary log is expected", file.string()));
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw InputError(fmt::format("{}: can't be read", file.string()));
+  std::ifstream stream = open_input(file, "a binary log");
   return read_openlog(stream, file.string(), format, notes);
 }
 

@@ -15,6 +15,7 @@
 #include "jaculus/core/error.h"
 #include "jaculus/core/yaml.h"
 #include "trajectory/line_reader.h"
+#include "trajectory/open_input.h"
 
 namespace jaculus {
 namespace {
@@ -333,12 +334,7 @@ class Reader {
 MocapTake read_optitrack(std::istream& stream, const std::string& name) { return Reader(stream, name).read(); }
 
 MocapTake read_optitrack(const std::filesystem::path& file) {
-  std::error_code code;
-  if (!std::filesystem::exists(file, code)) throw InputError(fmt::format("{}: there is no such file", file.string()));
-  if (std::filesystem::is_directory(file, code))
-    throw InputError(fmt::format("{}: a folder; a CSV export of Motive is expected", file.string()));
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw InputError(fmt::format("{}: can't be read", file.string()));
+  std::ifstream stream = open_input(file, "a CSV export of Motive");
   return read_optitrack(stream, file.string());
 }
 
