@@ -23,6 +23,20 @@ double dot(const Row& row, const double* v, int n) {
   return sum;
 }
 
+/// Position, velocity and acceleration of the point at r in a frame; gives the arm in the world.
+template <class State>
+Vec2 carry(const Frame& f, const Vec2& r, State& out) {
+  const double ex = f.c * r.x() + f.s * r.y(), ez = -f.s * r.x() + f.c * r.y();
+  const double square = f.omega * f.omega;
+  out.px = f.px + ex;
+  out.pz = f.pz + ez;
+  out.vx = f.vx + ez * f.omega;
+  out.vz = f.vz - ex * f.omega;
+  out.ax = f.ax + ez * f.alpha - ex * square;
+  out.az = f.az - ex * f.alpha - ez * square;
+  return {ex, ez};
+}
+
 }  // namespace
 
 Mechanism::Mechanism(const Plant& plant) {
@@ -156,14 +170,8 @@ void Mechanism::set_base(const double* q, const double* v) {
 
 /// Origin of a frame at r in the frame of its parent.
 void Mechanism::place(const Frame& p, const Vec2& r, Frame& f) const {
-  const double ex = p.c * r.x() + p.s * r.y(), ez = -p.s * r.x() + p.c * r.y();
-  const double square = p.omega * p.omega;
-  f.px = p.px + ex;
-  f.pz = p.pz + ez;
-  f.vx = p.vx + ez * p.omega;
-  f.vz = p.vz - ex * p.omega;
-  f.ax = p.ax + ez * p.alpha - ex * square;
-  f.az = p.az - ex * p.alpha - ez * square;
+  const Vec2 arm = carry(p, r, f);
+  const double ex = arm.x(), ez = arm.y();
   for (const size_t i : p.columns) {
     f.jx[i] = p.jx[i] + ez * p.w[i];
     f.jz[i] = p.jz[i] - ex * p.w[i];
@@ -312,14 +320,8 @@ void Mechanism::add_spins(double* mass, double* bias) const {
 
 void Mechanism::point(int b, const Vec2& r, PointState& out) const {
   const Frame& f = frames_[static_cast<size_t>(b)];
-  const double ex = f.c * r.x() + f.s * r.y(), ez = -f.s * r.x() + f.c * r.y();
-  const double square = f.omega * f.omega;
-  out.px = f.px + ex;
-  out.pz = f.pz + ez;
-  out.vx = f.vx + ez * f.omega;
-  out.vz = f.vz - ex * f.omega;
-  out.ax = f.ax + ez * f.alpha - ex * square;
-  out.az = f.az - ex * f.alpha - ez * square;
+  const Vec2 arm = carry(f, r, out);
+  const double ex = arm.x(), ez = arm.y();
   for (size_t i = 0; i < static_cast<size_t>(n); ++i) {
     out.jx[i] = f.jx[i];
     out.jz[i] = f.jz[i];
