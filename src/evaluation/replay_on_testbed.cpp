@@ -1,10 +1,9 @@
 // A plan replayed on the testbed's robot, without noise: the base's speed from its own motion capture.
 
-#include <unistd.h>
-
 #include <cmath>
 #include <filesystem>
 
+#include "evaluation/scratch_folder.h"
 #include "jaculus/core/error.h"
 #include "jaculus/evaluation/replan.h"
 #include "jaculus/testbed/trials.h"
@@ -26,16 +25,14 @@ double slope_at(const Vector& t, const Eigen::RowVectorXd& y, double time) {
 PlanReplay replay_on_testbed(const std::filesystem::path& folder, const testbed::Changes& changes) {
   if (!testbed::available()) throw InputError("replan on the testbed: this build was made without MuJoCo");
   return [folder, changes](const Table& plan) {
-    std::string name = (std::filesystem::temp_directory_path() / "jaculus_plan_XXXXXX").string();
-    if (::mkdtemp(name.data()) == nullptr) throw std::runtime_error("a temporary folder can't be made");
-    const std::filesystem::path scratch = name;
-    write_csv(plan, scratch / "plan.csv");
+    const evaluation::ScratchFolder scratch("jaculus_plan_");
+    const std::filesystem::path file = scratch.path / "plan.csv";
+    write_csv(plan, file);
     testbed::TrialSpec spec;
     spec.trials = 1;
     spec.exact = true;
     spec.sensors.mocap_rate_hz = 2000.0;
-    const Dataset played = testbed::run_trials(testbed::leap(folder, scratch / "plan.csv", "torque"), changes, spec);
-    std::filesystem::remove_all(scratch);
+    const Dataset played = testbed::run_trials(testbed::leap(folder, file, "torque"), changes, spec);
     const Stream* mocap = played.trials.front().stream("mocap");
     const int x = mocap == nullptr ? -1 : mocap->channel("x");
     const int time = plan.column("time");

@@ -19,6 +19,7 @@
 #include <system_error>
 #include <thread>
 
+#include "evaluation/scratch_folder.h"
 #include "jaculus/core/error.h"
 
 namespace jaculus::evaluation {
@@ -26,25 +27,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
-
-/// A folder that nobody else has; gone with this value.
-class Scratch {
- public:
-  Scratch() {
-    std::string name = (fs::temp_directory_path() / "jaculus_case_XXXXXX").string();
-    if (::mkdtemp(name.data()) == nullptr)
-      throw std::system_error(errno, std::generic_category(), "a temporary folder can't be made");
-    path = name;
-  }
-  ~Scratch() {
-    std::error_code ignored;  // what is left behind harms nobody
-    fs::remove_all(path, ignored);
-  }
-  Scratch(const Scratch&) = delete;
-  Scratch& operator=(const Scratch&) = delete;
-
-  fs::path path;
-};
 
 /// What a diagnosis needs of the environment; keys and labels never stand in these.
 std::vector<std::string> environment() {
@@ -120,7 +102,7 @@ void keep(const fs::path& from, const fs::path& folder) {
   fs::copy_file(from, folder / from.filename(), fs::copy_options::overwrite_existing, ignored);
 }
 
-CaseAnswer run_in(const Scratch& scratch, const DiagnosisRun& run) {
+CaseAnswer run_in(const ScratchFolder& scratch, const DiagnosisRun& run) {
   const fs::path log = scratch.path / "messages.txt", answers = scratch.path / "answer";
   fs::copy(run.dataset, scratch.path / "dataset", fs::copy_options::recursive);
   std::vector<std::string> arguments = {
@@ -150,7 +132,7 @@ CaseAnswer run_in(const Scratch& scratch, const DiagnosisRun& run) {
 CaseAnswer run_diagnosis(const DiagnosisRun& run) {
   try {
     fs::create_directories(run.keep);
-    const Scratch scratch;
+    const ScratchFolder scratch("jaculus_case_");
     return run_in(scratch, run);
   } catch (const std::exception& error) {
     return failed(error.what());
