@@ -1,51 +1,11 @@
 // What sensors show of a simulation, and predictions at the rows of the data.
 
-#include <algorithm>
-#include <cassert>
-#include <cmath>
 #include <cstddef>
 
 #include "jaculus/diagnosis/forward.h"
+#include "simulation/channel_values.h"
 
 namespace jaculus {
-namespace {
-
-/// Row of a simulation's results for a channel's name, or an empty one.
-Eigen::RowVectorXd raw_channel(const PlanarModel& model, const Simulation& simulation, const std::string& name) {
-  const std::string plain = name == "imu_pitch" ? "pitch" : name;
-  const int coordinate = model.coordinate_index(plain);
-  for (std::size_t m = 0; m < model.motors.size(); ++m) {
-    const std::string& joint = model.motors[m].joint;
-    const auto row = static_cast<Eigen::Index>(m);
-    if (name == joint) return simulation.motor_position.row(row);
-    if (name == joint + "_velocity") return simulation.motor_velocity.row(row);
-    if (name == joint + "_torque") return simulation.torque.row(row);
-    if (name == joint + "_current") return simulation.current.row(row);
-    if (name == joint + "_voltage") return simulation.voltage.row(row);
-  }
-  if (name == "imu_pitch_velocity") return simulation.v.row(model.coordinate_index("pitch"));
-  if (name == "bus_voltage") return simulation.bus_voltage.transpose();
-  assert(coordinate >= 0 && "channels are those that observe() selects");
-  return simulation.q.row(coordinate);
-}
-
-double value_or(const std::map<std::string, double>& values, const std::string& key, double otherwise) {
-  const auto found = values.find(key);
-  return found == values.end() ? otherwise : found->second;
-}
-
-/// Linear interpolation on a uniform grid from zero, constant beyond its ends.
-double interpolate(const Eigen::Ref<const Eigen::RowVectorXd>& values, double step, double time) {
-  const auto last = static_cast<double>(values.size() - 1);
-  const double place = std::clamp(time / step, 0.0, last);
-  const auto left = static_cast<Eigen::Index>(std::min(std::floor(place), last - 1.0));
-  if (values.size() == 1) return values[0];
-  const double share = place - static_cast<double>(left);
-  return (1.0 - share) * values[left] + share * values[left + 1];
-}
-
-}  // namespace
-
 double Prediction::at(int channel, double time) const { return interpolate(values.row(channel), step, time); }
 
 double Prediction::row(const Run& run, int channel, double time) const {

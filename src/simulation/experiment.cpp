@@ -7,6 +7,7 @@
 
 #include "jaculus/core/error.h"
 #include "jaculus/core/tasks.h"
+#include "simulation/channel_values.h"
 
 namespace jaculus {
 namespace {
@@ -32,31 +33,6 @@ class Random {
   std::uint64_t seed_, count_ = 0;
 };
 
-double value_or(const std::map<std::string, double>& values, const std::string& key, double otherwise) {
-  const auto found = values.find(key);
-  return found == values.end() ? otherwise : found->second;
-}
-
-/// One channel of a simulation, a value a sample.
-Eigen::RowVectorXd raw_channel(const PlanarModel& model, const Simulation& s, const std::string& name) {
-  for (std::size_t m = 0; m < model.motors.size(); ++m) {
-    const std::string& joint = model.motors[m].joint;
-    const auto row = static_cast<Eigen::Index>(m);
-    if (name == joint) return s.motor_position.row(row);
-    if (name == joint + "_velocity") return s.motor_velocity.row(row);
-    if (name == joint + "_torque") return s.torque.row(row);
-    if (name == joint + "_current") return s.current.row(row);
-    if (name == joint + "_voltage") return s.voltage.row(row);
-    if (name == joint + "_duty") return s.voltage.row(row).array() / s.bus_voltage.transpose().array();
-  }
-  if (name == "bus_voltage") return s.bus_voltage.transpose();
-  if (name == "imu_pitch") return s.q.row(model.coordinate_index("pitch"));
-  if (name == "imu_pitch_velocity") return s.v.row(model.coordinate_index("pitch"));
-  if (const int i = model.coordinate_index(name); i >= 0) return s.q.row(i);
-  const std::string suffix = "_velocity";
-  return s.v.row(model.coordinate_index(name.substr(0, name.size() - suffix.size())));
-}
-
 std::string unit_of(const PlanarModel& model, const std::string& name) {
   const auto linear = [&model](const std::string& coordinate) {
     const int i = model.coordinate_index(coordinate);
@@ -67,16 +43,6 @@ std::string unit_of(const PlanarModel& model, const std::string& name) {
     if (name.ends_with(suffix)) return unit;
   if (name.ends_with("_velocity")) return linear(name.substr(0, name.size() - 9)) ? "m/s" : "rad/s";
   return linear(name) ? "m" : "rad";
-}
-
-/// Linear between the truth's samples; held at its ends.
-double sample(const Simulation& s, const Eigen::RowVectorXd& values, double time) {
-  const auto last = static_cast<double>(s.time.size() - 1);
-  const double place = std::clamp(time / kTruthStep, 0.0, last);
-  const auto left = static_cast<Eigen::Index>(std::min(std::floor(place), std::max(0.0, last - 1.0)));
-  if (s.time.size() < 2) return values[0];
-  const double share = place - static_cast<double>(left);
-  return (1.0 - share) * values[left] + share * values[left + 1];
 }
 
 class Sensor {
@@ -116,7 +82,7 @@ class Sensor {
     const double noise = value_or(spec.noise, name, 0.0);
     Eigen::RowVectorXd out(stamps.size());
     for (Eigen::Index k = 0; k < stamps.size(); ++k) {
-      out[k] = scale * (sample(truth_, raw, stamps[k] - late) - zero) + offset;
+      out[k] = scale * (interpolate(raw, kTruthStep, stamps[k] - late) - zero) + offset;
       if (noise > 0.0) out[k] += noise * random.normal();
     }
     return out;
