@@ -125,6 +125,11 @@ StartState scattered_start(const Experiment& experiment, const Plant& plant, con
 
 }  // namespace
 
+double command_duration(const Dataset& dataset) {
+  if (dataset.plan) return dataset.plan->values(dataset.plan->values.rows() - 1, dataset.plan->column("time"));
+  return dataset.script->time[dataset.script->time.size() - 1];
+}
+
 Robot dataset_robot(const Dataset& dataset) {
   std::vector<Override> overrides;
   const std::string place = (dataset.folder / "override").string();

@@ -14,11 +14,6 @@
 namespace jaculus {
 namespace {
 
-double command_duration(const Dataset& setup) {
-  if (setup.plan) return setup.plan->values(setup.plan->values.rows() - 1, setup.plan->column("time"));
-  return setup.script->time[setup.script->time.size() - 1];
-}
-
 /// Linear between samples; NaN outside of them.
 double value_at(const Simulation& s, const Eigen::Ref<const Eigen::RowVectorXd>& values, double time) {
   for (Eigen::Index k = 0; k + 1 < s.time.size(); ++k) {

@@ -165,12 +165,6 @@ void read_uncertainties(const yaml::Node& node, Experiment& experiment) {
   }
 }
 
-/// Duration of what is commanded.
-double command_duration(const Dataset& setup) {
-  if (setup.plan) return setup.plan->values(setup.plan->values.rows() - 1, setup.plan->column("time"));
-  return setup.script->time[setup.script->time.size() - 1];
-}
-
 void read_sensors(const yaml::Node& file, const PlanarModel& model, Experiment& experiment) {
   if (const auto streams = file.find("streams")) {
     for (const auto& [name, node] : streams->entries()) experiment.streams.push_back(read_stream(name, node, model));

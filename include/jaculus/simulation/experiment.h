@@ -78,6 +78,8 @@ Experiment plan_experiment(const std::filesystem::path& plan, const std::string&
 /// The robot of a dataset (or an experiment's set-up): overrides applied; in a tail bench the base and every coordinate without a
 /// command are held where `initial` says, else at 0 (z: 1 m). InputError where the robot is unknown.
 Robot dataset_robot(const Dataset& dataset);
+/// When its commands end [s]: of its plan, else of its script. Misuse: neither.
+double command_duration(const Dataset& dataset);
 /// nominal_plant() with the dataset's stops. InputError where the robot has no such joint.
 Plant dataset_plant(const Dataset& dataset, const PlanarModel& model);
 /// stated_controller() with known gains and the end that is stated. InputError where a gain is a range or unknown.
