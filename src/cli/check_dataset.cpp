@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "jaculus/core/error.h"
+#include "jaculus/core/json.h"
 #include "jaculus/report/text_table.h"
 #include "jaculus/simulation/experiment.h"
 
@@ -102,10 +103,8 @@ Json accelerations(const Dataset& dataset, std::string& text) {
   text += "acceleration from motion capture by the authors' recipe\n" + table.text() +
           fmt::format("mean {} m/s^2; the plan's own v/T at its end {} m/s^2 (T = {:.5f} s)\n", shown(mean),
                       shown(plan), duration);
-  return {{"trials", trials},
-          {"mean_m_s2", std::isfinite(mean) ? Json(mean) : Json(nullptr)},
-          {"plan_m_s2", std::isfinite(plan) ? Json(plan) : Json(nullptr)},
-          {"duration_s", duration}};
+  return {
+      {"trials", trials}, {"mean_m_s2", json_number(mean)}, {"plan_m_s2", json_number(plan)}, {"duration_s", duration}};
 }
 
 std::string head_text(const Dataset& dataset, const Robot& robot) {

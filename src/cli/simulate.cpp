@@ -10,6 +10,7 @@
 #include "cli/reporting.h"
 #include "jaculus/core/error.h"
 #include "jaculus/core/interrupt.h"
+#include "jaculus/core/json.h"
 #include "jaculus/effects/select.h"
 #include "jaculus/report/dataset_report.h"
 #include "jaculus/report/text_table.h"
@@ -66,18 +67,16 @@ Experiment load_experiment(const Options& options) {
   return experiment;
 }
 
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
 Json state_json(const LeapState& state, double duration) {
-  return {{"time_s", number(state.time)},
-          {"speed_m_s", number(state.speed)},
-          {"acceleration_m_s2", number(state.speed / duration)},
-          {"pitch_rad", number(state.pitch)},
-          {"landing_pitch_rad", number(state.landing_pitch)}};
+  return {{"time_s", json_number(state.time)},
+          {"speed_m_s", json_number(state.speed)},
+          {"acceleration_m_s2", json_number(state.speed / duration)},
+          {"pitch_rad", json_number(state.pitch)},
+          {"landing_pitch_rad", json_number(state.landing_pitch)}};
 }
 
 Json figures_json(const LeapFigures& figures) {
-  Json json = {{"duration_s", number(figures.duration)}};
+  Json json = {{"duration_s", json_number(figures.duration)}};
   const double true_acceleration = figures.plan_end.speed / figures.duration;
   for (const auto& [key, recipe] :
        {std::pair("recipe", &figures.recipe), std::pair("recipe_without_noise", &figures.recipe_exact)}) {
@@ -86,7 +85,7 @@ Json figures_json(const LeapFigures& figures) {
     json[key] = {{"start_s", (*recipe)->start},
                  {"speed_m_s", (*recipe)->speed},
                  {"acceleration_m_s2", (*recipe)->acceleration},
-                 {"bias_m_s2", number((*recipe)->acceleration - true_acceleration)}};
+                 {"bias_m_s2", json_number((*recipe)->acceleration - true_acceleration)}};
   }
   json["plan_end"] = state_json(figures.plan_end, figures.duration);
   json["lift_off"] = figures.lift_off ? state_json(*figures.lift_off, figures.duration) : Json(nullptr);
@@ -94,8 +93,9 @@ Json figures_json(const LeapFigures& figures) {
 }
 
 Json trial_json(const Experiment& experiment, const PlanarModel& model, const TrialRun& run) {
-  Json json = {
-      {"name", run.trial.name}, {"status", status_name(run.truth.status)}, {"end_time_s", number(run.truth.end_time)}};
+  Json json = {{"name", run.trial.name},
+               {"status", status_name(run.truth.status)},
+               {"end_time_s", json_number(run.truth.end_time)}};
   if (!run.truth.message.empty()) json["message"] = run.truth.message;
   json["streams"] = Json::array();
   for (const Stream& stream : run.trial.streams)
@@ -103,7 +103,8 @@ Json trial_json(const Experiment& experiment, const PlanarModel& model, const Tr
         {{"name", stream.name}, {"samples", stream.time.size()}, {"gaps", stream.values.array().isNaN().count()}});
   json["final"] = Json::object();
   for (int i = 0; i < model.size() && run.truth.time.size() > 0; ++i)
-    json["final"][model.coordinates[static_cast<std::size_t>(i)].name] = number(run.truth.q(i, run.truth.q.cols() - 1));
+    json["final"][model.coordinates[static_cast<std::size_t>(i)].name] =
+        json_number(run.truth.q(i, run.truth.q.cols() - 1));
   json["events"] = Json::array();
   const char* const kinds[] = {"lift", "land", "slip", "stick", "stop", "release", "limit"};
   for (const Event& event : run.truth.events)
@@ -195,7 +196,7 @@ Json perturb_json(const std::vector<Replay>& all) {
       return drawn.empty() ? Json(nullptr)
                            : Json(drawn[static_cast<std::size_t>(q * static_cast<double>(drawn.size() - 1) + 0.5)]);
     };
-    json["margins"][row.key] = {{"nominal", number(all.front().margins.*row.value)},
+    json["margins"][row.key] = {{"nominal", json_number(all.front().margins.*row.value)},
                                 {"least", quantile(0.0)},
                                 {"median", quantile(0.5)},
                                 {"largest", quantile(1.0)},

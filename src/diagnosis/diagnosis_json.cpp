@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <nlohmann/json.hpp>
 
+#include "jaculus/core/json.h"
 #include "jaculus/effects/select.h"
 
 namespace jaculus {
@@ -15,15 +16,14 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-Json pair(const Bounds& b) { return Json::array({number(b.lower), number(b.upper)}); }
+Json pair(const Bounds& b) { return Json::array({json_number(b.lower), json_number(b.upper)}); }
 
 Json effects_json(const Diagnosis& d) {
   Json list = Json::array();
   for (const FoundEffect& e : d.effects) {
     Json parameters = Json::object();
     for (const FoundParameter& p : e.parameters)
-      parameters[p.name] = {{"value", number(p.value)}, {"ci95", pair(p.ci95)}, {"unit", p.unit}};
+      parameters[p.name] = {{"value", json_number(p.value)}, {"ci95", pair(p.ci95)}, {"unit", p.unit}};
     list.push_back({{"name", e.name},
                     {"caption", e.caption},
                     {"probability", e.probability},
@@ -37,8 +37,10 @@ Json channels_json(const Diagnosis& d) {
   Json channels = Json::object();
   if (d.where) {
     for (const ChannelGap& c : d.where->channels)
-      channels[c.name] = {
-          {"gap", number(c.gap)}, {"noise_floor", number(c.noise_floor)}, {"unit", c.unit}, {"stream", c.stream}};
+      channels[c.name] = {{"gap", json_number(c.gap)},
+                          {"noise_floor", json_number(c.noise_floor)},
+                          {"unit", c.unit},
+                          {"stream", c.stream}};
     return channels;
   }
   if (!d.problem) return channels;
@@ -46,8 +48,8 @@ Json channels_json(const Diagnosis& d) {
     for (const Channel& c : condition.channels) {
       const auto found = d.gap.channels.find(c.stream + "." + c.name);
       channels[c.name] = {
-          {"gap", found == d.gap.channels.end() ? Json(nullptr) : number(found->second.before * c.noise_floor)},
-          {"noise_floor", number(c.noise_floor)},
+          {"gap", found == d.gap.channels.end() ? Json(nullptr) : json_number(found->second.before * c.noise_floor)},
+          {"noise_floor", json_number(c.noise_floor)},
           {"unit", c.unit},
           {"stream", c.stream}};
     }
@@ -60,9 +62,9 @@ Json shares(const std::vector<ComponentShare>& list, bool detail) {
   for (const ComponentShare& s : list) {
     Json& entry = out[component_name(s.component)];
     if (detail) {
-      entry = {{"share", number(s.share)}, {"ci95", pair(s.ci95)}, {"visible", s.visible}};
+      entry = {{"share", json_number(s.share)}, {"ci95", pair(s.ci95)}, {"visible", s.visible}};
     } else {
-      entry = number(s.share);
+      entry = json_number(s.share);
     }
   }
   return out;
@@ -76,10 +78,10 @@ Json where_json(const Diagnosis& d) {
   if (!d.where) return where;
   where["components"] = shares(d.where->components, false);
   where["component_intervals"] = shares(d.where->components, true);
-  for (const PhaseShare& phase : d.where->phases) where["phases"][phase.name] = number(phase.share);
-  if (d.where->departure.found) where["first_departure_s"] = number(d.where->departure.time);
+  for (const PhaseShare& phase : d.where->phases) where["phases"][phase.name] = json_number(phase.share);
+  if (d.where->departure.found) where["first_departure_s"] = json_number(d.where->departure.time);
   where["first_departure_ci95"] = pair(d.where->departure.ci95);
-  where["unexplained"] = number(d.where->unexplained);
+  where["unexplained"] = json_number(d.where->unexplained);
   where["notes"] = d.where->notes;
   return where;
 }
@@ -87,11 +89,11 @@ Json where_json(const Diagnosis& d) {
 Json gap_json(const Diagnosis& d) {
   Json channels = Json::object();
   for (const auto& [name, c] : d.gap.channels)
-    channels[name] = {{"before", number(c.before)}, {"after", number(c.after)}};
-  return {{"before", number(d.gap.before)},
-          {"after", number(d.gap.after)},
+    channels[name] = {{"before", json_number(c.before)}, {"after", json_number(c.after)}};
+  return {{"before", json_number(d.gap.before)},
+          {"after", json_number(d.gap.after)},
           {"noise_floor", 1.0},
-          {"shrink", d.gap.shrink ? number(*d.gap.shrink) : Json(nullptr)},
+          {"shrink", d.gap.shrink ? json_number(*d.gap.shrink) : Json(nullptr)},
           {"ci95", pair(d.gap.ci95)},
           {"held_out", d.gap.over},
           {"folds", d.gap.folds},
@@ -128,8 +130,8 @@ std::string diagnosis_json(const Diagnosis& d) {
   Json ranking = Json::array(), disturbances = Json::array();
   for (const Ranked& r : d.ranking) {
     ranking.push_back({{"effect", r.effect},
-                       {"log_evidence", number(r.log_evidence)},
-                       {"held_out_error", number(r.held_out_error)},
+                       {"log_evidence", json_number(r.log_evidence)},
+                       {"held_out_error", json_number(r.held_out_error)},
                        {"probability", r.probability}});
   }
   for (const OneOff& one : d.disturbances) {
@@ -152,7 +154,7 @@ std::string diagnosis_json(const Diagnosis& d) {
   json["discriminating_experiment"] = nullptr;
   if (d.next) {
     json["discriminating_experiment"] = {{"experiment", d.next->experiment},
-                                         {"expected_log_bayes_factor", number(d.next->log_bayes_factor)}};
+                                         {"expected_log_bayes_factor", json_number(d.next->log_bayes_factor)}};
   }
   return json.dump(2) + "\n";
 }

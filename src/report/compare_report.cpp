@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "jaculus/core/json.h"
 #include "jaculus/report/text_table.h"
 #include "jaculus/report/version.h"
 
@@ -13,8 +14,6 @@ namespace jaculus {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 double reference(const Summary& s, const char* key) {
   const auto found = s.reference.find(key);
@@ -31,9 +30,9 @@ double peak(const Summary& s, double MotorFigures::*field) {
 Json gain_json(const Gain& g) {
   return {{"over", g.over.empty() ? Json(nullptr) : Json(g.over)},
           {"unlike_conditions", g.unlike},
-          {"average_acceleration", number(g.base)},
-          {"average_acceleration_com", number(g.com)},
-          {"time_saved", number(g.time)}};
+          {"average_acceleration", json_number(g.base)},
+          {"average_acceleration_com", json_number(g.com)},
+          {"time_saved", json_number(g.time)}};
 }
 
 Json worth_json(const std::vector<DragWorth>& all) {
@@ -43,8 +42,8 @@ Json worth_json(const std::vector<DragWorth>& all) {
                     {"inertial", w.inertial},
                     {"over", w.over},
                     {"unlike_conditions", w.unlike},
-                    {"average_acceleration", number(w.base)},
-                    {"average_acceleration_com", number(w.com)}});
+                    {"average_acceleration", json_number(w.base)},
+                    {"average_acceleration_com", json_number(w.com)}});
   }
   return json;
 }

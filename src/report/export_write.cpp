@@ -7,6 +7,7 @@
 #include <cctype>
 #include <cmath>
 
+#include "jaculus/core/json.h"
 #include "jaculus/report/export.h"
 #include "jaculus/report/version.h"
 
@@ -53,7 +54,7 @@ Json checks(const Export& plan) {
                     {"unit", c.unit},
                     {"peak", c.peak},
                     {"time_s", c.time},
-                    {"limit", std::isfinite(c.limit) ? Json(c.limit) : Json(nullptr)},
+                    {"limit", json_number(c.limit)},
                     {"exceeded", c.exceeded}});
   }
   return json;

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "jaculus/core/json.h"
 #include "jaculus/report/summary.h"
 
 namespace jaculus {
@@ -12,11 +13,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json end(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
 Json bounds(const Bounds& b) {
   if (b.fixed()) return b.lower;
-  return Json::array({end(b.lower), end(b.upper)});
+  return Json::array({json_number(b.lower), json_number(b.upper)});
 }
 
 Json bounds_map(const std::map<std::string, Bounds>& values) {

@@ -2,9 +2,9 @@
 
 #include <bit>
 #include <cassert>
-#include <cmath>
 #include <cstring>
 
+#include "jaculus/core/json.h"
 #include "jaculus/report/version.h"
 
 namespace jaculus {
@@ -12,8 +12,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 static_assert(std::endian::native == std::endian::little, "arrays are written as the machine holds them");
-
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 std::string base64(const std::vector<float>& values) {
   static const char* kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -37,7 +35,7 @@ Json axis(const ChartAxis& a) {
   return {{"name", a.name},
           {"unit", a.unit},
           {"log", a.logarithmic},
-          {"range", {number(a.range.lower), number(a.range.upper)}}};
+          {"range", {json_number(a.range.lower), json_number(a.range.upper)}}};
 }
 
 const char* style_name(SeriesStyle style) {
@@ -83,9 +81,9 @@ Json chart(const Chart& c, NumberArrays& arrays) {
   for (const Mark& m : c.marks) {
     json["marks"].push_back({{"label", m.label},
                              {"kind", mark_name(m.kind)},
-                             {"x", number(m.x)},
-                             {"y", number(m.y)},
-                             {"xTo", number(m.x_to)}});
+                             {"x", json_number(m.x)},
+                             {"y", json_number(m.y)},
+                             {"xTo", json_number(m.x_to)}});
   }
   return json;
 }
@@ -98,9 +96,9 @@ Json bars(const Bars& b) {
   Json json = {{"id", b.id}, {"title", b.title}, {"unit", b.unit}, {"caption", b.caption}, {"items", Json::array()}};
   for (const Bars::Item& i : b.items) {
     json["items"].push_back({{"label", i.label},
-                             {"value", number(i.value)},
-                             {"low", number(i.low)},
-                             {"high", number(i.high)},
+                             {"value", json_number(i.value)},
+                             {"low", json_number(i.low)},
+                             {"high", json_number(i.high)},
                              {"note", i.note}});
   }
   return json;
@@ -110,7 +108,7 @@ Json heat_map(const HeatMap& h) {
   Json values = Json::array();
   for (const auto& row : h.values) {
     Json cells = Json::array();
-    for (const double v : row) cells.push_back(number(v));
+    for (const double v : row) cells.push_back(json_number(v));
     values.push_back(cells);
   }
   return {{"id", h.id},     {"title", h.title},     {"rowTitle", h.row_title}, {"columnTitle", h.column_title},
@@ -121,9 +119,9 @@ Json drawing(const Drawing& d) {
   Json json = {{"id", d.id}, {"title", d.title}, {"caption", d.caption}, {"parts", Json::array()}};
   for (const Drawing::Part& p : d.parts) {
     Json line = Json::array();
-    for (const Vec2& point : p.line) line.push_back({number(point.x()), number(point.y())});
+    for (const Vec2& point : p.line) line.push_back({json_number(point.x()), json_number(point.y())});
     json["parts"].push_back(
-        {{"name", p.name}, {"line", line}, {"width", p.width}, {"value", number(p.value)}, {"text", p.text}});
+        {{"name", p.name}, {"line", line}, {"width", p.width}, {"value", json_number(p.value)}, {"text", p.text}});
   }
   return json;
 }
@@ -142,7 +140,7 @@ Json actor(const Actor& a, NumberArrays& arrays) {
                {"time", arrays.add(a.time)},
                {"com", arrays.add(a.com)},
                {"feet", a.feet},
-               {"friction", number(a.friction)}};
+               {"friction", json_number(a.friction)}};
   json["bodies"] = Json::array();
   for (const ActorBody& b : a.bodies) {
     assert(b.xz.size() == a.time.size() * static_cast<std::size_t>(b.points) * 2);

@@ -2,9 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-
 #include "jaculus/core/error.h"
+#include "jaculus/core/json.h"
 #include "jaculus/report/summary.h"
 #include "jaculus/report/version.h"
 
@@ -13,20 +12,17 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// JSON has neither NaN nor infinity; null says "none".
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
 double number_or(const Json& json, const char* key, double none) {
   return json.contains(key) && json.at(key).is_number() ? json.at(key).get<double>() : none;
 }
 
 Json numbers(const std::map<std::string, double>& values) {
   Json json = Json::object();
-  for (const auto& [name, value] : values) json[name] = number(value);
+  for (const auto& [name, value] : values) json[name] = json_number(value);
   return json;
 }
 
-Json violation(const RowFigure& v) { return {{"row", v.row}, {"value", number(v.value)}, {"unit", v.unit}}; }
+Json violation(const RowFigure& v) { return {{"row", v.row}, {"value", json_number(v.value)}, {"unit", v.unit}}; }
 
 RowFigure violation_from(const Json& json) {
   return {json.at("row").get<std::string>(), number_or(json, "value", kNaN), json.at("unit").get<std::string>()};
@@ -39,8 +35,8 @@ Json verification(const Verification& v) {
           {"reintegration_velocity_error", numbers(v.reintegration_velocity_error)},
           {"worst_violation", violation(v.worst_violation)},
           {"off_node_violation", violation(v.off_node_violation)},
-          {"momentum_balance", number(v.momentum_balance)},
-          {"energy_balance", number(v.energy_balance)}};
+          {"momentum_balance", json_number(v.momentum_balance)},
+          {"energy_balance", json_number(v.energy_balance)}};
 }
 
 std::map<std::string, double> numbers_from(const Json& json) {
@@ -84,7 +80,7 @@ constexpr MotorKey kMotorKeys[] = {{"peak_joint_torque_N_m", &MotorFigures::join
 
 Json motor(const MotorFigures& m) {
   Json json = {{"motor", m.motor}, {"count", m.count}};
-  for (const MotorKey& key : kMotorKeys) json[key.key] = number(m.*key.field);
+  for (const MotorKey& key : kMotorKeys) json[key.key] = json_number(m.*key.field);
   return json;
 }
 
@@ -169,33 +165,37 @@ Json to_json(const Summary& s) {
                {"status", s.status},
                {"converged", s.converged},
                {"message", s.message},
-               {"objective", number(s.objective)},
+               {"objective", json_number(s.objective)},
                {"iterations", s.iterations},
                {"size",
                 {{"variables", s.size.variables},
                  {"constraints", s.size.constraints},
                  {"jacobian_nonzeros", s.size.jacobian_nonzeros},
                  {"hessian_nonzeros", s.size.hessian_nonzeros}}},
-               {"duration_s", number(s.duration)}};
+               {"duration_s", json_number(s.duration)}};
   json["phases"] = Json::array();
   for (const PhaseFigures& p : s.phases) {
-    json["phases"].push_back({{"name", p.name}, {"duration_s", number(p.duration)}, {"duration_at_bound", p.at_bound}});
+    json["phases"].push_back(
+        {{"name", p.name}, {"duration_s", json_number(p.duration)}, {"duration_at_bound", p.at_bound}});
   }
-  json["liftoff_velocity_m_s"] = number(s.liftoff_velocity);
-  json["liftoff_velocity_com_m_s"] = number(s.liftoff_velocity_com);
-  json["average_acceleration_m_s2"] = number(s.average_acceleration);
-  json["average_acceleration_com_m_s2"] = number(s.average_acceleration_com);
-  json["tail_momentum_share"] = number(s.tail_momentum_share);
+  json["liftoff_velocity_m_s"] = json_number(s.liftoff_velocity);
+  json["liftoff_velocity_com_m_s"] = json_number(s.liftoff_velocity_com);
+  json["average_acceleration_m_s2"] = json_number(s.average_acceleration);
+  json["average_acceleration_com_m_s2"] = json_number(s.average_acceleration_com);
+  json["tail_momentum_share"] = json_number(s.tail_momentum_share);
   json["motors"] = Json::array();
   for (const MotorFigures& m : s.motors) json["motors"].push_back(motor(m));
   json["active_limits"] = Json::array();
   for (const ActiveLimit& a : s.active_limits) {
-    json["active_limits"].push_back(
-        {{"name", a.name}, {"phase", a.phase}, {"from_s", number(a.from)}, {"to_s", number(a.to)}, {"nodes", a.nodes}});
+    json["active_limits"].push_back({{"name", a.name},
+                                     {"phase", a.phase},
+                                     {"from_s", json_number(a.from)},
+                                     {"to_s", json_number(a.to)},
+                                     {"nodes", a.nodes}});
   }
   json["prices"] = Json::array();
   for (const PriceFigure& p : s.prices) {
-    json["prices"].push_back({{"limit", p.limit}, {"price", number(p.price)}, {"unit", p.unit}});
+    json["prices"].push_back({{"limit", p.limit}, {"price", json_number(p.price)}, {"unit", p.unit}});
   }
   json["verification"] = verification(s.verification);
   json["warnings"] = s.warnings;

@@ -113,9 +113,9 @@ Bench read_bench(const yaml::Node& root) {
 }
 
 void put(StudyJson& row, const std::string& stem, const std::string& unit, const Estimate& e) {
-  row[stem + unit] = detail::json_number(e.value);
-  row[stem + "_low" + unit] = detail::json_number(e.low);
-  row[stem + "_high" + unit] = detail::json_number(e.high);
+  row[stem + unit] = json_number(e.value);
+  row[stem + "_low" + unit] = json_number(e.low);
+  row[stem + "_high" + unit] = json_number(e.high);
 }
 
 StudyJson rows_of(const Bench& bench, const DragFits& fits) {
@@ -129,10 +129,10 @@ StudyJson rows_of(const Bench& bench, const DragFits& fits) {
     put(row, "quadratic", "_N_m_s2", fit.quadratic);
     put(row, "viscous", "_N_m_s", fit.viscous);
     put(row, "coulomb", "_N_m", fit.coulomb);
-    row["r_squared"] = detail::json_number(fit.r_squared);
-    row["residual_N_m"] = detail::json_number(fit.residual);
-    row["aicc"] = detail::json_number(fit.aicc);
-    row["condition"] = detail::json_number(fit.condition);
+    row["r_squared"] = json_number(fit.r_squared);
+    row["residual_N_m"] = json_number(fit.residual);
+    row["aicc"] = json_number(fit.aicc);
+    row["condition"] = json_number(fit.condition);
     row["points"] = bench.observations.size();
     row["confidence"] = bench.confidence;
     rows.push_back(row);

@@ -9,7 +9,6 @@ namespace jaculus {
 namespace {
 
 using Point = ReorientationPoint;
-using detail::json_number;
 
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 

@@ -99,14 +99,14 @@ std::string solve_point(const PlanStudy& study, int index) {
   if (!plan.converged()) return row.dump();
   const Trajectory& t = *plan.trajectory;
   const double duration = t.time[t.samples() - 1] - t.time[0];
-  row["objective"] = detail::json_number(study.problem.maximise ? -plan.result.objective : plan.result.objective);
-  row["duration_s"] = detail::json_number(duration);
-  row["drag_momentum_share"] = detail::json_number(plan.verification->drag_momentum_share);
+  row["objective"] = json_number(study.problem.maximise ? -plan.result.objective : plan.result.objective);
+  row["duration_s"] = json_number(duration);
+  row["drag_momentum_share"] = json_number(plan.verification->drag_momentum_share);
   const int x = model.coordinate_index("x");
   if (x < 0) return row.dump();
   const double velocity = t.velocity(x, t.samples() - 1);
-  row["liftoff_velocity_m_s"] = detail::json_number(velocity);
-  row["average_acceleration_m_s2"] = detail::json_number(velocity / duration);
+  row["liftoff_velocity_m_s"] = json_number(velocity);
+  row["average_acceleration_m_s2"] = json_number(velocity / duration);
   return row.dump();
 }
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "jaculus/core/json.h"
 #include "jaculus/studies/study.h"
 
 namespace jaculus::detail {
@@ -55,8 +56,5 @@ StudyReference evaluate(const ReferenceQuery& query, const std::vector<StudyJson
 std::vector<StudyPlot> read_plots(const yaml::Node& root, const std::vector<std::string>& columns);
 /// InputError at `where`, naming the nearest, unless `name` is a column.
 void must_be_column(const std::string& name, const std::vector<std::string>& columns, const yaml::Node& where);
-
-/// A number as JSON: null where it is not finite.
-StudyJson json_number(double value);
 
 }  // namespace jaculus::detail

@@ -76,8 +76,6 @@ void must_be_column(const std::string& name, const std::vector<std::string>& col
       near ? fmt::format("; did you mean \"{}\"?", *near) : fmt::format("; it has {}", fmt::join(columns, ", "))));
 }
 
-StudyJson json_number(double value) { return std::isfinite(value) ? StudyJson(value) : StudyJson(nullptr); }
-
 std::vector<ReferenceQuery> read_references(const yaml::Node& root, const std::vector<std::string>& columns) {
   std::vector<ReferenceQuery> queries;
   const auto list = root.find("reference");

@@ -104,8 +104,8 @@ std::string designs_of(const DesignPlan& plan, int index) {
   for (double ratio : plan.shaft_ratios) {
     for (double width : plan.widths) {
       const TailDesign d = evaluate_design(plan.base, plan.material, length, ratio * length, width, plan.gears);
-      list.push_back({d.length, d.shaft, d.width, d.mass, d.inertia, detail::json_number(d.gear),
-                      detail::json_number(d.effectiveness), d.body_angle, d.search_bound});
+      list.push_back({d.length, d.shaft, d.width, d.mass, d.inertia, json_number(d.gear), json_number(d.effectiveness),
+                      d.body_angle, d.search_bound});
     }
   }
   return list.dump();

@@ -10,6 +10,7 @@
 
 #include "jaculus/core/error.h"
 #include "jaculus/core/interrupt.h"
+#include "jaculus/core/json.h"
 #include "jaculus/model/robot.h"
 #include "testbed/draws.h"
 #include "testbed/static_tests.h"
@@ -22,21 +23,20 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 constexpr int kAttempts = 40;  ///< draws until a case comes out that shows
 
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 double number(const Json& value) { return value.is_null() ? kNaN : value.get<double>(); }
 
 Json to_json(const CaseLabel& label) {
   Json parameters = Json::array();
   for (const auto& of_one : label.parameters) {
     Json row = Json::array();
-    for (const double value : of_one) row.push_back(number(value));
+    for (const double value : of_one) row.push_back(json_number(value));
     parameters.push_back(row);
   }
   return {{"case_id", label.case_id},
           {"kind", label.kind},
           {"effects", label.effects},
           {"parameters", parameters},
-          {"strength_in_noise_floors", number(label.strength_in_noise_floors)},
+          {"strength_in_noise_floors", json_number(label.strength_in_noise_floors)},
           {"equivalent", label.equivalent},
           {"component", label.component},
           {"experiment", label.experiment},
