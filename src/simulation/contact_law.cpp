@@ -34,51 +34,65 @@ bool eliminate(double* K, double* x, int size, double scale) {
   return true;
 }
 
-}  // namespace
-
-bool solve_at(ContactSystem& s, const Touch* modes) {
-  // Unknown forces and the rows that they meet: a normal force each, a tangential one where it sticks.
-  int rows[kStride], size = 0;
+/// Unknown forces of the modes and the rows that they meet: a normal force each, a tangential one where it sticks.
+int unknown_rows(const ContactSystem& s, const Touch* modes, int* rows) {
+  int size = 0;
   for (int i = 0; i < s.count; ++i) {
     if (modes[i] == Touch::open) continue;
     if (modes[i] == Touch::stick && s.mu[i] >= 0.0) rows[size++] = 2 * i;
     rows[size++] = 2 * i + 1;
   }
-  double K[kStride * kStride], x[kStride], scale = 0.0;
-  const auto column_entry = [&](int row, int column) {
-    const int i = column / 2;
-    double value = s.A[column * kStride + row];
-    if (column % 2 == 1 && s.mu[i] >= 0.0) value -= s.mu[i] * slip_sign(modes[i]) * s.A[(column - 1) * kStride + row];
-    return value;
-  };
+  return size;
+}
+
+/// The equations of these rows, K x = ... ; returns the largest diagonal of A, or -1 where a slipping contact is jammed.
+double fill_equations(const ContactSystem& s, const Touch* modes, const int* rows, int size, double* K, double* x) {
+  double scale = 0.0;
   for (int k = 0; k < size; ++k) {
-    for (int r = 0; r < size; ++r) K[k * kStride + r] = column_entry(rows[r], rows[k]);
-    x[k] = (rows[k] % 2 == 1 ? s.target[rows[k] / 2] : 0.0) - s.b[rows[k]];
-    scale = std::max(scale, std::abs(s.A[rows[k] * kStride + rows[k]]));
-    if (K[k * kStride + k] <= 0.0 && rows[k] % 2 == 1 && slip_sign(modes[rows[k] / 2]) != 0.0) return false;
+    const int column = rows[k], i = column / 2;
+    const double friction = column % 2 == 1 && s.mu[i] >= 0.0 ? s.mu[i] * slip_sign(modes[i]) : 0.0;
+    const double* a = s.A + column * kStride;
+    for (int r = 0; r < size; ++r)
+      K[k * kStride + r] = friction == 0.0 ? a[rows[r]] : a[rows[r]] - friction * a[rows[r] - kStride];
+    x[k] = (column % 2 == 1 ? s.target[i] : 0.0) - s.b[column];
+    scale = std::max(scale, std::abs(a[column]));
+    if (friction != 0.0 && K[k * kStride + k] <= 0.0) return -1.0;
   }
-  double copy[kStride * kStride], y[kStride];
-  std::copy(K, K + size * kStride, copy);
-  std::copy(x, x + size, y);
-  if (!eliminate(copy, y, size, scale)) {
+  return scale;
+}
+
+}  // namespace
+
+bool solve_forces(ContactSystem& s, const Touch* modes) {
+  int rows[kStride];
+  const int size = unknown_rows(s, modes, rows);
+  double K[kStride * kStride], x[kStride];
+  double scale = fill_equations(s, modes, rows, size, K, x);
+  if (scale < 0.0) return false;
+  if (!eliminate(K, x, size, scale)) {
     // More contacts than the robot has freedom: the forces are not unique, a slight compliance chooses among them.
+    scale = fill_equations(s, modes, rows, size, K, x);
     for (int k = 0; k < size; ++k) K[k * kStride + k] += 1e-10 * scale;
-    std::copy(x, x + size, y);
-    if (!eliminate(K, y, size, 0.0)) return false;
+    if (!eliminate(K, x, size, 0.0)) return false;
   }
   std::fill(s.lambda, s.lambda + 2 * s.count, 0.0);
   for (int k = 0; k < size; ++k) {
     const int i = rows[k] / 2;
-    s.lambda[rows[k]] = y[k];
-    if (rows[k] % 2 == 1 && slip_sign(modes[i]) != 0.0) s.lambda[2 * i] = -s.mu[i] * slip_sign(modes[i]) * y[k];
+    s.lambda[rows[k]] = x[k];
+    if (rows[k] % 2 == 1 && slip_sign(modes[i]) != 0.0) s.lambda[2 * i] = -s.mu[i] * slip_sign(modes[i]) * x[k];
   }
+  for (int r = 0; r < 2 * s.count; ++r)
+    if (!std::isfinite(s.lambda[r])) return false;
+  return true;
+}
+
+bool solve_at(ContactSystem& s, const Touch* modes) {
+  if (!solve_forces(s, modes)) return false;
   for (int r = 0; r < 2 * s.count; ++r) {
     double sum = s.b[r];
     for (int k = 0; k < 2 * s.count; ++k) sum += s.A[k * kStride + r] * s.lambda[k];
     s.w[r] = sum;
   }
-  for (int r = 0; r < 2 * s.count; ++r)
-    if (!std::isfinite(s.lambda[r])) return false;
   return true;
 }
 

@@ -39,7 +39,9 @@ struct ContactSystem {
   double scale_force = 1.0, scale_w = 1.0;  ///< what counts as zero is 1e-9 times these
 };
 
-/// Solves for lambda and w at given modes. False where the system is singular or a slipping contact is jammed.
+/// Solves for lambda at given modes. False where the system is singular or a slipping contact is jammed.
+bool solve_forces(ContactSystem& system, const Touch* modes);
+/// The same, and w.
 bool solve_at(ContactSystem& system, const Touch* modes);
 /// Whether the solution obeys the laws.
 bool consistent(const ContactSystem& system, const Touch* modes);

@@ -213,27 +213,51 @@ void PlantEquations::set_forces(double t, const double* y) {
   forward(free_);
 }
 
-void PlantEquations::fill_rows(const std::vector<int>& touching) {
+/// solved_ = L^-1 of what it holds, A = solved_^T solved_, of its first kRows columns side by side.
+template <int kRows>
+void PlantEquations::solve_rows() {
   const int size = n();
-  system.count = static_cast<int>(touching.size());
-  for (int i : touching) {
-    ContactState& c = contacts[static_cast<size_t>(i)];
-    c.solved_normal = c.normal;
-    forward(c.solved_normal.data());
-    c.solved_tangential = c.tangential;
-    if (!unilaterals[static_cast<size_t>(i)].stop()) forward(c.solved_tangential.data());
+  double A[kRows * kRows] = {};
+  for (int j = 0; j < size; ++j) {
+    double* x = solved_ + j * kStride;
+    const double* column = L_ + j * kMaxSize;
+    for (int r = 0; r < kRows; ++r) x[r] *= inverse_diagonal_[j];
+    for (int i = j + 1; i < size; ++i) {
+      double* y = solved_ + i * kStride;
+      for (int r = 0; r < kRows; ++r) y[r] -= column[i] * x[r];
+    }
+    for (int c = 0; c < kRows; ++c)
+      for (int r = 0; r < kRows; ++r) A[c * kRows + r] += x[c] * x[r];
   }
-  const auto row = [&](int r) -> const Row& {
-    const ContactState& c = contacts[static_cast<size_t>(touching[static_cast<size_t>(r / 2)])];
-    return r % 2 == 0 ? c.solved_tangential : c.solved_normal;
-  };
-  for (int j = 0; j < 2 * system.count; ++j)
-    for (int i = j; i < 2 * system.count; ++i)
-      system.A[j * kStride + i] = system.A[i * kStride + j] = dot(row(i), row(j).data(), size);
+  for (int c = 0; c < 2 * system.count; ++c)
+    for (int r = 0; r < 2 * system.count; ++r) system.A[c * kStride + r] = A[c * kRows + r];
+}
+
+void PlantEquations::fill_rows(const std::vector<int>& touching) {
+  const auto size = static_cast<size_t>(n());
+  system.count = static_cast<int>(touching.size());
+  const size_t rows = system.count <= 2 ? 4 : kStride;
+  for (size_t j = 0; j < size; ++j) {
+    double* x = solved_ + j * kStride;
+    for (size_t k = 0; k < touching.size(); ++k) {
+      const ContactState& c = contacts[static_cast<size_t>(touching[k])];
+      x[2 * k] = c.tangential[j];
+      x[2 * k + 1] = c.normal[j];
+    }
+    for (size_t r = 2 * touching.size(); r < rows; ++r) x[r] = 0.0;
+  }
+  if (rows == 4)
+    solve_rows<4>();
+  else
+    solve_rows<kStride>();
 }
 
 void PlantEquations::fill_system(const std::vector<int>& touching, bool impact, const double* v) {
   const int size = n();
+  double free[kStride] = {};  // accelerations of the rows without contact, the bias aside
+  if (!impact)
+    for (int j = 0; j < size; ++j)
+      for (int r = 0; r < 2 * system.count; ++r) free[r] += solved_[j * kStride + r] * free_[j];
   for (size_t k = 0; k < touching.size(); ++k) {
     const auto i = static_cast<size_t>(touching[k]);
     const ContactState& c = contacts[i];
@@ -241,23 +265,16 @@ void PlantEquations::fill_system(const std::vector<int>& touching, bool impact, 
     system.target[k] = 0.0;
     system.moving[k] = false;
     system.direction[k] = 0.0;
-    if (impact) {
-      system.b[2 * k] = dot(c.tangential, v, size);
-      system.b[2 * k + 1] = dot(c.normal, v, size);
-    } else {
-      system.b[2 * k] = dot(c.solved_tangential, free_, size) + c.tangential_bias;
-      system.b[2 * k + 1] = dot(c.solved_normal, free_, size) + c.normal_bias;
-    }
+    system.b[2 * k] = impact ? dot(c.tangential, v, size) : free[2 * k] + c.tangential_bias;
+    system.b[2 * k + 1] = impact ? dot(c.normal, v, size) : free[2 * k + 1] + c.normal_bias;
   }
 }
 
 void PlantEquations::add_response(const std::vector<int>& touching, const double* forces, double* x) const {
   double sum[kMaxSize] = {};
-  for (size_t k = 0; k < touching.size(); ++k) {
-    const ContactState& c = contacts[static_cast<size_t>(touching[k])];
+  for (size_t k = 0; k < touching.size(); ++k)
     for (size_t i = 0; i < static_cast<size_t>(n()); ++i)
-      sum[i] += forces[2 * k] * c.solved_tangential[i] + forces[2 * k + 1] * c.solved_normal[i];
-  }
+      sum[i] += forces[2 * k] * solved_[i * kStride + 2 * k] + forces[2 * k + 1] * solved_[i * kStride + 2 * k + 1];
   backward(sum);
   for (int i = 0; i < n(); ++i) x[i] += sum[i];
 }
@@ -283,16 +300,14 @@ bool PlantEquations::evaluate(double t, const double* y, double* dydt, bool stan
   if (!touching_.empty()) {
     if (!stands) fill_rows(touching_);
     fill_system(touching_, false, y + size);
-    if (!solve_at(system, touching_modes_.data())) return false;
+    if (!solve_forces(system, touching_modes_.data())) return false;
     for (size_t k = 0; k < touching_.size(); ++k) {
       const auto i = static_cast<size_t>(touching_[k]);
       lambda[2 * i] = system.lambda[2 * k];
       lambda[2 * i + 1] = system.lambda[2 * k + 1];
-      const ContactState& c = contacts[i];
-      for (int j = 0; j < size; ++j) {
-        const auto s = static_cast<size_t>(j);
-        dydt[size + j] += lambda[2 * i] * c.solved_tangential[s] + lambda[2 * i + 1] * c.solved_normal[s];
-      }
+      const double* x = solved_ + 2 * k;
+      for (int j = 0; j < size; ++j)
+        dydt[size + j] += lambda[2 * i] * x[j * kStride] + lambda[2 * i + 1] * x[j * kStride + 1];
     }
   }
   backward(dydt + size);

@@ -34,7 +34,6 @@ struct Unilateral {
 struct ContactState {
   double gap, normal_rate, tangential_rate, normal_bias, tangential_bias;
   Row normal, tangential;
-  Row solved_normal, solved_tangential;  ///< L^-1 of the rows, where computed
 };
 
 class PlantEquations {
@@ -117,7 +116,10 @@ class PlantEquations {
   std::vector<bool> pushing_;
   std::vector<int> touching_;
   std::vector<Touch> touching_modes_;
+  template <int kRows>
+  void solve_rows();
   double L_[kMaxSize * kMaxSize], h_[kMaxSize], force_[kMaxSize], free_[kMaxSize];
+  double solved_[kMaxSize * kStride];  ///< L^-1 J^T of the system's rows, row by row: n x kStride
   double inverse_diagonal_[kMaxSize];
 };
 

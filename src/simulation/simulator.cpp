@@ -12,8 +12,7 @@ namespace jaculus::detail {
 
 namespace {
 
-constexpr double kShortestStep = 1e-13;  ///< [s]
-constexpr double kDriftTime = 0.1;       ///< over which a rate of drift counts as a drift [s]
+constexpr double kDriftTime = 0.1;  ///< over which a rate of drift counts as a drift [s]
 
 }  // namespace
 
@@ -21,7 +20,8 @@ Simulator::Simulator(const Plant& plant, const Controller& controller, const Sta
                      const SimulationOptions& options)
     : options_(options), equations_(plant, controller) {
   const auto states = static_cast<size_t>(equations_.states());
-  for (State* s : {&y_, &dydt_, &y_new_, &dydt_new_, &error_, &y_dense_, &dydt_dense_}) s->assign(states, 0.0);
+  for (State* s : {&y_, &dydt_, &y_new_, &dydt_new_, &error_, &y_dense_, &dydt_dense_, &y_stage_, &k2_, &k3_, &k4_})
+    s->assign(states, 0.0);
   if (start.q.size() != equations_.mechanism.n_model || start.v.size() != start.q.size())
     throw InputError(fmt::format("the start has {} coordinates and {} rates; the robot has {}", start.q.size(),
                                  start.v.size(), equations_.mechanism.n_model));
@@ -158,52 +158,6 @@ double Simulator::value(const EventFunction& f) const {
       return slip_sign(equations_.modes[i]) * equations_.contacts[i].tangential_rate;
   }
   return 0.0;
-}
-
-/// One accepted step that ends at `limit` or before, its events handled.
-bool Simulator::step(double limit) {
-  while (!attempt(limit)) {
-    if (h_ < kShortestStep)
-      return fail(broken_ ? SimulationStatus::singular : SimulationStatus::diverged,
-                  broken_ ? "the equations of motion are singular" : "the motion diverges: no step is short enough");
-  }
-  return handle_events();
-}
-
-bool Simulator::attempt(double limit) {
-  const double left = limit - t_;
-  const bool whole = h_ > 0.999 * left;
-  step_ = whole ? left : (h_ > 0.5 * left ? 0.5 * left : h_);
-  broken_ = false;
-  const auto system = [this](const State& y, State& dydt, double t) {
-    if (broken_ || !equations_.evaluate(t, y.data(), dydt.data())) {
-      broken_ = true;
-      std::fill(dydt.begin(), dydt.end(), 0.0);
-    }
-  };
-  stepper_.do_step(system, y_, dydt_, t_, y_new_, dydt_new_, step_, error_);
-  double worst = 0.0;
-  for (size_t i = 0; i < y_.size(); ++i) {
-    const double size = std::max(std::abs(y_[i]), std::abs(y_new_[i]));
-    worst = std::max(worst, std::abs(error_[i]) / (options_.absolute_tolerance + options_.relative_tolerance * size));
-    if (!std::isfinite(error_[i]) || !std::isfinite(y_new_[i])) broken_ = true;
-  }
-  if (broken_) {
-    h_ = 0.2 * step_;
-    return false;
-  }
-  const double factor = worst == 0.0 ? 5.0 : std::clamp(0.9 * std::pow(worst, -0.2), 0.2, 5.0);
-  if (worst > 1.0) {
-    h_ = step_ * std::min(0.9, factor);
-    return false;
-  }
-  h_ = step_ < h_ ? std::max(h_, factor * step_) : factor * step_;
-  t_new_ = whole ? limit : t_ + step_;
-  return true;
-}
-
-void Simulator::dense(double t, State& out) {
-  stepper_.calc_state(t, out, y_, dydt_, t_, y_new_, dydt_new_, t_ + step_);
 }
 
 double Simulator::value_at(const EventFunction& f, double t, double shift) {

@@ -1,9 +1,13 @@
 #pragma once
 // The loop of a simulation: steps of Dormand-Prince 5(4) between instants at which something jumps (commands, pushes), events
-// located on its dense output, transitions of the contacts.
+// located on its dense output, transitions of the contacts. A step that the next command ends anyway is first tried with the
+// classical method of Kutta, whose four evaluations (the last is the next step's first) are two less:
+//     y1 = y + h/6 (k1 + 2 k2 + 2 k3 + k4),   error estimate h/6 (k4 - f(y1)),   dense output the cubic through y, y1, k1, f(y1).
+// The estimate is that of the embedded method of order three (weights 1/6, 1/3, 1/3, 0 and 1/6 on f(y1); Hairer, Norsett and Wanner,
+// Solving Ordinary Differential Equations I, section II.4), so the step itself, of order four, errs by much less than the tolerance.
 //
-// Why this integrator: a held command ends a step each millisecond or less, over which the motion is smooth, so one explicit step
-// of order five meets 1e-6 with seven evaluations of a microsecond each; multistep methods (CVODE) would restart at every
+// Why these integrators: a held command ends a step each millisecond or less, over which the motion is smooth, so one explicit step
+// meets 1e-6 with four evaluations of a microsecond each; multistep methods (CVODE) would restart at every
 // command, and ARKODE's root finding evaluates event functions on an interpolant all the same. Event functions of forces need the
 // equations themselves: they are evaluated at the ends of a step, where they come for free, and where one has changed its sign
 // the instant is bracketed on the dense output by Boost's toms748. A gap that closes and opens again within a step is found from
@@ -43,6 +47,9 @@ class Simulator {
   bool evaluate_start();
   bool step(double limit);
   bool attempt(double limit);
+  bool attempt_short();
+  bool derive(double t, const State& y, State& dydt);
+  double worst_error();
   bool handle_events();
   [[nodiscard]] double value(const EventFunction& f) const;
   [[nodiscard]] bool forces_at(const EventFunction& f) const {
@@ -76,10 +83,12 @@ class Simulator {
   SimulationOptions options_;
   PlantEquations equations_;
   Stepper stepper_;
-  State y_, dydt_, y_new_, dydt_new_, error_, y_dense_, dydt_dense_;
+  State y_, dydt_, y_new_, dydt_new_, error_, y_dense_, dydt_dense_, y_stage_, k2_, k3_, k4_;
   std::vector<EventFunction> functions_;
   double t_ = 0.0, t_new_ = 0.0, step_ = 0.0, h_ = 1e-3;
   bool broken_ = false;  ///< the equations failed within a step
+  bool short_ = false;   ///< the step is one of the short method
+  int pause_ = 0;        ///< steps for which the short method rests
   bool stands_ = false;  ///< the equations stand at (t_, y_) and the present modes
   bool touched_ = false;
   int crowded_ = 0, transitions_ = 0;

@@ -246,6 +246,26 @@ TEST(Components, BadInputIsToldByName) {
   EXPECT_THROW(reference_start(p.plant, p.controller.reference), InputError);
 }
 
+TEST(Components, StepsBetweenCommandsKeepWellBelowTheTolerance) {
+  // At 1e-13 no step of the short method is accepted: the reference is Dormand and Prince's alone.
+  Push p = push_off();
+  for (const double friction : {0.8, 0.25}) {  // standing fast, and slipping
+    p.plant.ground.friction = friction;
+    SimulationOptions options = options_for(0.1, 21);
+    const auto run_at = [&](double tolerance) {
+      options.relative_tolerance = tolerance;
+      options.absolute_tolerance = 1e-2 * tolerance;
+      const Simulation s = simulate(p.plant, p.controller, p.start, options);
+      EXPECT_EQ(s.status, SimulationStatus::done) << s.message;
+      return s;
+    };
+    const Simulation tight = run_at(1e-13), usual = run_at(1e-6);
+    EXPECT_LT((usual.q - tight.q).cwiseAbs().maxCoeff(), 1e-7) << friction;
+    EXPECT_LT((usual.v - tight.v).cwiseAbs().maxCoeff(), 1e-5) << friction;
+    EXPECT_LT(usual.evaluations, 0.8 * static_cast<double>(tight.evaluations)) << friction;
+  }
+}
+
 TEST(Components, DivergenceIsAStatusWithItsTime) {
   Push p = push_off();
   p.controller.kp.setConstant(-200.0);
