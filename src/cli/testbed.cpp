@@ -53,6 +53,9 @@ Dataset asked_for(const RunOptions& options) {
     if (!asked.overrides.empty()) {
       throw InputError(fmt::format("{}: override: given; allowed on the testbed: --effect", name));
     }
+    if (asked.controller.after_end == "pose")
+      throw InputError(
+          fmt::format("{}: controller: after_end: a pose given; allowed on the testbed: hold, relax, repeat", name));
     return asked;
   }
   if (!fs::is_regular_file(name)) {

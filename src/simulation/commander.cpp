@@ -28,6 +28,9 @@ void check_reference(const Controller& c, const PlanarModel& model) {
   };
   if (!fits(c.reference.feedforward, true) || !fits(c.reference.position, true) || !fits(c.reference.velocity, true))
     throw InputError("the reference's samples don't match its motors and times");
+  if (c.after_end == AfterEnd::pose &&
+      (c.reference.position.size() == 0 || c.landing_pose.size() != count || !(c.landing_time > 0.0)))
+    throw InputError("controller: a landing pose needs positions in the reference, a value a motor and a time above 0");
   for (const Vector* gains : {&c.kp, &c.kd})
     if (gains->size() != 0 && gains->size() != count)
       throw InputError(fmt::format("controller: {} gains for {} motors", gains->size(), count));
@@ -85,7 +88,9 @@ double Commander::next_change(double t) const {
   for (Eigen::Index k = std::max<Eigen::Index>(sample_, 0); k < time.size(); ++k)
     if (time[k] + shift > t) return time[k] + shift;
   const double end = controller_.reference.duration + shift;
-  return end > t ? end : kInfinity;
+  if (end > t) return end;
+  const double landed = controller_.after_end == AfterEnd::pose ? end + controller_.landing_time : end;
+  return landed > t ? landed : kInfinity;
 }
 
 void Commander::update(double t, const double* position, const double* velocity) {
@@ -120,8 +125,21 @@ void Commander::find_segment(double at) {
   while (sample_ + 1 < r.time.size() && r.time[sample_ + 1] <= at) ++sample_;
 }
 
+/// On the way from the reference's end to the pose to land in, or there.
+Commander::Wanted Commander::landing(Eigen::Index row, double at) const {
+  const Reference& r = controller_.reference;
+  const double length = controller_.landing_time, pose = controller_.landing_pose[row];
+  const double s = std::min(1.0, (at - r.duration) / length), c = 1.0 - s;
+  const double from = r.position(row, sample_), rate = r.velocity.size() > 0 ? r.velocity(row, sample_) : 0.0;
+  Wanted w;
+  w.position = (1.0 + 2.0 * s) * c * c * from + s * c * c * length * rate + s * s * (3.0 - 2.0 * s) * pose;
+  w.velocity = 6.0 * s * c * (pose - from) / length + c * (1.0 - 3.0 * s) * rate;
+  return w;
+}
+
 Commander::Wanted Commander::wanted(Eigen::Index row, double at) const {
   const Reference& r = controller_.reference;
+  if (ended_ && controller_.after_end == AfterEnd::pose) return landing(row, at);
   const Eigen::Index k = sample_, next = std::min(k + 1, r.time.size() - 1);
   const double length = r.time[next] - r.time[k];
   const double s = length > 0.0 ? (at - r.time[k]) / length : 0.0, c = s - 1.0;

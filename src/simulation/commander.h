@@ -39,6 +39,7 @@ class Commander {
   };
   void find_segment(double at);
   [[nodiscard]] Wanted wanted(Eigen::Index row, double at) const;
+  [[nodiscard]] Wanted landing(Eigen::Index row, double at) const;
   void evaluate(double at, const double* position, const double* velocity, std::vector<Command>& out) const;
   [[nodiscard]] double instant(long k) const { return late_ + static_cast<double>(k) / rate_; }
   [[nodiscard]] double read_instant(long k) const;

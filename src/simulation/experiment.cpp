@@ -190,11 +190,7 @@ Controller experiment_controller(const Experiment& experiment, const PlanarModel
                          : stated.quantity == "voltage" ? CommandQuantity::voltage
                                                         : CommandQuantity::torque,
                          1.0, experiment.plan_file);
-  Controller controller = stated_controller(setup, model, {});
-  if (stated.after_end == "hold") controller.after_end = AfterEnd::hold;
-  if (stated.after_end == "relax") controller.after_end = AfterEnd::relax;
-  if (stated.after_end == "repeat") controller.after_end = AfterEnd::repeat;
-  return controller;
+  return stated_controller(setup, model, {});
 }
 
 TrialRun run_trial(const Experiment& experiment, const Plant& plant, const Controller& controller, int index,

@@ -152,6 +152,41 @@ Reference script_reference(const InputScript& script, const PlanarModel& model, 
   return reference;
 }
 
+/// The pose to land in for every motor of the reference.
+void set_landing(const StatedController& stated, Controller& controller) {
+  const std::string& place = stated.after_end_place;
+  const std::vector<std::string>& motors = controller.reference.motors;
+  if (controller.reference.position.size() == 0)
+    throw InputError(fmt::format("{}: a pose given after a script; allowed: only after a plan", place));
+  for (const auto& [joint, value] : stated.landing_pose) {
+    if (joint == "*" || std::find(motors.begin(), motors.end(), joint) != motors.end()) continue;
+    const auto near = yaml::nearest_name(joint, motors);
+    throw InputError(fmt::format("{}.pose: '{}' is no joint with a motor of this robot{}", place, joint,
+                                 near ? fmt::format("; did it mean '{}'?", *near) : ""));
+  }
+  controller.landing_pose.resize(static_cast<Eigen::Index>(motors.size()));
+  for (std::size_t m = 0; m < motors.size(); ++m) {
+    auto found = stated.landing_pose.find(motors[m]);
+    if (found == stated.landing_pose.end()) found = stated.landing_pose.find("*");
+    if (found == stated.landing_pose.end())
+      throw InputError(
+          fmt::format("{}.pose: nothing for '{}'; allowed: a value for every motor, \"*\" for all "
+                      "that are not named",
+                      place, motors[m]));
+    controller.landing_pose[static_cast<Eigen::Index>(m)] = found->second;
+  }
+  controller.landing_time = stated.landing_time;
+}
+
+void set_after_end(const StatedController& stated, Controller& controller) {
+  if (stated.after_end == "hold") controller.after_end = AfterEnd::hold;
+  if (stated.after_end == "relax") controller.after_end = AfterEnd::relax;
+  if (stated.after_end == "repeat") controller.after_end = AfterEnd::repeat;
+  if (stated.after_end != "pose") return;
+  controller.after_end = AfterEnd::pose;
+  set_landing(stated, controller);
+}
+
 }  // namespace
 
 Controller stated_controller(const Dataset& dataset, const PlanarModel& model, const AssumedGains& gains) {
@@ -176,6 +211,7 @@ Controller stated_controller(const Dataset& dataset, const PlanarModel& model, c
         fmt::format("{}: plan: none, and no input either; one of them says what was commanded", file.string()));
   }
   for (const auto& [name, value] : dataset.initial) controller.reference.initial[name] = value;
+  set_after_end(dataset.controller, controller);
   const auto count = static_cast<Eigen::Index>(controller.reference.motors.size());
   controller.kp = controller.kd = Vector::Zero(count);
   if (dataset.controller.kind != "feedforward_pd") return controller;

@@ -58,7 +58,14 @@ std::string controller_text(const StatedController& controller) {
   if (!controller.kp.empty()) out += ", kp: " + gains_text(controller.kp);
   if (!controller.kd.empty()) out += ", kd: " + gains_text(controller.kd);
   if (controller.bus_voltage) out += fmt::format(", bus_voltage: {}", *controller.bus_voltage);
-  if (!controller.after_end.empty()) out += fmt::format(", after_end: {}", controller.after_end);
+  if (controller.after_end == "pose") {
+    std::string pose;
+    for (const auto& [joint, value] : controller.landing_pose)
+      pose += fmt::format("{}{}: {}", pose.empty() ? "" : ", ", quoted(joint), value);
+    out += fmt::format(", after_end: {{pose: {{{}}}, within: {}}}", pose, controller.landing_time);
+  } else if (!controller.after_end.empty()) {
+    out += fmt::format(", after_end: {}", controller.after_end);
+  }
   return out + "}";
 }
 

@@ -44,6 +44,33 @@ void note_gains(const StatedController& controller, std::vector<std::string>& no
   }
 }
 
+double angle_or_length(const yaml::Node& node) {
+  try {
+    return node.number(dimension::angle);
+  } catch (const InputError&) {
+    return node.number(dimension::length);
+  }
+}
+
+/// hold | relax | repeat | {pose: {JOINT: ANGLE, "*": ANGLE}, within: TIME}
+void read_after_end(const yaml::Node& node, StatedController& controller) {
+  controller.after_end_place = fmt::format("{}:{}: controller.after_end", node.file().string(), node.line());
+  if (!node.is_map()) {
+    controller.after_end = node.choice({"hold", "relax", "repeat"});
+    return;
+  }
+  node.only({"pose", "within"});
+  if (controller.kind != "feedforward_pd")
+    throw node.error(
+        fmt::format("a landing pose given; allowed: hold, relax or repeat, for a controller of kind {} has no feedback "
+                    "that could reach a pose",
+                    controller.kind));
+  controller.after_end = "pose";
+  for (const auto& [joint, value] : node.at("pose").entries()) controller.landing_pose[joint] = angle_or_length(value);
+  if (controller.landing_pose.empty()) throw node.at("pose").error("no joint given; allowed: JOINT: ANGLE, or \"*\"");
+  controller.landing_time = node.at("within").number(dimension::time, kPositive);
+}
+
 StatedController controller_of(const yaml::Node& node, std::vector<std::string>& notes) {
   node.only({"kind", "quantity", "rate_hz", "kp", "kd", "bus_voltage", "input", "after_end"});
   StatedController controller;
@@ -71,7 +98,7 @@ StatedController controller_of(const yaml::Node& node, std::vector<std::string>&
   if (kd) controller.kd = read_gains(*kd, gain_dimension(controller.quantity, true));
   if (feedback) note_gains(controller, notes);
   if (const auto bus = node.find("bus_voltage")) controller.bus_voltage = bus->number(dimension::voltage, kPositive);
-  if (const auto end = node.find("after_end")) controller.after_end = end->choice({"hold", "relax", "repeat"});
+  if (const auto end = node.find("after_end")) read_after_end(*end, controller);
   if (controller.kind == "measured") {
     controller.input = node.at("input").choice({"torque", "voltage", "duty", "current"});
   } else if (const auto input = node.find("input")) {
@@ -168,14 +195,6 @@ void read_trials(const yaml::Node& node, DatasetOutline& outline) {
     outline.trials.push_back(trial);
   }
   if (outline.trials.empty()) throw node.error("no trial given; allowed: a list of the trials' folders");
-}
-
-double angle_or_length(const yaml::Node& node) {
-  try {
-    return node.number(dimension::angle);
-  } catch (const InputError&) {
-    return node.number(dimension::length);
-  }
 }
 
 void check_commands(const yaml::Node& file, const DatasetOutline& outline) {

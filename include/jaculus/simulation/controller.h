@@ -4,7 +4,8 @@
 // in the controller's quantity: torque at the motor [N m], duty of the bus voltage [-], or voltage [V]. A torque command is what
 // the driver's current loop makes, within the voltage, current and torque limits; duty and voltage go through winding and
 // back-EMF (components/motor.h). The feed-forward's instants are the plan's own, between its samples interpolated as the plan
-// holds its inputs.
+// holds its inputs. After the plan's end: hold its last pose, relax, repeat the last command, or go into a pose to land in
+// (in YAML `after_end: {pose: {"*": 60 deg, tail: 0}, within: 50 ms}`; every motor needs a value).
 
 #include <map>
 #include <string>
@@ -19,9 +20,10 @@ namespace jaculus {
 
 enum class CommandQuantity { torque, duty, voltage };
 enum class AfterEnd {
-  hold,   ///< last reference pose, feed-forward zero
-  relax,  ///< no command
-  repeat  ///< last command goes on
+  hold,    ///< last reference pose, feed-forward zero
+  relax,   ///< no command
+  repeat,  ///< last command goes on
+  pose     ///< a pose to land in, feed-forward zero
 };
 
 /// Reference for every motor against time, with the state that it begins in.
@@ -42,6 +44,11 @@ struct Controller {
   Vector kp, kd;  ///< one a motor of the reference, at the motor: quantity a rad, quantity a rad/s of the motor shaft
   Reference reference;
   AfterEnd after_end = AfterEnd::hold;
+  /// Of AfterEnd::pose, one a motor of the reference [rad or m]. The position's reference leaves the plan's end with its rate and
+  /// comes to rest in the pose `landing_time` later, on a cubic, and stays: with s = (t - T)/landing_time in [0, 1],
+  ///   r = (1 + 2 s)(1 - s)^2 r_T + s (1 - s)^2 landing_time r_T' + s^2 (3 - 2 s) pose.
+  Vector landing_pose;
+  double landing_time = 0.0;  ///< [s], > 0 for a pose
 };
 
 /// The reference in a plan's table (plan.csv), for the motors of a robot. InputError where a joint of the robot is missing.

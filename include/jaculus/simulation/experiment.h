@@ -10,6 +10,7 @@
 //   initial: {z: 1 m}                # where the plan does not say
 //   stops: {tail: {range: [-90 deg, 90 deg], restitution: 0}}
 //   controller: {kind: feedforward_pd, quantity: torque, rate_hz: 1000, kp: {...}, kd: {...}}     # as in dataset.yaml; gains known
+//     after_end: hold                # in it, after the plan: hold | relax | repeat | {pose: {"*": 60 deg, tail: 0}, within: 50 ms}
 //   duration: 0.3 s                  # of the recording from the command's start; default: to 0.1 s after the plan's end
 //   lead: 0.3 s                      # recorded before it, at rest
 //   trials: 6

@@ -57,7 +57,10 @@ struct StatedController {
   std::map<std::string, StatedGain> kd;
   std::optional<double> bus_voltage;  ///< [V]
   std::string input;                  ///< of kind measured: the quantity whose logged column drove the joint, "torque"
-  std::string after_end;              ///< "hold", "relax", "repeat"; empty: hold after a plan, repeat after a script
+  std::string after_end;  ///< "hold", "relax", "repeat", "pose"; empty: hold after a plan, repeat after a script
+  std::map<std::string, double> landing_pose;  ///< of after_end "pose": by joint, "*" any other [rad or m]
+  double landing_time = 0.0;                   ///< in which the reference goes there from the plan's end [s]
+  std::string after_end_place;                 ///< "file:line: controller.after_end", for messages; empty: from no file
 };
 
 /// End of a joint's travel as it was built into the experiment.
