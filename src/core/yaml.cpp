@@ -7,9 +7,8 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
-#include <fstream>
-#include <sstream>
 
+#include "core/text_file.h"
 #include "core/yaml_tree.h"
 
 namespace jaculus::yaml {
@@ -24,8 +23,6 @@ struct Node::Impl {
 namespace {
 
 using Kind = Tree::Kind;
-
-constexpr std::uintmax_t kMaxBytes = 10'000'000;
 
 std::string shorten(const std::string& text) {
   constexpr std::size_t kMax = 60;
@@ -85,27 +82,13 @@ Node::Node() {
 Node::Node(std::shared_ptr<const Impl> impl) : impl_(std::move(impl)) {}
 
 Node Node::load(const std::filesystem::path& file) {
-  const auto refuse = [&file](const std::string& what) {
-    return InputError(fmt::format("{}: {}", file.string(), what));
-  };
-  std::error_code code;
-  const std::filesystem::file_status status = std::filesystem::status(file, code);
-  if (!std::filesystem::exists(status)) throw refuse("file not found; allowed: a YAML file");
-  if (std::filesystem::is_directory(status)) throw refuse("is a folder; allowed: a YAML file");
-  if (!std::filesystem::is_regular_file(status)) throw refuse("is no regular file; allowed: a YAML file");
-  const std::uintmax_t size = std::filesystem::file_size(file, code);
-  if (code) throw refuse("can't be read: " + code.message());
-  if (size > kMaxBytes) throw refuse(fmt::format("holds {} bytes; allowed: at most {}", size, kMaxBytes));
-  std::ifstream stream(file, std::ios::binary);
-  std::stringstream text;
-  if (size > 0) text << stream.rdbuf();
-  if (!stream || !text) throw refuse("can't be read; allowed: a readable YAML file");
-  return Node(std::make_shared<const Impl>(Impl{parse_tree(text.str(), file.string()), file, {}}));
+  return Node(
+      std::make_shared<const Impl>(Impl{parse_tree(read_text_file(file, "a YAML file"), file.string()), file, {}}));
 }
 
 Node Node::parse(const std::string& text, const std::string& name) {
-  if (text.size() > kMaxBytes) {
-    throw InputError(fmt::format("{}: holds {} bytes; allowed: at most {}", name, text.size(), kMaxBytes));
+  if (text.size() > kMaxTextBytes) {
+    throw InputError(fmt::format("{}: holds {} bytes; allowed: at most {}", name, text.size(), kMaxTextBytes));
   }
   return Node(std::make_shared<const Impl>(Impl{parse_tree(text, name), name, {}}));
 }

@@ -6,16 +6,13 @@
 #include <urdf_parser/urdf_parser.h>
 
 #include <Eigen/Dense>
-#include <fstream>
 #include <map>
-#include <sstream>
 
+#include "core/text_file.h"
 #include "model/urdf_check.h"
 
 namespace jaculus {
 namespace {
-
-constexpr std::uintmax_t kMaxBytes = 10'000'000;
 
 /// Keeps what urdfdom would print, so that a fault is one message and nothing else.
 class Capture : public console_bridge::OutputHandler {
@@ -235,21 +232,7 @@ SpatialTree parse_urdf(const std::string& text, const std::filesystem::path& fil
 }
 
 SpatialTree read_urdf(const std::filesystem::path& file) {
-  const auto refuse = [&file](const std::string& what) {
-    return InputError(fmt::format("{}: {}", file.string(), what));
-  };
-  std::error_code code;
-  const std::filesystem::file_status status = std::filesystem::status(file, code);
-  if (!std::filesystem::exists(status)) throw refuse("file not found; allowed: a URDF file");
-  if (!std::filesystem::is_regular_file(status)) throw refuse("is no regular file; allowed: a URDF file");
-  const std::uintmax_t size = std::filesystem::file_size(file, code);
-  if (code) throw refuse("can't be read: " + code.message());
-  if (size > kMaxBytes) throw refuse(fmt::format("holds {} bytes; allowed: at most {}", size, kMaxBytes));
-  std::ifstream stream(file, std::ios::binary);
-  std::stringstream text;
-  if (size > 0) text << stream.rdbuf();
-  if (!stream || !text) throw refuse("can't be read; allowed: a readable URDF file");
-  return parse_urdf(text.str(), file);
+  return parse_urdf(read_text_file(file, "a URDF file"), file);
 }
 
 }  // namespace jaculus
