@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <cstdio>
 #include <memory>
 #include <set>
@@ -32,6 +33,11 @@ std::string shown(const StudyJson& value) {
   return value.is_string() ? value.get<std::string>() : value.dump();
 }
 
+std::string differs(const StudyReference& r) {
+  if (std::isnan(r.deviation)) return "";
+  return fmt::format("{:+.1f} %{}", 100.0 * r.deviation, r.disagrees ? " (!)" : "");
+}
+
 std::string rows_text(const StudyResult& result) {
   const std::size_t columns = std::min(result.columns.size(), kMostColumnsShown);
   TextTable table({result.columns.begin(), result.columns.begin() + static_cast<std::ptrdiff_t>(columns)});
@@ -52,9 +58,9 @@ std::string rows_text(const StudyResult& result) {
 std::string text_of(const StudyResult& result) {
   std::string text = fmt::format("{}: {}\n\n{}", result.name, result.caption, rows_text(result));
   if (!result.references.empty()) {
-    TextTable table({"quantity", "paper", "computed", "note"});
+    TextTable table({"quantity", "paper", "computed", "differs by", "note"});
     for (const StudyReference& r : result.references)
-      table.row({r.quantity, shown(r.paper), shown(r.computed), r.note});
+      table.row({r.quantity, shown(r.paper), shown(r.computed), differs(r), r.note});
     text += "\n" + table.text();
   }
   for (const std::string& note : result.notes) text += "note: " + note + "\n";

@@ -115,9 +115,13 @@ std::vector<Bars> case_bars(const StudyResult& study) {
 }
 
 ReportTable reference_table(const StudyResult& study) {
-  ReportTable table{"The paper's figures beside the computed ones", {"quantity", "paper", "computed", "note"}, {}, ""};
-  for (const StudyReference& r : study.references)
-    table.rows.push_back({r.quantity, cell(r.paper), cell(r.computed), r.note});
+  ReportTable table{
+      "The paper's figures beside the computed ones", {"quantity", "paper", "computed", "differs by", "note"}, {}, ""};
+  for (const StudyReference& r : study.references) {
+    const std::string by = std::isnan(r.deviation) ? "" : fmt::format("{:+.1f} %", 100.0 * r.deviation);
+    table.rows.push_back(
+        {r.quantity, cell(r.paper), cell(r.computed), r.disagrees ? by + " (beyond its digits)" : by, r.note});
+  }
   return table;
 }
 

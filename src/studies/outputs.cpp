@@ -35,6 +35,11 @@ StudyJson drag_impulse(const Point& p) {
   return c.body_inertia * r.body_rate + c.tail_inertia * (r.body_rate + r.tail_rate);
 }
 
+double normalised_inertia(const Point& p) {
+  const ReorientationCase c = to_case(p.setup);
+  return c.tail_inertia / (c.body_inertia + c.tail_inertia);
+}
+
 StudyJson drag_factor(const Point& p) {
   PlanarDrag d = to_case(p.setup).drag;
   return -drag_load(d, 0.0, 1.0, 0.0).moment;
@@ -95,6 +100,14 @@ const std::vector<Output>& output_catalogue() {
       {"equal_inertial_tail_over_body", false, false, false,
        [](const Point& p) { return json_number(p.result.effectiveness / (1.0 - p.result.effectiveness)); },
        "its inertia in units of the body's"},
+      {"tail_share_of_inertia", false, false, false, [](const Point& p) { return json_number(normalised_inertia(p)); },
+       "normalised inertia of this tail"},
+      {"inertia_saved", false, false, false,
+       [](const Point& p) { return json_number(1.0 - normalised_inertia(p) / p.result.effectiveness); },
+       "share by which its normalised inertia is below that of the equal inertial tail"},
+      {"added_mass", false, false, false,
+       [](const Point& p) { return json_number((p.setup.tail_mass + p.setup.framing_mass) / p.setup.body_mass); },
+       "tail and framing over the body's mass; null without the three masses"},
       {"shaft_torque_ratio", false, false, false, shaft_torque_ratio, "drag moment over the one without shaft"},
       {"drag_factor_N_m_s2", false, false, false, drag_factor, "b of the drag moment b omega^2 in still air"},
       {"drag_impulse_N_m_s", false, false, false, drag_impulse, "angular impulse of the air on body and tail"},

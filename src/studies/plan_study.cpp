@@ -79,6 +79,11 @@ PlanarModel stretched(PlanarModel model, int body, double k) {
   return model;
 }
 
+/// The first thing that a plan's verification holds against it.
+std::string failure(const Plan& plan) {
+  return plan.verification && !plan.verification->failures.empty() ? plan.verification->failures.front() : "";
+}
+
 std::string solve_point(const PlanStudy& study, int index) {
   const double k = study.factors[static_cast<std::size_t>(index)];
   const PlanarModel model = stretched(study.model, study.body, k);
@@ -95,6 +100,7 @@ std::string solve_point(const PlanStudy& study, int index) {
                 {"average_acceleration_m_s2", nullptr},
                 {"drag_momentum_share", nullptr},
                 {"verified", plan.verification && plan.verification->passed ? "yes" : "no"},
+                {"failure", failure(plan)},
                 {"iterations", plan.result.iterations}};
   if (!plan.converged()) return row.dump();
   const Trajectory& t = *plan.trajectory;
@@ -120,6 +126,9 @@ std::vector<std::string> plan_notes(const std::vector<StudyJson>& rows) {
                                   row.at("status").get<std::string>()));
       continue;
     }
+    if (row.at("verified") == "no")
+      notes.push_back(fmt::format("stretch {}: the plan fails its verification: {}", row.at("stretch").dump(),
+                                  row.at("failure").get<std::string>()));
     if (best == nullptr || row.at("average_acceleration_m_s2") > best->at("average_acceleration_m_s2")) best = &row;
   }
   if (best == nullptr) return notes;
@@ -146,6 +155,7 @@ detail::PreparedStudy detail::prepare_plan(const yaml::Node& root) {
                    "average_acceleration_m_s2",
                    "drag_momentum_share",
                    "verified",
+                   "failure",
                    "iterations"};
   study.axes = {"stretch"};
   study.isolate = true;  // the solver's linear algebra keeps state of its own

@@ -77,6 +77,7 @@ const std::vector<Parameter>& setup_parameters() {
   static const std::vector<Parameter> table{
       plain<&S::body_inertia>("body.inertia", "body_inertia_kg_m2", dim::inertia, kPositive,
                               "body's inertia about the pin"),
+      plain<&S::body_mass>("body.mass", "body_mass_kg", dim::mass, kPositive, "for the share of mass that a tail adds"),
       one_of<&S::tail_inertia, &S::normalised_inertia>("tail.inertia", "tail_inertia_kg_m2", dim::inertia, kPositive,
                                                        "tail's inertia about the pin"),
       one_of<&S::normalised_inertia, &S::tail_inertia>("tail.normalised_inertia", "normalised_inertia", dim::none,
@@ -89,6 +90,8 @@ const std::vector<Parameter>& setup_parameters() {
       plain<&S::tail_width>("tail.width", "tail_width_m", dim::length, kNotNegative, "width across the flow"),
       plain<&S::drag_coefficient>("tail.drag_coefficient", "drag_coefficient", dim::none, kNotNegative, "C_D"),
       plain<&S::tail_mass>("tail.mass", "tail_mass_kg", dim::mass, kPositive, "for the torque that holds it level"),
+      plain<&S::framing_mass>("tail.framing_mass", "framing_mass_kg", dim::mass, kNotNegative,
+                              "of motor and mount, for the share of mass that a tail adds"),
       plain<&S::tail_com>("tail.com", "tail_com_m", dim::length, kNotNegative, "centre of mass, from the pin"),
       plain<&S::initial_tail_angle>("tail.initial_angle", "initial_tail_angle_rad", dim::angle, kAny,
                                     "in the world: 0 up, positive forward; matters in wind only"),
@@ -195,6 +198,29 @@ ReorientationSetup read_setup(const yaml::Node& base) {
   return setup;
 }
 
+namespace {
+
+/// A mass of centre of mass c between the pin and the tip at L has an inertia of m c^2 to m c L about the pin.
+std::string check_mass(const ReorientationSetup& s) {
+  if (std::isnan(s.tail_mass) || std::isnan(s.tail_com)) return "";
+  const double share = s.normalised_inertia;
+  const double inertia = std::isnan(share) ? s.tail_inertia : s.body_inertia * share / (1.0 - share);
+  const double least = s.tail_mass * s.tail_com * s.tail_com;
+  if (inertia < least * (1.0 - 1e-9)) {
+    return fmt::format("tail.inertia is {:.4g} kg m^2; {:.4g} kg at {:.4g} m (tail.mass, tail.com) have {:.4g} or more",
+                       inertia, s.tail_mass, s.tail_com, least);
+  }
+  const double most = s.tail_mass * s.tail_com * s.tail_length;
+  if (!std::isnan(s.tail_length) && inertia > most * (1.0 + 1e-9)) {
+    return fmt::format(
+        "tail.inertia is {:.4g} kg m^2; {:.4g} kg at {:.4g} m (tail.mass, tail.com) on {:.4g} m have {:.4g} or less",
+        inertia, s.tail_mass, s.tail_com, s.tail_length, most);
+  }
+  return "";
+}
+
+}  // namespace
+
 std::string check_setup(const ReorientationSetup& s) {
   struct Need {
     const char* name;
@@ -219,7 +245,8 @@ std::string check_setup(const ReorientationSetup& s) {
   if (moving && s.drag == DragKind::rotation) {
     return "tail.drag: rotation does not feel the air's motion; take \"distributed\" with a speed or wind";
   }
-  return check_case(to_case(s));
+  const std::string fault = check_case(to_case(s));
+  return fault.empty() ? check_mass(s) : fault;
 }
 
 ReorientationCase to_case(const ReorientationSetup& s) {

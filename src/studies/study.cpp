@@ -153,8 +153,12 @@ std::string study_json(const StudyResult& result) {
   if (!result.samples.empty()) json["samples"] = result.samples;
   json["reference"] = StudyJson::array();
   for (const StudyReference& r : result.references) {
-    json["reference"].push_back(
-        {{"quantity", r.quantity}, {"paper", r.paper}, {"computed", r.computed}, {"note", r.note}});
+    json["reference"].push_back({{"quantity", r.quantity},
+                                 {"paper", r.paper},
+                                 {"computed", r.computed},
+                                 {"deviation", json_number(r.deviation)},
+                                 {"disagrees", r.disagrees},
+                                 {"note", r.note}});
   }
   json["notes"] = result.notes;
   json["version"] = JACULUS_VERSION;

@@ -45,6 +45,7 @@ struct ReferenceQuery {
   StudyJson over;  ///< the divisor's row; null: no divisor
   std::string at_largest;
   std::string note;
+  double within = kNaN;  ///< of the paper's number; NaN: it is none
   yaml::Node node;
 };
 std::vector<ReferenceQuery> read_references(const yaml::Node& root, const std::vector<std::string>& columns);

@@ -11,6 +11,8 @@
 namespace jaculus::detail {
 namespace {
 
+constexpr Bounds kNotNegative{0.0, 1e12};
+
 // A scalar as number where it reads as one, else as text.
 StudyJson scalar(const yaml::Node& node) {
   if (!node.is_scalar()) throw node.error("must be a number or a text");
@@ -20,6 +22,39 @@ StudyJson scalar(const yaml::Node& node) {
   const double value = std::strtod(written.c_str(), &end);
   if (!written.empty() && end == written.c_str() + written.size() && std::isfinite(value)) return value;
   return node.text();
+}
+
+// Half a unit of the last digit as written, which is all that a printed number claims: 0.302 -> 0.0005, 37 -> 0.5.
+double half_last_digit(std::string written) {
+  const std::size_t exponent = written.find_first_of("eE");
+  const double power = exponent == std::string::npos ? 0.0 : std::strtod(written.c_str() + exponent + 1, nullptr);
+  written = written.substr(0, exponent);
+  const std::size_t point = written.find('.');
+  const std::size_t last = written.find_last_of("0123456789");
+  const double decimals = point == std::string::npos || last < point ? 0.0 : static_cast<double>(last - point);
+  return 0.5 * std::pow(10.0, power - decimals);
+}
+
+double read_within(const yaml::Node& node, const StudyJson& paper) {
+  if (const auto within = node.find("within")) {
+    if (!paper.is_number())
+      throw within->error("given with a paper's figure that is no number; allowed: a number there");
+    return within->number(dimension::none, kNotNegative);
+  }
+  return paper.is_number() ? half_last_digit(node.at("paper").dump()) : kNaN;
+}
+
+// Names a figure that is further from the paper's than `within`.
+void judge(const ReferenceQuery& q, StudyReference& r, std::vector<std::string>& notes) {
+  if (!r.paper.is_number() || !r.computed.is_number()) return;
+  const double paper = r.paper.get<double>();
+  const double computed = r.computed.get<double>();
+  if (paper != 0.0) r.deviation = (computed - paper) / std::abs(paper);
+  r.disagrees = !(std::abs(computed - paper) <= q.within * (1.0 + 1e-9));
+  if (!r.disagrees) return;
+  notes.push_back(fmt::format("disagrees with the paper: {}: {:g} there, {:.5g} here{}{}{}", r.quantity, paper,
+                              computed, paper != 0.0 ? fmt::format(" ({:+.1f} %)", 100.0 * r.deviation) : "",
+                              r.note.empty() ? "" : "; ", r.note));
 }
 
 StudyJson read_where(const yaml::Node& node, const std::vector<std::string>& columns) {
@@ -81,7 +116,7 @@ std::vector<ReferenceQuery> read_references(const yaml::Node& root, const std::v
   const auto list = root.find("reference");
   if (!list) return queries;
   for (const yaml::Node& node : list->items()) {
-    node.only({"quantity", "paper", "column", "where", "over", "over_column", "at_largest", "note"});
+    node.only({"quantity", "paper", "column", "where", "over", "over_column", "at_largest", "within", "note"});
     ReferenceQuery q;
     q.node = node;
     q.quantity = node.at("quantity").text();
@@ -100,6 +135,7 @@ std::vector<ReferenceQuery> read_references(const yaml::Node& root, const std::v
       q.at_largest = node.at("at_largest").text();
       must_be_column(q.at_largest, columns, node.at("at_largest"));
     }
+    q.within = read_within(node, q.paper);
     if (node.has("note")) q.note = node.at("note").text();
     queries.push_back(q);
   }
@@ -108,10 +144,12 @@ std::vector<ReferenceQuery> read_references(const yaml::Node& root, const std::v
 
 StudyReference evaluate(const ReferenceQuery& q, const std::vector<StudyJson>& rows, std::vector<std::string>& notes) {
   StudyReference r{q.quantity, q.paper, pick(q.where, q.column, q, rows, notes), q.note, q.column};
-  if (q.over.is_null()) return r;
-  const StudyJson other = pick(q.over, q.over_column, q, rows, notes);
-  const bool numbers = r.computed.is_number() && other.is_number();
-  r.computed = numbers ? json_number(r.computed.get<double>() / other.get<double>()) : StudyJson(nullptr);
+  if (!q.over.is_null()) {
+    const StudyJson other = pick(q.over, q.over_column, q, rows, notes);
+    const bool numbers = r.computed.is_number() && other.is_number();
+    r.computed = numbers ? json_number(r.computed.get<double>() / other.get<double>()) : StudyJson(nullptr);
+  }
+  judge(q, r, notes);
   return r;
 }
 

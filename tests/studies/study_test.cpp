@@ -106,6 +106,49 @@ TEST_F(Study, SelfRightingComesOut) {
             2.0 * built.at("stop_impulse_N_m_s").get<double>());
 }
 
+const StudyReference& reference(const StudyResult& result, const std::string& quantity) {
+  for (const StudyReference& r : result.references) {
+    if (r.quantity == quantity) return r;
+  }
+  throw std::runtime_error("no reference " + quantity);
+}
+
+// Sections VI-A and VI-B by hand: inertias 0.23 and 0.058, rates of the body and of the tail to it from REFERENCE's section 2.
+TEST_F(Study, TheStopAndWhatFollowsAreReportedBesideThePaper) {
+  const StudyResult r = run("self_righting.yaml");
+  const StudyJson& built = row(r, "as built");
+  const double after = -10.07 + 0.058 / 0.288 * 25.28;
+  EXPECT_NEAR(built.at("body_rate_after_stop_rad_s").get<double>(), after, 0.01);
+  EXPECT_NEAR(computed(r, "impulse at the stop [N m s]"), 0.058 * (25.28 - 10.07 - after), 1e-3);
+  EXPECT_NEAR(computed(r, "rotation that goes on after the stop [deg]"), 93.701 - 55.248, 1e-3);
+  EXPECT_NEAR(computed(r, "torque that holds the tail level [N m]"), 0.110 * 9.81 * 0.629, 1e-3);
+  EXPECT_NEAR(computed(r, "torque that holds the tail over that of the equal inertial tail"),
+              0.110 * 0.629 / (0.26 * 0.97), 1e-9);
+  EXPECT_LT(computed(r, "impulse at the stop over that of the equal inertial tail"), 1.0);
+  EXPECT_NEAR(computed(r, "normalised inertia of the equal inertial tail"), 0.5206, 5e-5);
+  EXPECT_EQ(row(r, "without drag").at("rotation_after_stop_deg").get<double>(), 0.0);
+}
+
+TEST_F(Study, DisagreementsWithThePaperAreNamed) {
+  const StudyResult r = run("self_righting.yaml");
+  const StudyReference& equal = reference(r, "normalised inertia of the equal inertial tail");
+  EXPECT_TRUE(equal.disagrees);
+  EXPECT_NEAR(equal.deviation, 0.5206 / 0.558 - 1.0, 1e-4);
+  EXPECT_TRUE(reference(r, "normalised inertia as built").disagrees);   // 0.204 there, 0.058/0.288 here
+  EXPECT_TRUE(reference(r, "mass that the tail adds").disagrees);       // 0.10 there, 0.816/7.3 here
+  EXPECT_FALSE(reference(r, "90 deg self-righting [s]").disagrees);     // 0.3049 of 0.302 +- 0.004
+  EXPECT_FALSE(reference(r, "tail reaches its stop [s]").disagrees);    // 0.1767 of about 0.18
+  EXPECT_FALSE(reference(r, "impulse at the stop [N m s]").disagrees);  // words there
+  std::size_t named = 0, disagreeing = 0;
+  for (const StudyReference& q : r.references) disagreeing += q.disagrees ? 1 : 0;
+  for (const std::string& note : r.notes) named += note.starts_with("disagrees with the paper: ") ? 1 : 0;
+  EXPECT_EQ(named, disagreeing);
+  EXPECT_TRUE(reference(run("gear_search.yaml"), "best integer gear").disagrees);  // 4 there, 5 here
+  const StudyJson json = StudyJson::parse(study_json(r));
+  EXPECT_TRUE(json.at("reference").at(5).at("disagrees").get<bool>());
+  EXPECT_EQ(json.at("reference").at(5).at("quantity"), equal.quantity);
+}
+
 TEST_F(Study, TheDropsCourseEndsWhereTheStudyOfItSays) {
   const StudyResult r = run("fig6_drop.yaml");
   double last = kNaN, at_stop = 0.0;
@@ -215,6 +258,10 @@ TEST_F(Study, BadInputIsNamedWithItsPlace) {
            Fault{"maximise: effectiveness", "maximise: everything", "maximise"},
            Fault{"drop: 0.5 m,", "drop: 0.5 m, duration: 1 s,", "task.duration"},
            Fault{"drag: rotation}", "drag: rotation, initial_angle: 4 m}", "initial_angle"},
+           Fault{"drag: rotation}", "drag: rotation, mass: 0.1 kg, com: 0.6 m}", "tail.inertia is"},
+           Fault{"drag: rotation}", "drag: rotation, mass: 9 kg, com: 0.6 m}", "tail.inertia is"},
+           Fault{"paper: almost 4,", "paper: almost 4, within: 0.1,", "no number"},
+           Fault{"paper: almost 4,", "paper: 4, within: -0.1,", "within"},
        }) {
     const fs::path file = write("bad.yaml", with(f.from, f.to));
     try {

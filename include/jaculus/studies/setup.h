@@ -34,6 +34,8 @@ struct ReorientationSetup {
   double shaft_ratio = kNaN;           ///< L0/L, in place of tail_shaft [-]
   double tail_width = kNaN;            ///< w [m]
   double drag_coefficient = kNaN;      ///< C_D [-]
+  double body_mass = kNaN;             ///< only for the share of mass that a tail adds, as the next [kg]
+  double framing_mass = kNaN;          ///< of the tail's motor and mount, which stay with the body [kg]
   double tail_mass = kNaN;             ///< only for the torque that holds it level [kg]
   double tail_com = kNaN;              ///< distance of its centre of mass from the pin, likewise [m]
   double air_density = kNaN;           ///< [kg/m^3]

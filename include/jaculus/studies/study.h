@@ -17,7 +17,8 @@
 //
 // A reference's `where` picks the one row whose columns have these values; with `at_largest: column` the one of them
 // with the largest value there. `over` picks another row and `over_column` another column: the figure is then the
-// ratio.
+// ratio. A number of the source that the computed one misses by more than `within` (in the column's unit; without it half a
+// unit of the last digit as written: 0.0005 for 0.302) is named in the notes as a disagreement.
 //
 // A run writes study.csv and study.json into its folder. Every finished grid point is kept in study.journal at once, so
 // a killed run goes on where it was; the same bytes come out whatever the number of workers and the interruptions.
@@ -42,6 +43,8 @@ struct StudyReference {
   StudyJson computed;       ///< number, text or null
   std::string note;         ///< says where they differ, and why
   std::string column = {};  ///< that the figure stands in
+  double deviation = kNaN;  ///< (computed - paper)/|paper|, where both are numbers and the paper's is not 0
+  bool disagrees = false;   ///< beyond `within`
 };
 
 /// A figure of the source in a plot; NaN: not given.
