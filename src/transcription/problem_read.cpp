@@ -18,21 +18,50 @@ namespace {
 
 constexpr int kMaxIntervals = 10000;
 
+/// Whether a number in `node` carries a unit that only the dimension `d` has.
+bool has_unit_of(const Node& node, const Dimension& d, const Dimension& other) {
+  if (node.is_list()) {
+    const std::vector<Node> items = node.items();
+    return std::any_of(items.begin(), items.end(), [&](const Node& item) { return has_unit_of(item, d, other); });
+  }
+  const auto reads_as = [&node](const Dimension& dimension) {
+    try {
+      static_cast<void>(node.number(dimension));
+      return true;
+    } catch (const InputError&) {
+      return false;
+    }
+  };
+  return reads_as(d) && !reads_as(other);
+}
+
+/// A message about a number that is neither an angle's nor a length's: it names both units.
+InputError in_either(const InputError& turning, const Dimension& angle, const Dimension& length) {
+  std::string text = turning.what();
+  const std::string unit = "a number in " + unit_name(angle);
+  if (const std::size_t at = text.find(unit); at != std::string::npos)
+    text.insert(at + unit.size(), fmt::format(" where it turns or {} where it slides", unit_name(length)));
+  return InputError(text);
+}
+
 /// Reads a value named after a coordinate or joint. Whether it is an angle or a length only the robot knows (x and z aside),
-/// so both are tried here; check_problem() reads it again in the right dimension.
+/// so both are tried here; check_problem() reads it again in the right dimension. Where neither will do, the units that are
+/// there say which was meant.
 template <typename Read>
-auto by_name(const std::string& name, bool velocity, Read read) {
+auto by_name(const std::string& name, const Node& value, bool velocity, Read read) {
   const Dimension angle = velocity ? dimension::angular_velocity : dimension::angle;
   const Dimension length = velocity ? dimension::velocity : dimension::length;
   if (name == "x" || name == "z") return read(length);
   try {
     return read(angle);
-  } catch (const InputError&) {
+  } catch (const InputError& turning) {
     if (name == "pitch") throw;
     try {
       return read(length);
     } catch (const InputError&) {
-      return read(angle);  // neither: the message speaks of the likelier one
+      if (has_unit_of(value, length, angle)) throw;
+      if (has_unit_of(value, angle, length)) throw turning;
+      throw in_either(turning, angle, length);
     }
   }
 }
@@ -46,7 +75,7 @@ void named_bounds(std::map<std::string, Bounds>& values, Problem& problem, const
       values.erase(name);
       continue;
     }
-    values[name] = by_name(name, velocity, [&value = value](const Dimension& d) { return value.bounds(d); });
+    values[name] = by_name(name, value, velocity, [&value = value](const Dimension& d) { return value.bounds(d); });
     problem.places[prefix + name] = value;
   }
 }
@@ -54,7 +83,7 @@ void named_bounds(std::map<std::string, Bounds>& values, Problem& problem, const
 std::map<std::string, double> pose(Problem& problem, const Node& node, const std::string& prefix) {
   std::map<std::string, double> values;
   for (const auto& [name, value] : node.entries()) {
-    values[name] = by_name(name, false, [&value = value](const Dimension& d) { return value.number(d); });
+    values[name] = by_name(name, value, false, [&value = value](const Dimension& d) { return value.number(d); });
     problem.places[prefix + name] = value;
   }
   return values;
@@ -171,7 +200,7 @@ void locks(Problem& problem, const Node& node) {
   for (const auto& [name, value] : node.entries()) {
     std::erase_if(problem.locks, [&name = name](const auto& lock) { return lock.first == name; });
     if (is_null(value)) continue;
-    const double number = by_name(name, false, [&value = value](const Dimension& d) { return value.number(d); });
+    const double number = by_name(name, value, false, [&value = value](const Dimension& d) { return value.number(d); });
     problem.locks.emplace_back(name, number);
     problem.places["lock." + name] = value;
   }
