@@ -9,6 +9,7 @@
 #include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "cli/command.h"
 #include "jaculus/core/error.h"
@@ -97,10 +98,32 @@ void cut_stream(Stream& stream, double start, const Bounds& cut, const std::stri
   stream.values = Matrix(stream.values.middleCols(first, last - first));
 }
 
+/// The window of a log by --start and --cut; nothing where the start is told by the motion as a whole.
+std::optional<LogWindow> log_window(const std::string& rule, const Bounds& cut) {
+  if (rule == "rule") return {};
+  LogWindow window{{}, "", 0.0, cut};
+  if (rule == "first") return window;
+  const std::size_t above = rule.find('>');
+  if (above == std::string::npos) {
+    window.zero = number("--start", rule);
+  } else {
+    window.channel = rule.substr(0, above);
+    window.above = number("--start", rule.substr(above + 1));
+  }
+  return window;
+}
+
+/// A log's stream, time zero and cut taken: a long log is never held as a whole.
+Stream read_log(const Options& options, const std::string& file, const Bounds& cut, std::vector<std::string>& notes) {
+  const OpenLogFormat format = read_openlog_format(yaml::Node::load(options.description));
+  if (const auto window = log_window(options.start, cut)) return read_openlog(fs::path(file), format, *window, notes);
+  Stream stream = read_openlog(fs::path(file), format, notes);
+  cut_stream(stream, start_of(stream, options.start, file, notes), cut, file);
+  return stream;
+}
+
 Stream read_file(const std::string& kind, const Options& options, const std::string& file,
                  std::vector<std::string>& notes) {
-  if (kind == "openlog")
-    return read_openlog(fs::path(file), read_openlog_format(yaml::Node::load(options.description)), notes);
   if (kind == "csv")
     return read_mapped_csv(fs::path(file), read_column_map(yaml::Node::load(options.description)), notes);
   const MocapTake take = read_optitrack(fs::path(file));
@@ -114,6 +137,15 @@ Stream read_file(const std::string& kind, const Options& options, const std::str
   } catch (const InputError& error) {
     throw InputError(fmt::format("{}: {}", file, error.what()));
   }
+}
+
+/// A file's stream, counted from its time zero and cut.
+Stream read_trial(const std::string& kind, const Options& options, const std::string& file, const Bounds& cut,
+                  std::vector<std::string>& notes) {
+  if (kind == "openlog") return read_log(options, file, cut, notes);
+  Stream stream = read_file(kind, options, file, notes);
+  cut_stream(stream, start_of(stream, options.start, file, notes), cut, file);
+  return stream;
 }
 
 int run(const std::string& kind, const Options& options) {
@@ -130,9 +162,7 @@ int run(const std::string& kind, const Options& options) {
   for (const std::string& note : setup_notes) text += "assumed: " + note + "\n";
   for (std::size_t i = 0; i < options.files.size(); ++i) {
     std::vector<std::string> notes;
-    Stream stream = read_file(kind, options, options.files[i], notes);
-    const double start = start_of(stream, options.start, options.files[i], notes);
-    cut_stream(stream, start, cut, options.files[i]);
+    Stream stream = read_trial(kind, options, options.files[i], cut, notes);
     Trial trial{fmt::format("trial_{:02}", i + 1), {}};
     text +=
         fmt::format("{} -> {}: {} samples of {} channels, {:.4g} to {:.4g} s\n", options.files[i], trial.name,

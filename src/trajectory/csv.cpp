@@ -7,6 +7,7 @@
 #include <optional>
 #include <set>
 #include <string_view>
+#include <utility>
 
 #include "jaculus/core/error.h"
 #include "jaculus/core/yaml.h"
@@ -211,38 +212,65 @@ Vector quantity(const Table& table, const std::string& name, const Dimension& di
   return factor * table.values.col(index);
 }
 
+namespace {
+
+/// One line: `cell(i)` appends cell i to `out`; the phase stands second where there is one.
+template <class Cell>
+void append_line(std::string& out, std::size_t cells, const std::string* phase, const Cell& cell) {
+  for (std::size_t i = 0; i < cells; ++i) {
+    if (i > 0) out += ',';
+    cell(i);
+    if (i == 0 && phase != nullptr) {
+      out += ',';
+      append_text(out, *phase);
+    }
+  }
+  out += '\n';
+}
+
+void append_header(std::string& out, const std::vector<Column>& columns, bool with_phase) {
+  const std::string phase = "phase";
+  append_line(out, columns.size(), with_phase ? &phase : nullptr,
+              [&](std::size_t i) { append_text(out, header_of(columns[i])); });
+}
+
+void append_row(std::string& out, const Matrix& values, Eigen::Index row, const std::string* phase) {
+  const auto cells = static_cast<std::size_t>(values.cols());
+  append_line(out, cells, phase, [&](std::size_t i) {
+    const double value = values(row, static_cast<Eigen::Index>(i));
+    if (!std::isnan(value)) {
+      fmt::format_to(std::back_inserter(out), "{}", value);
+    } else if (cells == 1) {
+      out += "\"\"";  // a blank line at the end would not count as a row
+    }
+  });
+}
+
+}  // namespace
+
 std::string format_csv(const Table& table) {
-  const Eigen::Index rows = table.values.rows();
   std::string out;
   out.reserve(static_cast<std::size_t>(20 * table.values.size()) + 1024);
-  const auto line = [&](const auto& number, const std::string* phase) {
-    for (std::size_t i = 0; i < table.columns.size(); ++i) {
-      if (i > 0) out += ',';
-      number(i);
-      if (i == 0 && phase != nullptr) {
-        out += ',';
-        append_text(out, *phase);
-      }
-    }
-    out += '\n';
-  };
-  const std::string phase_header = "phase";
-  line([&](std::size_t i) { append_text(out, header_of(table.columns[i])); },
-       table.phase.empty() ? nullptr : &phase_header);
-  for (Eigen::Index row = 0; row < rows; ++row) {
-    const auto number = [&](std::size_t i) {
-      const double value = table.values(row, static_cast<Eigen::Index>(i));
-      if (!std::isnan(value)) {
-        fmt::format_to(std::back_inserter(out), "{}", value);
-      } else if (table.columns.size() == 1) {
-        out += "\"\"";  // a blank line at the end would not count as a row
-      }
-    };
-    line(number, table.phase.empty() ? nullptr : &table.phase[static_cast<std::size_t>(row)]);
-  }
+  append_header(out, table.columns, !table.phase.empty());
+  for (Eigen::Index row = 0; row < table.values.rows(); ++row)
+    append_row(out, table.values, row, table.phase.empty() ? nullptr : &table.phase[static_cast<std::size_t>(row)]);
   return out;
 }
 
 void write_csv(const Table& table, const std::filesystem::path& file) { write_file(file, format_csv(table)); }
+
+void write_csv(const std::vector<Column>& columns, const std::function<Matrix(Eigen::Index)>& block,
+               const std::filesystem::path& file) {
+  Eigen::Index row = 0;
+  bool begun = false;
+  write_file(file, [&] {
+    std::string out;
+    if (!std::exchange(begun, true)) append_header(out, columns, false);
+    const Matrix rows = block(row);
+    for (Eigen::Index k = 0; k < rows.rows(); ++k) append_row(out, rows, k, nullptr);
+    row += rows.rows();
+    return out;
+  });
+}
 
 }  // namespace jaculus

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <system_error>
@@ -93,17 +94,21 @@ Table script_table(const InputScript& script) {
   return table;
 }
 
-Table stream_table(const Stream& stream) {
+/// Block by block, for a stream may be long.
+void write_stream(const Stream& stream, const fs::path& file) {
   assert(stream.channels.size() == stream.units.size());
   assert(stream.values.rows() == static_cast<Eigen::Index>(stream.channels.size()));
-  Table table;
-  table.columns.push_back({"time", "s"});
-  for (std::size_t i = 0; i < stream.channels.size(); ++i)
-    table.columns.push_back({stream.channels[i], stream.units[i]});
-  table.values.resize(stream.time.size(), 1 + stream.values.rows());
-  table.values.col(0) = stream.time;
-  table.values.rightCols(stream.values.rows()) = stream.values.transpose();
-  return table;
+  std::vector<Column> columns = {{"time", "s"}};
+  for (std::size_t i = 0; i < stream.channels.size(); ++i) columns.push_back({stream.channels[i], stream.units[i]});
+  const auto block = [&](Eigen::Index first) {
+    constexpr Eigen::Index kRows = 4096;
+    const Eigen::Index rows = std::min(kRows, stream.time.size() - first);
+    Matrix values(rows, 1 + stream.values.rows());
+    values.col(0) = stream.time.segment(first, rows);
+    values.rightCols(stream.values.rows()) = stream.values.middleCols(first, rows).transpose();
+    return values;
+  };
+  write_csv(columns, block, file);
 }
 
 void make_folder(const fs::path& folder) {
@@ -153,8 +158,7 @@ void write_dataset(Dataset& dataset, const fs::path& folder) {
   if (dataset.script) write_csv(script_table(*dataset.script), folder / "input.csv");
   for (const Trial& trial : dataset.trials) {
     make_folder(folder / trial.name);
-    for (const Stream& stream : trial.streams)
-      write_csv(stream_table(stream), folder / trial.name / (stream.name + ".csv"));
+    for (const Stream& stream : trial.streams) write_stream(stream, folder / trial.name / (stream.name + ".csv"));
   }
   write_file(folder / "dataset.yaml", outline_text(dataset));
   dataset.folder = folder;

@@ -74,10 +74,12 @@ bool checksum_holds(const OpenLogFormat& format, const std::uint8_t* record) {
   return sum == record[format.record_bytes - 1];
 }
 
+constexpr double kRounding = 1e-9;  ///< of times, at the ends of a window [s]
+
 class Reader {
  public:
-  Reader(std::istream& stream, std::string name, const OpenLogFormat& format)
-      : bytes_(stream), name_(std::move(name)), format_(format) {
+  Reader(std::istream& stream, std::string name, const OpenLogFormat& format, const LogWindow* window)
+      : bytes_(stream), name_(std::move(name)), format_(format), window_(window) {
     stream_.name = format.stream;
     stream_.rate_hz = format.rate_hz;
     for (const OpenLogField& field : format.fields) {
@@ -92,11 +94,17 @@ class Reader {
       }
       ++shares_[static_cast<std::size_t>(channel_.back())];
     }
+    if (window_ == nullptr || window_->channel.empty()) return;
+    passing_ = stream_.channel(window_->channel);
+    if (passing_ >= 0) return;
+    const auto near = yaml::nearest_name(window_->channel, stream_.channels);
+    throw InputError(fmt::format("{}: there is no channel '{}' in this log{}", name_, window_->channel,
+                                 near ? fmt::format(", did you mean '{}'?", *near) : ""));
   }
 
   Stream read(std::vector<std::string>& notes) {
     skip_header();
-    while (bytes_.have(format_.record_bytes)) {
+    while (!behind_ && bytes_.have(format_.record_bytes)) {
       const std::uint8_t* record = bytes_.data();
       const bool in_step = std::equal(format_.sync.begin(), format_.sync.end(), record);
       if (!in_step || (!format_.checksum.empty() && !checksum_holds(format_, record))) {
@@ -107,9 +115,10 @@ class Reader {
       take(record);
       bytes_.advance(format_.record_bytes);
     }
-    if (times_.empty())
+    if (records_ == 0)
       throw InputError(fmt::format("{}: no record of {} bytes is in this log; allowed: a log that the description fits",
                                    name_, format_.record_bytes));
+    if (window_ != nullptr) check_window();
     report(notes);
     return finish();
   }
@@ -146,8 +155,13 @@ class Reader {
   }
 
   void take(const std::uint8_t* record) {
-    const std::size_t first = values_.size();
-    values_.resize(first + stream_.channels.size(), 0.0);
+    const auto kept = static_cast<Eigen::Index>(times_.size());
+    if (kept == stream_.values.cols()) {  // rows stay, so that this is a reallocation in place where there is room
+      const Eigen::Index more = std::max<Eigen::Index>(1024, kept + kept / 2);
+      stream_.values.conservativeResize(static_cast<Eigen::Index>(stream_.channels.size()), more);
+    }
+    auto values = stream_.values.col(kept);
+    values.setZero();
     for (std::size_t i = 0; i < format_.fields.size(); ++i) {
       const OpenLogField& field = format_.fields[i];
       if (field.channel.empty()) continue;
@@ -158,34 +172,79 @@ class Reader {
       }
       const double value = field.scale * raw + field.shift;
       // What no number is (a sensor's fault written as NaN) is a gap.
-      values_[first + static_cast<std::size_t>(channel_[i])] +=
-          std::isfinite(value) ? value / shares_[static_cast<std::size_t>(channel_[i])] : kNaN;
+      values[channel_[i]] += std::isfinite(value) ? value / shares_[static_cast<std::size_t>(channel_[i])] : kNaN;
     }
+    ++records_;
+    if (window_ != nullptr) keep_window();
+  }
+
+  /// Finds time zero and lets go of what lies outside the window.
+  void keep_window() {
+    const double time = times_.back();
+    const auto last = static_cast<Eigen::Index>(times_.size()) - 1;
+    if (std::isnan(zero_)) {
+      if (passing_ < 0) {
+        zero_ = window_->zero.value_or(time);
+      } else if (stream_.values(passing_, last) > window_->above) {
+        zero_ = time;
+        drop_before(std::min(time, zero_ + window_->cut.lower));
+      } else {
+        drop_before(time + std::min(0.0, window_->cut.lower), times_.size() / 2);
+        return;
+      }
+    }
+    behind_ = time > zero_ + window_->cut.upper + kRounding;
+    if (behind_ || time < zero_ + window_->cut.lower - kRounding) times_.pop_back();
+  }
+
+  /// Forgets records before a time, unless they are fewer than `least`.
+  void drop_before(double time, std::size_t least = 1) {
+    const auto first = std::lower_bound(times_.begin(), times_.end(), time - kRounding);
+    const std::ptrdiff_t count = first - times_.begin();
+    if (static_cast<std::size_t>(count) < std::max<std::size_t>(least, 1)) return;
+    times_.erase(times_.begin(), first);
+    double* data = stream_.values.data();
+    const std::ptrdiff_t rows = stream_.values.rows();
+    std::copy(data + count * rows, data + (count + static_cast<std::ptrdiff_t>(times_.size())) * rows, data);
+  }
+
+  void check_window() const {
+    if (std::isnan(zero_))
+      throw InputError(
+          fmt::format("{}: {} never passes {}; allowed: another start", name_, window_->channel, window_->above));
+    if (times_.empty())
+      throw InputError(fmt::format("{}: no sample lies within the cut, {} to {} s about {:.6g} s of the log", name_,
+                                   window_->cut.lower, window_->cut.upper, zero_));
   }
 
   void add_time(const OpenLogField& field, double raw) {
     const double range = std::ldexp(1.0, 8 * static_cast<int>(field.bytes));
-    if (field.kind == 'u' && !times_.empty() && raw < last_raw_ && last_raw_ - raw > 0.5 * range) {
+    if (field.kind == 'u' && records_ > 0 && raw < last_raw_ && last_raw_ - raw > 0.5 * range) {
       wraps_ += range;
       ++wrapped_;
     }
     last_raw_ = raw;
     const double time = field.scale * (raw + wraps_) + field.shift;
     const auto fault = [&](const std::string& what) {
-      return InputError(fmt::format("{}: byte {}, record {}: {}", name_, bytes_.place(), times_.size() + 1, what));
+      return InputError(fmt::format("{}: byte {}, record {}: {}", name_, bytes_.place(), records_ + 1, what));
     };
     if (!std::isfinite(time)) throw fault("time is no number");
-    if (!times_.empty() && !(time > times_.back()))
-      throw fault(fmt::format("time {:.10g} s follows {:.10g} s; allowed: rising times", time, times_.back()));
+    if (records_ > 0 && !(time > last_time_))
+      throw fault(fmt::format("time {:.10g} s follows {:.10g} s; allowed: rising times", time, last_time_));
+    last_time_ = time;
     times_.push_back(time);
   }
 
   void report(std::vector<std::string>& notes) const {
-    notes.push_back(fmt::format("{} records of {} bytes were read", times_.size(), format_.record_bytes));
+    notes.push_back(fmt::format("{} records of {} bytes were read", records_, format_.record_bytes));
+    if (passing_ >= 0)
+      notes.push_back(fmt::format("time zero where {} first passes {}: {:.6g} s of the file", window_->channel,
+                                  window_->above, zero_));
+    if (behind_) notes.push_back(fmt::format("reading ended behind the cut, at byte {}", bytes_.place()));
     if (skipped_ > 0) notes.push_back(fmt::format("{} bytes belong to no record and were passed over", skipped_));
     if (bad_sums_ > 0) notes.push_back(fmt::format("{} records have a wrong checksum and were dropped", bad_sums_));
     if (wrapped_ > 0) notes.push_back(fmt::format("the clock wrapped {} times and was unwrapped", wrapped_));
-    if (bytes_.left() > 0)
+    if (bytes_.left() > 0 && !behind_)
       notes.push_back(fmt::format("the last record is cut short: {} of {} bytes are there and were dropped",
                                   bytes_.left(), format_.record_bytes));
     for (std::size_t c = 0; c < shares_.size(); ++c)
@@ -195,8 +254,8 @@ class Reader {
   Stream finish() {
     const auto samples = static_cast<Eigen::Index>(times_.size());
     stream_.time = Eigen::Map<const Vector>(times_.data(), samples);
-    stream_.values =
-        Eigen::Map<const Matrix>(values_.data(), static_cast<Eigen::Index>(stream_.channels.size()), samples);
+    if (window_ != nullptr) stream_.time.array() -= zero_;
+    stream_.values.conservativeResize(Eigen::NoChange, samples);
     return std::move(stream_);
   }
 
@@ -206,9 +265,13 @@ class Reader {
   Stream stream_;
   std::vector<int> channel_;  ///< of each field, -1 where it is none or time
   std::vector<int> shares_;   ///< fields of each channel
-  std::vector<double> times_, values_;
-  double last_raw_ = 0.0, wraps_ = 0.0;
-  std::uint64_t skipped_ = 0;
+  const LogWindow* window_;
+  int passing_ = -1;           ///< channel that tells time zero
+  double zero_ = kNaN;         ///< once known [s of the log]
+  bool behind_ = false;        ///< the window lies behind
+  std::vector<double> times_;  ///< of the records that are kept; their values are the first columns of stream_.values
+  double last_raw_ = 0.0, last_time_ = 0.0, wraps_ = 0.0;
+  std::uint64_t skipped_ = 0, records_ = 0;
   int bad_sums_ = 0, wrapped_ = 0;
 };
 
@@ -216,12 +279,23 @@ class Reader {
 
 Stream read_openlog(std::istream& stream, const std::string& name, const OpenLogFormat& format,
                     std::vector<std::string>& notes) {
-  return Reader(stream, name, format).read(notes);
+  return Reader(stream, name, format, nullptr).read(notes);
 }
 
 Stream read_openlog(const std::filesystem::path& file, const OpenLogFormat& format, std::vector<std::string>& notes) {
   std::ifstream stream = open_input(file, "a binary log");
   return read_openlog(stream, file.string(), format, notes);
+}
+
+Stream read_openlog(std::istream& stream, const std::string& name, const OpenLogFormat& format, const LogWindow& window,
+                    std::vector<std::string>& notes) {
+  return Reader(stream, name, format, &window).read(notes);
+}
+
+Stream read_openlog(const std::filesystem::path& file, const OpenLogFormat& format, const LogWindow& window,
+                    std::vector<std::string>& notes) {
+  std::ifstream stream = open_input(file, "a binary log");
+  return read_openlog(stream, file.string(), format, window, notes);
 }
 
 }  // namespace jaculus

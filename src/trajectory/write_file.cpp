@@ -7,6 +7,7 @@
 #include <fstream>
 #include <string>
 #include <system_error>
+#include <utility>
 
 #include "jaculus/core/error.h"
 #include "jaculus/trajectory/csv.h"
@@ -19,10 +20,11 @@ InputError unwritable(const std::filesystem::path& file, const std::string& why)
 }
 
 /// Returns why it failed, or nothing.
-std::string write_in_place(const std::filesystem::path& file, const std::string& text) {
+std::string write_in_place(const std::filesystem::path& file, const std::function<std::string()>& piece) {
   errno = 0;
   std::ofstream stream(file, std::ios::binary | std::ios::trunc);
-  stream.write(text.data(), static_cast<std::streamsize>(text.size()));
+  for (std::string text = piece(); stream && !text.empty(); text = piece())
+    stream.write(text.data(), static_cast<std::streamsize>(text.size()));
   stream.close();
   const int reason = errno;
   if (stream) return "";
@@ -32,11 +34,16 @@ std::string write_in_place(const std::filesystem::path& file, const std::string&
 }  // namespace
 
 void write_file(const std::filesystem::path& file, const std::string& text) {
+  bool given = false;
+  write_file(file, [&] { return std::exchange(given, true) ? std::string() : text; });
+}
+
+void write_file(const std::filesystem::path& file, const std::function<std::string()>& piece) {
   std::error_code code;
   const auto status = std::filesystem::status(file, code);  // follows links
   if (std::filesystem::is_directory(status)) throw unwritable(file, "it is a folder");
   if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
-    if (const std::string why = write_in_place(file, text); !why.empty()) throw unwritable(file, why);
+    if (const std::string why = write_in_place(file, piece); !why.empty()) throw unwritable(file, why);
     return;
   }
   // A link keeps pointing at its file: the neighbour of what it points to is the one that is renamed.
@@ -47,7 +54,7 @@ void write_file(const std::filesystem::path& file, const std::string& text) {
   static std::atomic<unsigned> counter{0};
   std::filesystem::path temporary = target;
   temporary.replace_filename(fmt::format(".{}.{}-{}.part", target.filename().string(), ::getpid(), counter++));
-  std::string why = write_in_place(temporary, text);
+  std::string why = write_in_place(temporary, piece);
   if (why.empty()) {
     std::filesystem::rename(temporary, target, code);
     if (!code) return;

@@ -38,6 +38,15 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   fuzz::refuse_politely([&] {
     std::istringstream stream(fuzz::text_of(data + 1, size - 1));
     std::vector<std::string> notes;
+    LogWindow window{{}, (data[0] & 4) != 0 ? "tail" : "", 0.0, {-1.0, 100.0}};
+    if ((data[0] & 8) != 0) window.zero = 10.0;
+    if ((data[0] & 16) != 0) window.cut = {2.0, 5.0};
+    const Stream out = read_openlog(stream, "fuzz.bin", format_of(data[0]), window, notes);
+    if (out.time.size() != out.values.cols() || out.time.size() == 0) __builtin_trap();
+  });
+  fuzz::refuse_politely([&] {
+    std::istringstream stream(fuzz::text_of(data + 1, size - 1));
+    std::vector<std::string> notes;
     const Stream out = read_openlog(stream, "fuzz.bin", format_of(data[0]), notes);
     for (Eigen::Index k = 1; k < out.time.size(); ++k)
       if (!(out.time[k] > out.time[k - 1])) __builtin_trap();

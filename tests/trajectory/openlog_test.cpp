@@ -108,6 +108,46 @@ TEST(OpenLog, ReadsBigEndianAndLogsBeyondOneBlock) {
   EXPECT_NEAR(stream.values(0, count - 1), (1.0 - (count - 1)) / 2.0, 1e-9);
 }
 
+TEST(OpenLog, WindowGivesWhatTheWholeLogGivesThere) {
+  std::string log = "\n\n";
+  constexpr int kRecords = 40000;  // the clock of 16 bit wraps on the way
+  for (int k = 0; k < kRecords; ++k)
+    log += record(static_cast<unsigned>(10 * k), 0.001f * static_cast<float>(k % 100), 0, k == 31234 ? 200U : 150U);
+  std::vector<std::string> notes;
+  const Stream whole = log_of(log, notes);
+  ASSERT_EQ(whole.time.size(), kRecords);
+  const auto check = [&](const LogWindow& window, int zero, int first, int last, bool stops) {
+    std::istringstream stream(log);
+    std::vector<std::string> said;
+    const Stream part = read_openlog(stream, "log.bin", format_of(kFormat), window, said);
+    ASSERT_EQ(part.time.size(), last - first + 1);
+    EXPECT_EQ(part.channels, whole.channels);
+    EXPECT_EQ(part.values, whole.values.middleCols(first, last - first + 1));
+    const Vector time = whole.time.segment(first, last - first + 1).array() - whole.time[zero];
+    EXPECT_LT((part.time - time).cwiseAbs().maxCoeff(), 1e-9);
+    EXPECT_EQ(any_holds(said, "reading ended behind the cut"), stops);
+  };
+  check({{}, "", 0.0, {0.5, 1.0}}, 0, 50, 100, true);
+  check({100.0, "", 0.0, {-0.2, 0.1}}, 10000, 9980, 10010, true);
+  check({{}, "bus_voltage", 19.0, {-2.0, 1.0}}, 31234, 31034, 31334, true);
+  check({{}, "bus_voltage", 19.0, {0.1, 0.2}}, 31234, 31244, 31254, true);
+  check({{}, "bus_voltage", 19.0, {-2.0, kInfinity}}, 31234, 31034, kRecords - 1, false);
+  check({{}, "", 0.0, {}}, 0, 0, kRecords - 1, false);
+}
+
+TEST(OpenLog, WindowsThatHoldNothingAreSaid) {
+  const std::string log = "\n\n" + record(10, 0.5f, 0, 158) + record(20, 0.5f, 0, 158);
+  const auto fault = [&](const LogWindow& window) {
+    std::istringstream stream(log);
+    std::vector<std::string> notes;
+    return input_error_of([&] { (void)read_openlog(stream, "log.bin", format_of(kFormat), window, notes); });
+  };
+  EXPECT_TRUE(holds(fault({{}, "bus_voltage", 20.0, {}}), "log.bin: bus_voltage never passes 20"));
+  EXPECT_TRUE(holds(fault({{}, "bus_voltag", 20.0, {}}), "did you mean 'bus_voltage'?"));
+  EXPECT_TRUE(holds(fault({{}, "", 0.0, {1.0, 2.0}}), "no sample lies within the cut, 1 to 2 s about 0.01 s"));
+  EXPECT_TRUE(holds(fault({0.5, "", 0.0, {-0.1, 0.1}}), "no sample lies within the cut"));
+}
+
 TEST(OpenLog, BadLogsAndDescriptionsAreSaid) {
   std::vector<std::string> notes;
   EXPECT_TRUE(holds(input_error_of([&] { (void)log_of("no end of the header", notes); }),

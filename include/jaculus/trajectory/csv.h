@@ -5,6 +5,7 @@
 // (no line breaks inside), blanks around cells, blank lines at the end. An empty cell is a gap (NaN). "nan" and "inf" are refused.
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -45,8 +46,14 @@ std::string format_csv(const Table& table);
 /// Writes format_csv(table). The file appears whole or not at all.
 void write_csv(const Table& table, const std::filesystem::path& file);
 
+/// The same for numbers that come block by block: `block(first row)` gives rows x columns, none at the end.
+void write_csv(const std::vector<Column>& columns, const std::function<Matrix(Eigen::Index)>& block,
+               const std::filesystem::path& file);
+
 /// Writes text to `file` by way of a temporary neighbour and a rename, so that a reader, or a kill at any moment, meets the old
 /// file or the new one. The folder must exist; unwritable: InputError. Anything but a regular file is written in place.
 void write_file(const std::filesystem::path& file, const std::string& text);
+/// The same for text that comes in pieces, an empty one at the end.
+void write_file(const std::filesystem::path& file, const std::function<std::string()>& piece);
 
 }  // namespace jaculus

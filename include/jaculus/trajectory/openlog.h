@@ -22,6 +22,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <istream>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -53,6 +54,14 @@ struct OpenLogFormat {
   std::vector<OpenLogField> fields;
 };
 
+/// Which part of a log is kept, so that a long one is never held as a whole.
+struct LogWindow {
+  std::optional<double> zero;  ///< time zero [s of the log]; nothing: its first record
+  std::string channel;         ///< or where this channel first passes `above`; empty: not by a channel
+  double above = 0.0;          ///< [SI unit of the channel]
+  Bounds cut;                  ///< what is kept, both ends included [s about time zero]
+};
+
 /// Checks a description. Faults: InputError with the node's place.
 OpenLogFormat read_openlog_format(const yaml::Node& description);
 
@@ -61,5 +70,12 @@ OpenLogFormat read_openlog_format(const yaml::Node& description);
 Stream read_openlog(std::istream& stream, const std::string& name, const OpenLogFormat& format,
                     std::vector<std::string>& notes);
 Stream read_openlog(const std::filesystem::path& file, const OpenLogFormat& format, std::vector<std::string>& notes);
+
+/// The window of a log, times counted from its zero; reading stops behind the window. Besides the faults above: no such channel, a
+/// channel that never passes, no record within the cut.
+Stream read_openlog(std::istream& stream, const std::string& name, const OpenLogFormat& format, const LogWindow& window,
+                    std::vector<std::string>& notes);
+Stream read_openlog(const std::filesystem::path& file, const OpenLogFormat& format, const LogWindow& window,
+                    std::vector<std::string>& notes);
 
 }  // namespace jaculus
