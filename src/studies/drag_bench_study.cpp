@@ -98,7 +98,7 @@ Bench read_bench(const yaml::Node& root) {
   if (!at_motor && root.has("gear")) throw root.at("gear").error("only speed_of: motor needs this");
   const double gear = at_motor ? root.at("gear").number(dim::none, kPositive) : 1.0;
   const bool transient = root.at("log").choice({"steady", "transient"}) == "transient";
-  const std::filesystem::path file = root.file().parent_path() / root.at("data").text();
+  const std::filesystem::path file = detail::named_file(root.at("data"));
   const Table table = read_csv(file);
   std::ostringstream bytes;
   bytes << std::ifstream(file, std::ios::binary).rdbuf();

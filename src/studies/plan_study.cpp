@@ -48,7 +48,7 @@ int read_link(const yaml::Node& node, const PlanarModel& model) {
 PlanStudy read_plan_study(const yaml::Node& root) {
   root.only(detail::with_common_keys({"problem", "stretch"}));
   PlanStudy study;
-  study.problem = read_problem(root.file().parent_path() / root.at("problem").text());
+  study.problem = read_problem(detail::named_file(root.at("problem")));
   study.model = read_robot(study.problem.robot_folder, study.problem.overrides).planar;
   check_problem(study.problem, study.model);
   const yaml::Node stretch = root.at("stretch");

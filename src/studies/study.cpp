@@ -116,6 +116,12 @@ std::vector<std::string> detail::with_common_keys(std::vector<std::string> keys)
   return keys;
 }
 
+fs::path detail::named_file(const yaml::Node& node) {
+  const fs::path file = node.file().parent_path() / node.text();
+  if (fs::is_regular_file(file)) return file;
+  throw node.error(fmt::format("'{}' not found; allowed: a file, named relative to this one", node.text()));
+}
+
 std::string check_study(const fs::path& file) {
   const Loaded loaded = load(file);
   return fmt::format("study {} ({}): {}", loaded.name, loaded.kind, loaded.study.description);

@@ -55,6 +55,8 @@ StudyReference evaluate(const ReferenceQuery& query, const std::vector<StudyJson
 
 /// Reads `plots`, checked against the columns.
 std::vector<StudyPlot> read_plots(const yaml::Node& root, const std::vector<std::string>& columns);
+/// The file that `node` names, relative to the study's own; InputError at `node` where there is none.
+std::filesystem::path named_file(const yaml::Node& node);
 /// InputError at `where`, naming the nearest, unless `name` is a column.
 void must_be_column(const std::string& name, const std::vector<std::string>& columns, const yaml::Node& where);
 
