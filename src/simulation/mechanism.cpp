@@ -218,6 +218,8 @@ bool Mechanism::close_loop(const PlanarLoop& loop) {
   place(frames_[static_cast<size_t>(link_b.parent)], link_b.origin, b);
   const double ux = b.px - a.px, uz = b.pz - a.pz, distance2 = ux * ux + uz * uz;
   const double ra2 = loop.point_a.squaredNorm(), rb2 = loop.point_b.squaredNorm();
+  // Where the roots meet, the links may turn freely: close to it their rates know no bound.
+  if (!(distance2 > 1e-6 * ra2)) return false;
   const double along = 0.5 * (distance2 + ra2 - rb2) / distance2;  // of u
   const double height2 = ra2 - along * along * distance2;
   if (!(height2 > 1e-12 * ra2)) return false;  // stretched out, or the circles are concentric (NaN)

@@ -180,6 +180,22 @@ double PlantEquations::next_change(double t) const {
   return next;
 }
 
+std::string PlantEquations::beyond_range(const double* y) const {
+  const Coordinate* worst = nullptr;
+  double furthest = 0.0, value = 0.0;
+  for (size_t i = 0; i < plant_.model.coordinates.size(); ++i) {
+    const Coordinate& c = plant_.model.coordinates[i];
+    const double outside = std::max(c.range.lower - y[i], y[i] - c.range.upper);
+    if (!(outside > furthest)) continue;
+    worst = &c;
+    furthest = outside;
+    value = y[i];
+  }
+  if (worst == nullptr) return "";
+  return fmt::format("; {} is at {:.4g}, beyond its range {:.4g} to {:.4g}, and no stop holds it there", worst->name,
+                     value, worst->range.lower, worst->range.upper);
+}
+
 void PlantEquations::read_motors(const double* y) {
   for (size_t m = 0; m < motor_velocity.size(); ++m) {
     motor_position[m] = mechanism.motor_angle(static_cast<int>(m), y);

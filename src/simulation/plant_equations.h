@@ -51,6 +51,8 @@ class PlantEquations {
   /// Takes what changes by a jump at t: commands, pushes. After set_state.
   void update(double t, const double* y);
   [[nodiscard]] double next_change(double t) const;
+  /// "; front_extension is at 3.1, beyond its range 0.4 to 2.74" for the coordinate that is furthest outside, or nothing.
+  [[nodiscard]] std::string beyond_range(const double* y) const;
   /// Finds the torques that hold the pose and commands them until the controller's first command. False where singular.
   bool hold(double t, const double* y);
   /// Positions and rates alone: frames, contacts' gaps and rates.

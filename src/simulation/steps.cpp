@@ -9,18 +9,24 @@ namespace jaculus::detail {
 
 namespace {
 
-constexpr double kShortestStep = 1e-13;  ///< [s]
-constexpr int kPause = 16;               ///< steps for which the short method rests after one that it could not take
+constexpr double kShortestStep = 1e-13;   ///< [s]
+constexpr double kMostEvaluations = 5e5;  ///< of the equations, and
+constexpr double kMostRate = 4e6;         ///< so many more a second of motion: a thousand times what a leap takes
+constexpr int kPause = 16;                ///< steps for which the short method rests after one that it could not take
 
 }  // namespace
 
 /// One accepted step that ends at `limit` or before, its events handled.
 bool Simulator::step(double limit) {
   while (!attempt(limit)) {
-    if (h_ < kShortestStep)
-      return fail(broken_ ? SimulationStatus::singular : SimulationStatus::diverged,
-                  broken_ ? "the equations of motion are singular" : "the motion diverges: no step is short enough");
+    if (h_ >= kShortestStep) continue;
+    return fail(broken_ ? SimulationStatus::singular : SimulationStatus::diverged,
+                (broken_ ? "the equations of motion are singular" : "the motion diverges: no step is short enough") +
+                    equations_.beyond_range(y_.data()));
   }
+  if (static_cast<double>(equations_.evaluations) > kMostEvaluations + kMostRate * options_.duration)
+    return fail(SimulationStatus::diverged,
+                "the motion asks for ever shorter steps" + equations_.beyond_range(y_.data()));
   return handle_events();
 }
 

@@ -266,6 +266,19 @@ TEST(Components, StepsBetweenCommandsKeepWellBelowTheTolerance) {
   }
 }
 
+TEST(Components, LegsDrivenThroughTheirSingularPoseEndAtOnceAndSayWhere) {
+  Push p = push_off();
+  for (const char* joint : {"front_a", "front_b"}) {
+    const int m = p.plant.model.motor_index(joint);
+    p.controller.reference.position.row(m) << 1.0, 2.2, 3.4;  // at pi both knees coincide
+    p.controller.kp[m] = 30.0;
+  }
+  const Simulation s = simulate(p.plant, p.controller, p.start, options_for(1.0, 21));
+  EXPECT_EQ(s.status, SimulationStatus::singular) << s.message;
+  EXPECT_NE(s.message.find("front_extension is at 3.14"), std::string::npos) << s.message;
+  EXPECT_LT(s.evaluations, 20000);
+}
+
 TEST(Components, DivergenceIsAStatusWithItsTime) {
   Push p = push_off();
   p.controller.kp.setConstant(-200.0);
