@@ -21,6 +21,14 @@ struct Options {
   std::vector<std::string> datasets;
 };
 
+/// Part of the time that lies behind where a stage first begins: rough, from leaps of the plant.
+const std::vector<std::pair<std::string, double>> kStages = {{"screening", 0.003},
+                                                             {"single effects", 0.01},
+                                                             {"pairs of effects", 0.25},
+                                                             {"triples of effects", 0.5},
+                                                             {"held-out gap and intervals", 0.8},
+                                                             {"where the gap lies", 0.9}};
+
 int run(const Options& options) {
   std::vector<Dataset> datasets;
   for (const std::string& folder : options.datasets) datasets.push_back(read_dataset(folder));
@@ -29,10 +37,9 @@ int run(const Options& options) {
   const tbb::global_control workers(tbb::global_control::max_allowed_parallelism,
                                     static_cast<std::size_t>(options.common.jobs));
   DiagnoseOptions diagnosing;
-  const bool progress = shows_progress(options.common);
-  if (progress) diagnosing.progress = [](const std::string& what) { fmt::print(stderr, "\r\033[K{} ...", what); };
+  diagnosing.progress = stage_bar(options.common, kStages);
   const Diagnosis diagnosis = diagnose(datasets, diagnosing);
-  if (progress) fmt::print(stderr, "\r\033[K");
+  clear_progress(options.common);
   const std::string json = diagnosis_json(diagnosis);
   if (!options.common.out.empty()) {
     const std::filesystem::path folder = options.common.out;

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "cli/plan.h"
+#include "cli/reporting.h"
 #include "jaculus/dynamics/rigid_body.h"
 #include "jaculus/solver/plan.h"
 
@@ -187,6 +188,7 @@ SolvedProblem solve_loaded(const Loaded& loaded, const Common& common, const Pro
   PlanOptions options;
   options.jobs = common.jobs;
   options.progress = progress;
+  options.starts_progress = progress_bar(common, loaded.problem.name + ", starts");
   const Plan plan = make_plan(loaded.problem, loaded.robot.planar, options);
   SolvedProblem solved;
   solved.summary = summarise(plan, loaded.problem);

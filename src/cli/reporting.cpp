@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstdio>
 
@@ -17,6 +19,13 @@ std::string duration(double seconds) {
   if (whole < 60) return fmt::format("{} s", whole);
   if (whole < 3600) return fmt::format("{} min {:02} s", whole / 60, whole % 60);
   return fmt::format("{} h {:02} min", whole / 3600, whole / 60 % 60);
+}
+
+constexpr int kWidth = 30;  ///< of a bar [characters]
+
+std::string bar(double share) {
+  const auto filled = static_cast<std::size_t>(std::lround(kWidth * std::clamp(share, 0.0, 1.0)));
+  return fmt::format("[{:-<{}}]", std::string(filled, '#'), kWidth);
 }
 
 }  // namespace
@@ -47,11 +56,24 @@ void write_reporting(const Report& report, const Common& common) {
 std::function<void(const TaskProgress&)> progress_bar(const Common& common, const std::string& what) {
   if (!shows_progress(common)) return {};
   return [what](const TaskProgress& p) {
-    constexpr int kWidth = 30;
-    const int filled = p.total > 0 ? kWidth * p.done / p.total : kWidth;
-    fmt::print(stderr, "\r\x1b[K{}{}[{:-<{}}] {}/{}  {}, {} to go", what, what.empty() ? "" : " ",
-               std::string(static_cast<std::size_t>(filled), '#'), kWidth, p.done, p.total, duration(p.elapsed_s),
+    fmt::print(stderr, "\r\x1b[K{}{}{} {}/{}  {}, {} to go", what, what.empty() ? "" : " ",
+               bar(p.total > 0 ? static_cast<double>(p.done) / p.total : 1.0), p.done, p.total, duration(p.elapsed_s),
                duration(p.remaining_s));
+    std::fflush(stderr);
+  };
+}
+
+std::function<void(const std::string&)> stage_bar(const Common& common,
+                                                  const std::vector<std::pair<std::string, double>>& shares) {
+  if (!shows_progress(common)) return {};
+  const auto start = std::chrono::steady_clock::now();
+  return [shares, start, behind = 0.0](const std::string& stage) mutable {
+    for (const auto& [name, share] : shares)
+      if (name == stage) behind = std::max(behind, share);  // stages may come again
+    const double elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    const std::string left =
+        behind > 0.0 ? fmt::format(", about {} to go", duration(elapsed * (1.0 - behind) / behind)) : "";
+    fmt::print(stderr, "\r\x1b[K{} {}  {}{}", bar(behind), stage, duration(elapsed), left);
     std::fflush(stderr);
   };
 }

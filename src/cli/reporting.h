@@ -3,6 +3,8 @@
 
 #include <functional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "cli/command.h"
 #include "jaculus/core/tasks.h"
@@ -22,6 +24,11 @@ void write_reporting(const Report& report, const Common& common);
 
 /// A bar with the remaining time on standard error, for TaskOptions::progress and the like; empty where `common` shows no progress.
 std::function<void(const TaskProgress&)> progress_bar(const Common& common, const std::string& what);
+
+/// The same for work of named stages, called where one begins. `shares`: the part of the whole time that usually lies behind at its
+/// beginning, by name; the remaining time is estimated from it, another stage is only named.
+std::function<void(const std::string&)> stage_bar(const Common& common,
+                                                  const std::vector<std::pair<std::string, double>>& shares);
 
 /// Wipes what a bar or another line of progress left.
 void clear_progress(const Common& common);

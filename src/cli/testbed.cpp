@@ -138,13 +138,6 @@ struct SealOptions {
   std::vector<std::string> plans;
 };
 
-std::function<void(const TaskProgress&)> progress_bar(const Common& common) {
-  if (!shows_progress(common)) return {};
-  return [](const TaskProgress& p) {
-    fmt::print(stderr, "\r{}/{}  {:.0f} s, {:.0f} s to go   ", p.done, p.total, p.elapsed_s, p.remaining_s);
-  };
-}
-
 int seal(const SealOptions& options) {
   need_mujoco();
   const Common& common = options.common;
@@ -166,8 +159,9 @@ int seal(const SealOptions& options) {
   spec.key =
       options.key.empty() ? fs::path(fs::path(common.out).lexically_normal().string() + ".key") : fs::path(options.key);
   spec.jobs = common.jobs;
-  spec.progress = progress_bar(common);
+  spec.progress = progress_bar(common, "cases");
   const std::vector<std::string> ids = testbed::seal_cases(spec);
+  clear_progress(common);
   if (common.json) {
     const nlohmann::ordered_json json = {{"cases", ids}, {"out", common.out}, {"key", spec.key.string()}};
     print(json.dump(2) + "\n");
@@ -229,7 +223,7 @@ int score(const ScoreFlags& flags) {
   options.jobs = common.jobs;
   options.resume = flags.resume;
   options.baselines = !flags.no_baselines;
-  options.progress = progress_bar(common);
+  options.progress = progress_bar(common, "cases");
   if (!common.quiet) options.notice = [](const std::string& text) { fmt::print(stderr, "jaculus: {}\n", text); };
   prepare_folder(common.out);
   const auto open = [&] {
@@ -238,6 +232,7 @@ int score(const ScoreFlags& flags) {
     return truths;
   };
   Score result = score_cases(flags.folder, ids, open, options);
+  clear_progress(common);
   if (result.truths.empty()) {
     fmt::print(stderr, "jaculus: interrupted; what is finished is kept, --resume goes on\n");
     return kNotSolved;

@@ -89,11 +89,13 @@ NlpResult solve_starts(Plan& plan, const std::optional<EarlierPlan>& earlier, co
   Programme& programme = *plan.programme;
   const SolverSpec& spec = programme.problem().solver;
   const auto seed = static_cast<std::uint64_t>(spec.seed);
-  const SolverOptions solver = solver_options(programme.problem(), options);
+  SolverOptions solver = solver_options(programme.problem(), options);
   if (spec.starts <= 1) return solve_start(programme, earlier, 0, task_seed(seed, 0), solver);
   MultiStartOptions multi;
   multi.seed = seed;
   multi.tasks.workers = options.jobs;
+  multi.tasks.progress = options.starts_progress;
+  solver.progress = {};  // several processes at a time would talk at once
   MultiStart all = multi_start(
       spec.starts, [&](int index, std::uint64_t own) { return solve_start(programme, earlier, index, own, solver); },
       multi);

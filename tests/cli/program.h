@@ -15,4 +15,7 @@ struct Outcome {
 /// Runs `jaculus` with these arguments, in `folder` where given.
 Outcome run_program(const std::vector<std::string>& arguments, const std::string& folder = "");
 
+/// The same with standard error on a terminal (a pseudo-terminal of the kernel): `err` is what it received.
+Outcome run_on_terminal(const std::vector<std::string>& arguments);
+
 }  // namespace jaculus::test

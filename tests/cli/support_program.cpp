@@ -1,7 +1,9 @@
 #include <fcntl.h>
+#include <pty.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <array>
 #include <cstdlib>
 
 #include "cli/program.h"
@@ -9,14 +11,29 @@
 
 namespace jaculus::test {
 
+namespace {
+
+std::vector<char*> argument_vector(const std::vector<std::string>& arguments) {
+  std::vector<char*> argv = {const_cast<char*>(JACULUS_BINARY)};
+  for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
+  argv.push_back(nullptr);
+  return argv;
+}
+
+int exit_code_of(pid_t child) {
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+}  // namespace
+
 Outcome run_program(const std::vector<std::string>& arguments, const std::string& folder) {
   // Files instead of pipes: a child that writes much can't block.
   const TemporaryFolder scratch;
   const std::string out = scratch / "out";
   const std::string err = scratch / "err";
-  std::vector<char*> argv = {const_cast<char*>(JACULUS_BINARY)};
-  for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
-  argv.push_back(nullptr);
+  std::vector<char*> argv = argument_vector(arguments);
   const pid_t child = ::fork();
   if (child == 0) {
     const int out_file = ::open(out.c_str(), O_CREAT | O_WRONLY | O_TRUNC, 0600);
@@ -27,9 +44,34 @@ Outcome run_program(const std::vector<std::string>& arguments, const std::string
     ::execv(JACULUS_BINARY, argv.data());
     ::_exit(127);
   }
-  int status = 0;
-  ::waitpid(child, &status, 0);
-  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, bytes_of(out), bytes_of(err)};
+  const int code = exit_code_of(child);
+  return {code, bytes_of(out), bytes_of(err)};
+}
+
+Outcome run_on_terminal(const std::vector<std::string>& arguments) {
+  const TemporaryFolder scratch;
+  const std::string out = scratch / "out";
+  std::vector<char*> argv = argument_vector(arguments);
+  int ours = -1, theirs = -1;
+  if (::openpty(&ours, &theirs, nullptr, nullptr, nullptr) != 0) return {};
+  const pid_t child = ::fork();
+  if (child == 0) {
+    ::close(ours);
+    ::dup2(::open(out.c_str(), O_CREAT | O_WRONLY | O_TRUNC, 0600), STDOUT_FILENO);
+    ::dup2(theirs, STDERR_FILENO);
+    ::execv(JACULUS_BINARY, argv.data());
+    ::_exit(127);
+  }
+  ::close(theirs);
+  Outcome outcome;
+  std::array<char, 4096> chunk{};
+  // Reading fails once the child, the terminal's last user, has gone.
+  for (ssize_t got = 0; (got = ::read(ours, chunk.data(), chunk.size())) > 0;)
+    outcome.err.append(chunk.data(), static_cast<std::size_t>(got));
+  ::close(ours);
+  outcome.exit_code = exit_code_of(child);
+  outcome.out = bytes_of(out);
+  return outcome;
 }
 
 }  // namespace jaculus::test

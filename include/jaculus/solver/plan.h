@@ -29,7 +29,8 @@ namespace jaculus {
 
 struct PlanOptions {
   int jobs = 1;                                             ///< processes at a time where there are several starts
-  std::function<void(const IterationInfo&)> progress = {};  ///< after every iteration
+  std::function<void(const IterationInfo&)> progress = {};  ///< after every iteration; not from within several starts
+  std::function<void(const TaskProgress&)> starts_progress = {};  ///< after every start, where there are several
 };
 
 /// Where several starts were made: what came of them.
