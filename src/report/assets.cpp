@@ -12,7 +12,7 @@ namespace fs = std::filesystem;
 
 std::vector<fs::path> web_folders() {
   std::vector<fs::path> folders;
-  if (const char* given = std::getenv("JACULUS_WEB")) folders.emplace_back(given);
+  if (const char* given = std::getenv("JACULUS_WEB")) return {fs::path(given)};
   folders.emplace_back(JACULUS_WEB_DIR);
   folders.emplace_back(fs::path(JACULUS_SHARE_DIR) / "web");
   return folders;

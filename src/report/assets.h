@@ -7,8 +7,8 @@
 
 namespace jaculus {
 
-/// The text of a file of the web assets ("report.js"), from JACULUS_WEB (a folder), the build folder or the installed share folder, in
-/// this order; nothing where it was never built.
+/// The text of a file of the web assets ("report.js"), from JACULUS_WEB (a folder) where that is set, else from the build folder or
+/// the installed share folder, in this order; nothing where it isn't there.
 std::optional<std::string> web_asset(const std::string& name);
 
 /// The script that draws static figures.

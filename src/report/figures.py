@@ -2,7 +2,8 @@
 
     figures.py FOLDER png,svg,pdf < report.json
 
-Widths and type are those of a two-column page: 3.5 in a column, 8 pt, embedded fonts, lines that differ by dash as well as by colour.
+Widths and type are those of a two-column page: 3.5 in a column, 8 pt, embedded fonts, colours that colour-blind readers can tell
+apart, reference lines that differ by dash.
 Prints the files that it wrote.
 """
 
@@ -19,6 +20,7 @@ import numpy as np  # noqa: E402
 
 COLUMN = 3.5  # in
 PALETTE = ["#0072b2", "#d55e00", "#009e73", "#aa4499", "#b8860b", "#3aa5d8", "#6b4cc0", "#666666"]
+DASHES = [":", (0, (5, 1.5)), (0, (5, 1.5, 1, 1.5)), (0, (2, 1.5))]  # of reference lines in one chart
 MARK = {"published": "#6a1fb0", "limit": "#c62828", "note": "#555555"}
 LOOK = {
     "font.family": "serif",
@@ -68,6 +70,7 @@ def draw_series(axes, report, chart):
 
 def draw_marks(axes, chart):
     """Marks go into the legend: labels in the figure would cover its lines."""
+    lines = 0
     for mark in chart["marks"]:
         look = {"color": MARK.get(mark["kind"], "#555555"), "label": mark["label"]}
         x, y, to = mark["x"], mark["y"], mark["xTo"]
@@ -76,9 +79,11 @@ def draw_marks(axes, chart):
         elif x is not None and to is not None:
             axes.axvspan(x, to, alpha=0.2, linewidth=0, **look)
         elif x is not None:
-            axes.axvline(x, linestyle=":", linewidth=0.9, **look)
+            axes.axvline(x, linestyle=DASHES[lines % len(DASHES)], linewidth=0.9, **look)
+            lines += 1
         elif y is not None:
-            axes.axhline(y, linestyle="-." if mark["kind"] == "limit" else ":", linewidth=0.9, **look)
+            axes.axhline(y, linestyle="-." if mark["kind"] == "limit" else DASHES[lines % len(DASHES)], linewidth=0.9, **look)
+            lines += mark["kind"] != "limit"
 
 
 def legend(figure, axes):

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
 
 #include "jaculus/core/error.h"
@@ -12,6 +13,7 @@
 #include "report/html.h"
 #include "report/report_json.h"
 #include "report/thin.h"
+#include "support/temporary_folder.h"
 
 namespace jaculus {
 namespace {
@@ -169,6 +171,60 @@ TEST(Figures, FormatsAreChecked) {
       EXPECT_NE(std::string(error.what()).find("png, svg, pdf"), std::string::npos) << error.what();
     }
   }
+}
+
+/// A report with one chart of two series.
+Report with_chart() {
+  Report report;
+  report.kind = "study";
+  report.title = "falling";
+  Section section;
+  section.title = "drop";
+  Chart chart{"drop_height", "Height", "", {"time", "s"}, {"height", "m"}, {}};
+  chart.series.push_back({"measured", {0.0, 0.1, 0.2}, {1.0, 0.95, 0.8}});
+  chart.series.push_back({"model", {0.0, 0.1, 0.2}, {1.0, 0.951, 0.804}, SeriesStyle::dashed});
+  chart.marks.push_back({"paper", MarkKind::published, 0.1, 0.94});
+  section.charts.push_back(chart);
+  report.sections.push_back(section);
+  return report;
+}
+
+TEST(Figures, EveryFormatIsWrittenAsWhatItIs) {
+  try {
+    require_figures();
+  } catch (const InputError& error) {
+    GTEST_SKIP() << error.what();
+  }
+  const test::TemporaryFolder folder;
+  const std::vector<std::pair<std::string, std::string>> begins = {
+      {".png", "\x89PNG\r\n\x1A\n"}, {".svg", "<?xml"}, {".pdf", "%PDF-"}};
+  const auto files = write_figures(with_chart(), folder.path(), {"png", "svg", "pdf"});
+  ASSERT_EQ(files.size(), begins.size());
+  for (const auto& [extension, magic] : begins) {
+    const std::filesystem::path file = folder.path() / "figures" / ("drop_height" + extension);
+    EXPECT_NE(std::find(files.begin(), files.end(), file), files.end()) << file;
+    const std::string bytes = test::bytes_of(file);
+    EXPECT_GT(bytes.size(), 3000U) << file;
+    EXPECT_EQ(bytes.substr(0, magic.size()), magic) << file;
+    if (extension == ".svg") {
+      EXPECT_NE(bytes.find("</svg>"), std::string::npos);
+    }
+    if (extension == ".pdf") {
+      EXPECT_NE(bytes.find("%%EOF", bytes.size() - 16), std::string::npos);
+    }
+  }
+}
+
+TEST(Report, WithoutTheViewerItIsAPlainPageWithTheNumbers) {
+  const test::TemporaryFolder empty;
+  ASSERT_EQ(::setenv("JACULUS_WEB", empty.path().c_str(), 1), 0);
+  const std::string html = report_html(with_chart()), hostile = report_html(named(kHostile));
+  ::unsetenv("JACULUS_WEB");
+  EXPECT_EQ(count(html, "<script"), 0U);
+  for (const char* shown : {"falling", "drop", "Charts and animation are missing", "<table"})
+    EXPECT_NE(html.find(shown), std::string::npos) << shown;
+  EXPECT_EQ(count(hostile, "<script"), 0U);
+  EXPECT_EQ(count(hostile, "</script"), 0U);
 }
 
 TEST(StudyReport, ColumnsBecomeNamesWithUnits) {
