@@ -162,6 +162,8 @@ Effect winding_heating() {
       if (motor.ideal()) continue;
       values.emplace_back(path_of(motor, "resistance"), text_of(motor.resistance * (1.0 + kCopper * theta[0])));
       add_torque_constant(motor, 1.0 - kMagnet * theta[0], values);
+      if (theta[0] != 0.0 && std::isfinite(motor.torque_limit))  // a limit of the current in truth
+        values.emplace_back(path_of(motor, "torque_limit"), text_of(motor.torque_limit * (1.0 - kMagnet * theta[0])));
     }
     return values;
   };

@@ -36,11 +36,11 @@ Effect foot_friction() {
 Effect ground_compliance() {
   Effect effect = on_feet("ground_compliance", "a floor or feet that give way");
   effect.parameters = {{"compliance", "m/N", 0.0, {0.0, 5e-4}, 1e-4, "reciprocal", "stiffness", "N/m", kNaN},
-                       {"damping", "s/m", 1.0, {0.0, 5.0}, 1.0, "", "", "", kNaN}};
+                       {"damping_ratio", "-", 0.3, {0.0, 3.0}, 0.5, "", "", "", kNaN}};
   effect.apply = [](const Vector& theta, Plant& plant) {
     if (theta[0] == 0.0) return;
     plant.ground.compliance = theta[0];
-    plant.ground.damping = theta[1];
+    plant.ground.damping_ratio = theta[1];
   };
   return effect;
 }

@@ -98,7 +98,7 @@ Effect viscous_friction(const Group& group) {
 
 Effect stribeck_friction(const Group& group) {
   Effect effect = on_group(group, "stribeck_friction", "stiction that fades with speed at");
-  effect.parameters = {{"torque", "N m", 0.0, {0.0, 10.0 * group.torque}, 2.0 * group.torque, "", "", "", kNaN},
+  effect.parameters = {{"torque", "N m", 0.0, {0.0, 40.0 * group.torque}, 4.0 * group.torque, "", "", "", kNaN},
                        {"rate", "rad/s", 2.0, {0.2, 20.0}, 2.0, "", "", "", kNaN}};
   effect.apply = on_friction(group, [](const Vector& theta, JointFriction& friction) {
     if (theta[0] == 0.0) return;

@@ -13,6 +13,8 @@ namespace jaculus::detail {
 
 namespace {
 
+constexpr double kBrownOut = 0.3;  // share of the open voltage below which the bus is not followed
+
 /// Whether a limit took more than rounding off a command; plans lie on their limits.
 bool cut(double command, double taken) { return std::abs(command - taken) > 1e-6 * (1.0 + std::abs(taken)); }
 
@@ -48,20 +50,21 @@ MotorState Drive::one(size_t m, const Command& command, double rate, double temp
     const double t = saturated_torque(d.saturation_linear, d.saturation_cubic, (voltage - emf) / resistance);
     return warm_ ? t * strength : t;
   };
-  const auto current_of = [&](double t) {
-    const double cold = warm_ ? t / strength : t;
-    return cold * (d.saturation_linear + d.saturation_cubic * cold * cold);
-  };
+  // Of a torque, or of what a driver that believes in a cold motor takes for it.
+  const auto current_of_cold = [&](double t) { return t * (d.saturation_linear + d.saturation_cubic * t * t); };
+  const auto current_of = [&](double t) { return current_of_cold(warm_ ? t / strength : t); };
+  const double largest = warm_ ? motor.largest * strength : motor.largest;  // limits are of the current
   MotorState state;
   double t = command.value;
   if (quantity_ == CommandQuantity::torque) {
     t = std::clamp(t, -motor.largest, motor.largest);
     state.limited = cut(command.value, t);
-    state.current = current_of(t);
+    state.current = current_of_cold(t);
+    if (warm_) t *= strength;
     state.voltage = resistance * state.current + emf;
     if (std::abs(state.voltage) > bus) {
       state.voltage = std::copysign(bus, state.voltage);
-      const double clamped = std::clamp(torque_at(state.voltage), -motor.largest, motor.largest);
+      const double clamped = std::clamp(torque_at(state.voltage), -largest, largest);
       state.limited = state.limited || cut(t, clamped);
       t = clamped;
       state.current = current_of(t);
@@ -70,7 +73,7 @@ MotorState Drive::one(size_t m, const Command& command, double rate, double temp
     const double wanted = quantity_ == CommandQuantity::duty ? command.value * bus : command.value;
     state.voltage = std::clamp(wanted, -bus, bus);
     const double free = torque_at(state.voltage);
-    t = std::clamp(free, -motor.largest, motor.largest);
+    t = std::clamp(free, -largest, largest);
     state.limited = cut(free, t) || cut(wanted, state.voltage);
     state.current = current_of(t);
     if (t != free) state.voltage = resistance * state.current + emf;
@@ -95,11 +98,12 @@ double Drive::set(const Command* commands, const double* rates, const double* te
     set_at(open_voltage_, commands, rates, temperatures);
     return open_voltage_;
   }
-  // V_0 - R_b P(V)/V - V falls with V near the working point; below half of V_0 a battery gives no more power.
+  // V_0 - R_b P(V)/V - V falls with V near the working point. Motors at their voltage limit take less at less voltage, so that there
+  // is one even below half of V_0, where a battery gives no more power.
   const auto gap = [&](double bus) {
     return open_voltage_ - resistance_ * set_at(bus, commands, rates, temperatures) / bus - bus;
   };
-  double low = 0.5 * open_voltage_, high = open_voltage_;
+  double low = kBrownOut * open_voltage_, high = open_voltage_;
   double at_low = gap(low), at_high = gap(high);
   while (at_high > 0.0 && high < 4.0 * open_voltage_) at_high = gap(high *= 1.25);  // braking motors feed it
   double bus = at_low <= 0.0 ? low : high;

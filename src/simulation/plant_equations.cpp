@@ -76,6 +76,9 @@ void PlantEquations::add_unilaterals() {
   points_ = 0;
   for (const Unilateral& u : unilaterals) points_ += u.stop() ? 0 : 1;
   compliant_ = plant_.ground.compliance > 0.0 && points_ > 0;
+  int feet = 0;
+  for (const PlanarPoint& foot : model.feet) feet += foot.count;
+  mass_of_foot_ = model.total_mass() / std::max(1, feet);
   bristle_rate.assign(points_, 0.0);
   sole.assign(points_, Touch::stick);
   contacts.resize(unilaterals.size());

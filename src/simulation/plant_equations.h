@@ -55,6 +55,9 @@ class PlantEquations {
   [[nodiscard]] std::string beyond_range(const double* y) const;
   /// Finds the torques that hold the pose and commands them until the controller's first command. False where singular.
   bool hold(double t, const double* y);
+  /// Lets hinges hang and a compliant floor carry: turns y, which is at rest, into the static equilibrium of what neither a motor nor a
+  /// rigid contact holds. After update(); false where there is none.
+  bool rest(double t, double* y);
   /// Positions and rates alone: frames, contacts' gaps and rates.
   bool set_state(const double* y);
   /// Everything up to the free acceleration (no contact): after set_state and set_mass at the same y.
@@ -94,6 +97,9 @@ class PlantEquations {
   void add_ground(const double* y);
   void add_joint_friction();
   void add_hinges(const double* y);
+  [[nodiscard]] std::vector<int> loose_coordinates() const;
+  /// Q - h of some coordinates; false where no loop closes.
+  bool unbalanced(double t, const double* y, const std::vector<int>& rows, Vector& out);
   void set_contact(size_t i, const double* y);
   void forward(double* x) const;   ///< x = L^-1 x
   void backward(double* x) const;  ///< x = L^-T x
@@ -109,7 +115,8 @@ class PlantEquations {
   const Plant& plant_;
   CommandQuantity quantity_;
   bool holding_ = false, compliant_ = false;
-  size_t points_ = 0;  ///< feet and ground points, which come first among the unilaterals
+  double mass_of_foot_ = 0.0;  ///< the robot's, over its feet left and right [kg]
+  size_t points_ = 0;          ///< feet and ground points, which come first among the unilaterals
   std::vector<Command> hold_;
   std::vector<Friction> friction_;
   std::vector<Spring> springs_;

@@ -15,9 +15,10 @@ namespace jaculus::detail {
 namespace {
 
 /// Torque at which a flank of a gear gives way by its play: stiffness of the flanks = this / play [N m].
-constexpr double kFlankTorque = 10.0;
-/// A sole's tangential spring has a damper of this time constant beside it [s].
-constexpr double kSoleTime = 1e-3;
+constexpr double kFlankTorque = 200.0;
+/// Along the floor a sole is stiffer than the floor under it by this factor, with a damper of this time constant beside the spring [s]:
+/// plates give way downwards, and a sole's rubber shears by little.
+constexpr double kSoleStiffness = 20.0, kSoleTime = 1e-4;
 
 }  // namespace
 
@@ -34,7 +35,7 @@ void PlantEquations::add_elements() {
   for (const Transmission& t : plant_.transmissions) {
     if (t.compliance == 0.0 && t.play == 0.0) continue;
     const int count = model.motors[static_cast<size_t>(model.motor_index(t.joint))].count;
-    springs_.push_back({count / (t.compliance + t.play / kFlankTorque), t.damping_ratio, 0.5 * t.play, 0.1 * t.play});
+    springs_.push_back({count / (t.compliance + t.play / kFlankTorque), t.damping_ratio, 0.5 * t.play, 0.05 * t.play});
   }
 }
 
@@ -94,8 +95,9 @@ void PlantEquations::add_hinges(const double* y) {
   }
 }
 
-/// Normal force of the floor (Hunt and Crossley), and a sole that is a spring and a damper side by side in series with a slider:
-///     f_z = max(0, d/c (1 + D d')),   f_t = -(s + T v_t)/c within +-mu f_z,   s' = -(s + c f_t)/T   (= v_t while it sticks).
+/// Normal force of the floor (Kelvin and Voigt, without pull; m: the robot's mass over its feet), and a sole that is a spring and a
+/// damper side by side in series with a slider:
+///     f_z = max(0, d/c + 2 zeta sqrt(m/c) d'),   f_t = -20 (s + T v_t)/c within +-mu f_z,   s' = -(s + c f_t/20)/T   (= v_t while it sticks).
 /// Forces are continuous in the state, so that stick and slip are no events here, only landing and lifting are.
 void PlantEquations::add_ground(const double* y) {
   const Ground& ground = plant_.ground;
@@ -103,18 +105,75 @@ void PlantEquations::add_ground(const double* y) {
   for (size_t i = 0; i < points_; ++i) {
     const ContactState& c = contacts[i];
     const double stiffness = unilaterals[i].count / ground.compliance;
-    const double normal =
-        modes[i] == Touch::open ? 0.0 : std::max(0.0, -stiffness * c.gap * (1.0 - ground.damping * c.normal_rate));
-    const double free = -stiffness * (bristle[i] + kSoleTime * c.tangential_rate), cone = ground.friction * normal;
+    const double damping = 2.0 * ground.damping_ratio * std::sqrt(stiffness * unilaterals[i].count * mass_of_foot_);
+    const double normal = modes[i] == Touch::open ? 0.0 : std::max(0.0, -stiffness * c.gap - damping * c.normal_rate);
+    const double shear = kSoleStiffness * stiffness, cone = ground.friction * normal;
+    const double free = -shear * (bristle[i] + kSoleTime * c.tangential_rate);
     const double tangential = std::clamp(free, -cone, cone);
     sole[i] = tangential == free ? Touch::stick : (free > 0.0 ? Touch::slip_minus : Touch::slip_plus);
-    bristle_rate[i] = tangential == free ? c.tangential_rate : -(bristle[i] + tangential / stiffness) / kSoleTime;
+    bristle_rate[i] = tangential == free ? c.tangential_rate : -(bristle[i] + tangential / shear) / kSoleTime;
     lambda[2 * i] = tangential;
     lambda[2 * i + 1] = normal;
     if (normal == 0.0) continue;
     for (size_t k = 0; k < static_cast<size_t>(n()); ++k)
       force_[k] += tangential * c.tangential[k] + normal * c.normal[k];
   }
+}
+
+/// Hinges that no rigid contact loads; height and pitch where the floor gives way. Motors act on none of these rows.
+std::vector<int> PlantEquations::loose_coordinates() const {
+  std::vector<int> rows;
+  for (const Hinge& hinge : mechanism.hinges) {
+    const auto i = static_cast<size_t>(hinge.coordinate);
+    const bool loaded = std::any_of(contacts.begin(), contacts.end(), [&](const ContactState& c) {
+      return c.normal[i] != 0.0 || c.tangential[i] != 0.0;
+    });
+    if (!loaded || compliant_) rows.push_back(hinge.coordinate);
+  }
+  bool stands = false;
+  for (size_t i = 0; i < modes.size(); ++i) stands = stands || (compliant(i) && modes[i] != Touch::open);
+  for (const char* name : {"z", "pitch"})
+    if (const int i = plant_.model.coordinate_index(name); stands && i >= 0) rows.push_back(i);
+  return rows;
+}
+
+bool PlantEquations::unbalanced(double t, const double* y, const std::vector<int>& rows, Vector& out) {
+  if (!set_state(y) || !set_mass()) return false;
+  set_forces(t, y);
+  out.resize(static_cast<Eigen::Index>(rows.size()));
+  for (size_t k = 0; k < rows.size(); ++k) out[static_cast<Eigen::Index>(k)] = force_[rows[k]] - h_[rows[k]];
+  return out.allFinite();
+}
+
+bool PlantEquations::rest(double t, double* y) {
+  const std::vector<int> rows = loose_coordinates();
+  if (rows.empty() || std::any_of(y + n(), y + 2 * n(), [](double rate) { return rate != 0.0; })) return true;
+  constexpr double kStep = 1e-9;      // of differences; springs are stiff [rad, m]
+  constexpr double kBalanced = 1e-9;  // of the weight
+  Vector force, moved;
+  if (!unbalanced(t, y, rows, force)) return false;
+  const auto size = static_cast<Eigen::Index>(rows.size());
+  for (int pass = 0; pass < 60 && force.norm() > kBalanced * force_scale; ++pass) {
+    Matrix jacobian(size, size);
+    for (Eigen::Index k = 0; k < size; ++k) {
+      double& own = y[rows[static_cast<size_t>(k)]];
+      const double was = own;
+      own += kStep;
+      const bool ok = unbalanced(t, y, rows, moved);
+      own = was;
+      if (!ok) return false;
+      jacobian.col(k) = (moved - force) / kStep;
+    }
+    const Vector step = jacobian.colPivHouseholderQr().solve(-force);
+    for (double share = 1.0;; share *= 0.5) {  // the flanks of a play begin softly, so that a whole step may overshoot
+      for (Eigen::Index k = 0; k < size; ++k) y[rows[static_cast<size_t>(k)]] += share * step[k];
+      if (unbalanced(t, y, rows, moved) && moved.norm() < force.norm()) break;
+      for (Eigen::Index k = 0; k < size; ++k) y[rows[static_cast<size_t>(k)]] -= share * step[k];
+      if (share < 1e-6) return force.norm() < 1e-4 * force_scale;
+    }
+    force = moved;
+  }
+  return true;
 }
 
 /// Torques u that come nearest to keeping the accelerations zero: least |a(u)|^2, a being affine in u at given modes; of several

@@ -115,11 +115,31 @@ void level(const Plant& plant, const AbsoluteTree& tree, Vector& q) {
   q = stated;
 }
 
+/// Joints with motors are brought to where their encoders, as they read, show the stated pose.
+void place_by_encoders(const Plant& plant, Vector& q) {
+  const PlanarModel& model = plant.model;
+  const auto motors = static_cast<Eigen::Index>(model.motors.size());
+  Matrix map(motors, model.size());
+  Vector change(motors);
+  for (Eigen::Index m = 0; m < motors; ++m) {
+    const PlanarMotor& motor = model.motors[static_cast<size_t>(m)];
+    map.row(m) = model.joint_map.row(motor.body);
+    const double angle = map.row(m).dot(q) + model.joint_offset[motor.body];
+    const auto offset = plant.sensing.offset.find(motor.joint), scale = plant.sensing.scale.find(motor.joint);
+    const double shown_at = angle - (offset == plant.sensing.offset.end() ? 0.0 : offset->second);
+    change[m] = (scale == plant.sensing.scale.end() ? shown_at : shown_at / scale->second) - angle;
+  }
+  if (!change.isZero(0.0)) q += map.completeOrthogonalDecomposition().solve(change);
+}
+
 }  // namespace
+
+void level_feet(const Plant& plant, Vector& q) { level(plant, AbsoluteTree(plant.model), q); }
 
 StartState reference_start(const Plant& plant, const Reference& reference) {
   const PlanarModel& model = plant.model;
   StartState start{initial_coordinates(model, reference.initial), Vector::Zero(model.size())};
+  place_by_encoders(plant, start.q);
   const int z = model.coordinate_index("z");
   if (z < 0 || model.feet.empty()) return start;
   const AbsoluteTree tree(model);

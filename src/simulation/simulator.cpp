@@ -77,8 +77,7 @@ Simulation Simulator::run() {
 /// Takes the jumps at t, brings the contacts into line with them and evaluates the start of the next step.
 bool Simulator::enter(double t) {
   equations_.update(t, y_.data());
-  if (t == 0.0 && !equations_.set_mass()) return fail(SimulationStatus::singular, "the mass matrix is singular");
-  if (t == 0.0 && (!sink() || !impact())) return false;
+  if (t == 0.0 && (!sink() || !rest() || !impact())) return false;
   if (t == 0.0 && equations_.commander.waiting() && !stand()) return false;
   return evaluate_start();
 }

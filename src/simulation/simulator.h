@@ -63,6 +63,7 @@ class Simulator {
   void dense(double t, State& out);
   bool transition(const EventFunction& f);
   bool sink();
+  bool rest();
   bool stand();
   bool close_gaps(const std::vector<int>& touching);
   bool come_to_rest(const std::vector<int>& touching);

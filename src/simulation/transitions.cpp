@@ -89,6 +89,15 @@ bool Simulator::sink() {
   return true;
 }
 
+/// What nothing holds finds its place before time zero.
+bool Simulator::rest() {
+  if (!equations_.rest(0.0, y_.data()))
+    return fail(SimulationStatus::singular, "hinges or a compliant floor find no equilibrium to start from");
+  equations_.set_state(y_.data());
+  if (!equations_.set_mass()) return fail(SimulationStatus::singular, "the mass matrix is singular");
+  return true;
+}
+
 /// Holds the start's pose, with everything that touches sticking; whether it does so is for the forces to say.
 bool Simulator::stand() {
   for (const int i : candidates(false)) equations_.modes[static_cast<size_t>(i)] = Touch::stick;

@@ -107,7 +107,7 @@ TEST(Components, InfluenceGoesToZeroWithTheParameter) {
       {"ground compliance",
        [](Push& p, double s) {
          p.plant.ground.compliance = 3e-5 * s;
-         p.plant.ground.damping = 1.0;
+         p.plant.ground.damping_ratio = 0.3;
          p.start = reference_start(p.plant, p.controller.reference);
        }},
       {"foot radius",

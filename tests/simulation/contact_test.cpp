@@ -189,7 +189,7 @@ TEST(Contact, CompliantGroundSettlesAtTheStaticDepthAndGoesToRigid) {
   for (double compliance : {1e-3, 1e-4, 1e-5}) {
     Plant plant = plant_of(body_with_feet(m, 0.1, {Vec2(-0.1, 0.0), Vec2(0.1, 0.0)}), 0.5);
     plant.ground.compliance = compliance;
-    plant.ground.damping = 0.5 / (0.5 * m * g * compliance) * 1e-2;
+    plant.ground.damping_ratio = 0.3;
     const Simulation s = simulate(plant, no_controller(), start_at({0, 1e-3, 0}, {0, 0, 0}), options_for(2.0));
     ASSERT_EQ(s.status, SimulationStatus::done) << s.message;
     EXPECT_NEAR(s.q(1, 100), -0.5 * m * g * compliance, 0.2 * 0.5 * m * g * compliance);
@@ -204,7 +204,7 @@ TEST(Contact, CompliantSoleHoldsBelowTheFrictionAngleAndSlidesAboveIt) {
     for (double off : {-0.05, 0.05}) {
       Plant plant = box_on_incline(limit + off, friction);
       plant.ground.compliance = compliance;
-      plant.ground.damping = 2000.0;
+      plant.ground.damping_ratio = 1.0;
       const double rest = 0.05 - 0.5 * 2.0 * plant.model.gravity * compliance;
       const Simulation s = simulate(plant, no_controller(), start_at({0, rest, 0}, {0, 0, 0}), options_for(0.5));
       ASSERT_EQ(s.status, SimulationStatus::done) << s.message;

@@ -66,13 +66,13 @@ struct Sensing {
 };
 
 /// Floor under every contact point. Rigid where compliance is 0; else a spring-damper pushing only:
-///   f_z = max(0, depth/compliance (1 + damping depth')).
+///   f_z = max(0, depth/compliance + 2 damping_ratio sqrt(m/compliance) depth'),   m: the robot's mass over its number of feet.
 struct Ground {
-  double friction = 0.0;     ///< Coulomb coefficient [-]
-  double compliance = 0.0;   ///< [m/N], one foot of a pair
-  double damping = 0.0;      ///< Hunt-Crossley [s/m]
-  double height = 0.0;       ///< of the floor [m]
-  double foot_radius = 0.0;  ///< feet roll on a circle of this radius about the model's toe point [m]
+  double friction = 0.0;       ///< Coulomb coefficient [-]
+  double compliance = 0.0;     ///< [m/N], one foot of a pair
+  double damping_ratio = 0.0;  ///< of that mass on one foot's spring [-]
+  double height = 0.0;         ///< of the floor [m]
+  double foot_radius = 0.0;    ///< feet roll on a circle of this radius about the model's toe point [m]
 };
 
 /// End of a joint's range, an impact of the two links with restitution. One whose joint is not listed has no stop.

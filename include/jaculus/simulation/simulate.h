@@ -61,7 +61,11 @@ struct Simulation {
 Simulation simulate(const Plant& plant, const Controller& controller, const StartState& start,
                     const SimulationOptions& options);
 
-/// The start of a reference: its initial coordinates, at rest, lowered or raised so that the lowest feet touch the floor.
+/// Turns and lifts the base of a robot that stands on two feet until both touch; one whose feet are 10 mm or more apart in height, or
+/// above one another, stays as it is.
+void level_feet(const Plant& plant, Vector& q);
+
+/// The start of a reference: its initial coordinates, as the plant's encoders show them, at rest, lowered or raised so that the lowest feet touch the floor.
 /// A start whose feet are more than 50 mm above the floor is a drop, and stays there.
 StartState reference_start(const Plant& plant, const Reference& reference);
 
