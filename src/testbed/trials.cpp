@@ -215,6 +215,9 @@ Trial one_trial(const Dataset& asked, const RobotFiles& files, const PlanCommand
   options.duration = end + 0.01;
   if (!spec.exact) {
     for (const std::string& motor : files.planar_motors) options.start[motor] += spec.pose_scatter * normal(random);
+    // Nobody sets a joint beyond its stop.
+    for (const auto& [joint, stop] : asked.stops)
+      options.start[joint] = std::clamp(options.start[joint], stop.range.lower, stop.range.upper);
     options.level = options.floor;
     options.sensors = {spec.sensors.encoder_step, spec.sensors.encoder, spec.sensors.tachometer, random()};
   }
@@ -252,6 +255,26 @@ double channel_floor(const std::string& channel, const std::string& unit, const 
   return kNaN;  // currents and the like are inputs of the motion rather than the motion
 }
 
+namespace {
+
+/// Mean square of a difference in noise floors. Where a run jumps (a stop, a foot that lands) a sample beside the jump says when rather
+/// than how much: its floor is half of what the run bends there.
+double mean_square(const Vector& was, const Vector& is, double floor) {
+  double sum = 0.0;
+  const auto bend = [](const Vector& y, Eigen::Index k) {
+    return k > 0 && k + 1 < y.size() ? std::abs(y[k + 1] - 2.0 * y[k] + y[k - 1]) : 0.0;
+  };
+  for (Eigen::Index k = 0; k < was.size(); ++k) {
+    double most = 0.0;
+    for (Eigen::Index i = std::max<Eigen::Index>(0, k - 1); i <= std::min(k + 1, was.size() - 1); ++i)
+      most = std::max({most, bend(was, i), bend(is, i)});
+    sum += std::pow(is[k] - was[k], 2) / (floor * floor + 0.25 * most * most);
+  }
+  return sum / static_cast<double>(was.size());
+}
+
+}  // namespace
+
 double gap(const Dataset& a, const Dataset& b, const SensorSpec& sensors) {
   double sum = 0.0;
   int channels = 0;
@@ -262,9 +285,7 @@ double gap(const Dataset& a, const Dataset& b, const SensorSpec& sensors) {
         const double floor = channel_floor(stream.channels[c], stream.units[c], sensors);
         if (std::isnan(floor)) continue;
         const auto row = static_cast<Eigen::Index>(c);
-        const double rms = std::sqrt((stream.values.row(row) - other->values.row(row)).squaredNorm() /
-                                     static_cast<double>(stream.values.cols()));
-        sum += rms * rms / (floor * floor);
+        sum += mean_square(stream.values.row(row).transpose(), other->values.row(row).transpose(), floor);
         ++channels;
       }
     }

@@ -63,8 +63,8 @@ Dataset pendulum(const std::filesystem::path& robot_folder);
 /// Standard deviation of a channel's noise; NaN for currents and the like, which drive the motion rather than show it.
 double channel_floor(const std::string& channel, const std::string& unit, const SensorSpec& sensors);
 
-/// Root-mean-square difference of two noise-free datasets of one spec, every channel over its noise floor, root mean square over
-/// channels of all streams; scatter of the start pose is not part of the floor [-].
+/// Root-mean-square difference of two noise-free datasets of one spec, every channel over its noise floor (more beside jumps, where
+/// samples tell a time), root mean square over channels of all streams; scatter of the start pose is not part of the floor [-].
 double gap(const Dataset& a, const Dataset& b, const SensorSpec& sensors);
 
 }  // namespace jaculus::testbed
