@@ -1,9 +1,12 @@
 #include "diagnosis/align.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+
+#include "jaculus/diagnosis/evidence_space.h"
 
 namespace jaculus {
 namespace {
@@ -12,6 +15,9 @@ constexpr double kMostShift = 0.03;  // s
 constexpr double kRidge = 0.01;      // s, weak prior of a shift while aligning
 constexpr int kHats = 40;            // of the mean over runs
 constexpr double kMostCorrelation = 0.98;
+constexpr double kRidgeOfModes = 0.02;  // of their square mean
+constexpr double kBeforeImpact = 3e-3;  // s, that an impact may come sooner than predicted
+constexpr double kWanders = 3.0;  // times what noise alone leaves in the modes, from which runs have ways of their own
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
@@ -84,6 +90,27 @@ double best_shift(const Condition& condition, const std::vector<RowSpan>& spans,
   return shift;
 }
 
+/// Spans of one channel up to the first impact, after which scatter says more of times than of noise; whole where little comes before it.
+std::vector<RowSpan> quiet_spans(const Condition& condition, int channel,
+                                 const std::vector<const Prediction*>& predictions) {
+  std::vector<RowSpan> spans;
+  for (RowSpan span : row_spans(condition)) {
+    if (span.channel != channel) continue;
+    const Run& run = condition.runs[at(span.run)];
+    const std::vector<double>& impacts = predictions[at(span.run)]->impacts;
+    const double shift = run.start + run.shift[at(condition.stream_index(condition.channels[at(channel)].stream))];
+    int before = span.count;
+    if (!impacts.empty()) {
+      const double end = *std::min_element(impacts.begin(), impacts.end()) - kBeforeImpact + shift;
+      const Vector& time = run.time[at(channel)];
+      before = static_cast<int>(std::lower_bound(time.begin(), time.begin() + span.count, end) - time.begin());
+    }
+    if (before >= span.count / 3) span.count = before;
+    spans.push_back(span);
+  }
+  return spans;
+}
+
 /// The rows of one channel: residual and what is fitted to it before the scatter is taken.
 struct ChannelSystem {
   std::vector<RowSpan> spans;
@@ -110,12 +137,9 @@ ChannelSystem channel_system(const Condition& condition, int channel, const std:
                              const std::vector<RunNuisances>& nuisances) {
   ChannelSystem system;
   const Vector residual = measured_rows(condition) - predicted_rows(condition, predictions);
+  system.spans = quiet_spans(condition, channel, predictions);
   int rows = 0;
-  for (const RowSpan& span : row_spans(condition)) {
-    if (span.channel != channel) continue;
-    system.spans.push_back(span);
-    rows += span.count;
-  }
+  for (const RowSpan& span : system.spans) rows += span.count;
   const bool shared = !condition.measured_input;
   const int runs = static_cast<int>(system.spans.size());
   const int per_run = runs > 0 ? rows / runs : 0;
@@ -176,6 +200,53 @@ void set_noise(const ChannelSystem& system, Channel& channel) {
   channel.correlation = std::clamp(lag_one, 0.0, kMostCorrelation);
 }
 
+/// Rows less what all nuisances of each run, estimated together, make of them.
+Vector without_nuisances(const Condition& condition, const std::vector<const Prediction*>& predictions,
+                         const std::vector<RunNuisances>& nuisances) {
+  Vector residual = measured_rows(condition) - predicted_rows(condition, predictions), weight(residual.size());
+  for (const RowSpan& span : row_spans(condition)) {
+    const double floor = condition.channels[at(span.channel)].noise_floor;
+    weight.segment(span.first, span.count).setConstant(floor > 0.0 ? 1.0 / floor : 0.0);
+  }
+  for (const RunNuisances& n : nuisances) {
+    if (n.count == 0 || n.columns.cols() == 0) continue;
+    const Vector w = weight.segment(n.first, n.count);
+    const Matrix A = w.asDiagonal() * n.columns * n.scale.asDiagonal();
+    const Vector r = w.cwiseProduct(residual.segment(n.first, n.count) - n.columns * n.mean);
+    const Matrix H = A.transpose() * A + Matrix::Identity(A.cols(), A.cols());
+    residual.segment(n.first, n.count) -=
+        n.columns * (n.mean + n.scale.cwiseProduct(H.ldlt().solve(A.transpose() * r)));
+  }
+  return residual;
+}
+
+/// Runs that go smooth ways of their own (a foot slips in one and not in the next): what they do beyond noise and starts in the modes.
+void set_wander(const Condition& condition, const std::vector<const Prediction*>& predictions, const Vector& residual,
+                int c, Channel& channel) {
+  const std::vector<RowSpan> spans = quiet_spans(condition, c, predictions);
+  int rows = 0;
+  for (const RowSpan& span : spans) rows += span.count;
+  const auto runs = static_cast<double>(spans.size());
+  if (runs < 2.0 || channel.noise_floor == 0.0) return;
+  // Modes of every run, less what all runs share of them.
+  std::vector<Vector> found;
+  Vector mean = Vector::Zero(kWanderModes);
+  for (const RowSpan& span : spans) {
+    const Matrix modes =
+        fault_modes(condition, channel, condition.runs[at(span.run)].time[at(c)].head(span.count), kWanderModes);
+    // Modes that the rows hardly tell apart stay small.
+    const Matrix H =
+        modes.transpose() * modes + kRidgeOfModes * span.count * Matrix::Identity(kWanderModes, kWanderModes);
+    found.push_back(H.ldlt().solve(modes.transpose() * residual.segment(span.first, span.count)));
+    mean += found.back() / runs;
+  }
+  double square = 0.0;  // of a mode in a run
+  for (const Vector& own : found) square += (own - mean).squaredNorm() / (runs - 1.0) / kWanderModes;
+  const double rho = channel.correlation, samples = rows / runs;
+  const double by_noise = std::pow(channel.noise_floor, 2) * (1.0 + rho) / (1.0 - rho) / samples;
+  channel.wander = square > kWanders * by_noise ? std::sqrt(square - by_noise) : 0.0;
+}
+
 }  // namespace
 
 void align(Condition& condition, const std::vector<const Prediction*>& predictions) {
@@ -200,6 +271,10 @@ void estimate_noise(Condition& condition, const std::vector<const Prediction*>& 
     const ChannelSystem system = channel_system(condition, static_cast<int>(c), predictions, nuisances);
     if (system.residual.size() > 0) set_noise(system, condition.channels[c]);
   }
+  if (condition.measured_input) return;
+  const Vector residual = without_nuisances(condition, predictions, nuisances);
+  for (std::size_t c = 0; c < condition.channels.size(); ++c)
+    set_wander(condition, predictions, residual, static_cast<int>(c), condition.channels[c]);
 }
 
 }  // namespace jaculus

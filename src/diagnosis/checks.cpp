@@ -217,6 +217,7 @@ void cut(DiagnosisProblem& problem, const OneOff& disturbance) {
     while (kept < run.time[c].size() && run.time[c][kept] < disturbance.onset) ++kept;
     run.time[c].conservativeResize(kept);
     run.value[c].conservativeResize(kept);
+    if (!run.recorded.empty()) run.recorded[c].conservativeResize(kept);
   }
 }
 

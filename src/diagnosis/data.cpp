@@ -41,4 +41,18 @@ Vector measured_rows(const Condition& condition) {
   return rows;
 }
 
+void drop_channel(Condition& condition, std::size_t channel) {
+  const auto drop = [&](auto& list) {
+    if (channel < list.size()) list.erase(list.begin() + static_cast<std::ptrdiff_t>(channel));
+  };
+  drop(condition.channels);
+  for (Run& run : condition.runs) {
+    drop(run.time);
+    drop(run.value);
+    drop(run.recorded);
+    drop(run.block);
+    drop(run.spacing);
+  }
+}
+
 }  // namespace jaculus

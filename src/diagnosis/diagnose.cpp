@@ -28,13 +28,7 @@ void drop_silent_channels(DiagnosisProblem& problem, std::vector<std::string>& n
         if (run.value[c].size() > 0) size = std::max(size, run.value[c].cwiseAbs().maxCoeff());
       if (channel.noise_floor > 1e-9 * size && channel.noise_floor > 0.0) continue;
       notes.push_back(fmt::format("{} has no scatter at all, so it is no measurement: left out", channel.name));
-      condition.channels.erase(condition.channels.begin() + static_cast<std::ptrdiff_t>(c));
-      for (Run& run : condition.runs) {
-        run.time.erase(run.time.begin() + static_cast<std::ptrdiff_t>(c));
-        run.value.erase(run.value.begin() + static_cast<std::ptrdiff_t>(c));
-        run.block.erase(run.block.begin() + static_cast<std::ptrdiff_t>(c));
-        run.spacing.erase(run.spacing.begin() + static_cast<std::ptrdiff_t>(c));
-      }
+      drop_channel(condition, c);
     }
   }
   std::erase_if(problem.observations.conditions, [](const Condition& c) { return c.rows() == 0; });

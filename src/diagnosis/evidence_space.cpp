@@ -12,20 +12,38 @@ namespace {
 constexpr int kFaultModes = 6;
 constexpr double kLeastEnergy = 1e-5;  // s^2 below which a direction shrinks by less than its rounding
 constexpr double kJitter = 3e-4;       // s, by which steps of a held quantity may be off between log and prediction
+constexpr double kTick = 2.5e-4;       // s, by which a loop's answer to an impact may be off: some of its period
+constexpr double kJump = 0.5;          // of a jump, by which a row beside it may be off
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-/// Standard deviation of every row of a span: the channel's floor, more where a held quantity steps.
+/// What timing alone may do to a row at model time t [unit]: a held quantity steps; an impact jumps, and a sampled loop answers it a
+/// part of its period sooner or later than predicted.
+double timing_error(const Prediction& prediction, const Channel& channel, int c, double t, double half_block) {
+  const double step = prediction.step;
+  const auto difference = [&](double reach) { return prediction.at(c, t + reach) - prediction.at(c, t - reach); };
+  const double slope = std::abs(difference(step)) / (2.0 * step), reach = half_block + step;
+  double error = channel.held ? kJitter * slope : 0.0;
+  bool beside = false;
+  for (const double impact : prediction.impacts) {
+    beside = beside || std::abs(t - impact) <= reach;
+    if (t > impact) error = std::max(error, kTick * slope);
+  }
+  for (const double at : prediction.steps) beside = beside || (channel.held && std::abs(t - at) <= reach);
+  return beside ? std::max(error, kJump * std::abs(difference(reach))) : error;
+}
+
+/// Standard deviation of every row of a span: the channel's floor, more where timing matters.
 Vector deviations(const Condition& condition, const RowSpan& span, const Prediction& prediction) {
   const Channel& channel = condition.channels[at(span.channel)];
   const Run& run = condition.runs[at(span.run)];
   Vector sigma = Vector::Constant(span.count, channel.noise_floor);
-  if (!channel.held) return sigma;
+  if (!channel.held && prediction.impacts.empty()) return sigma;
+  const double half_block = 0.5 * (run.block[at(span.channel)] - 1) * run.spacing[at(span.channel)];
   const double shift = run.start + run.shift[at(condition.stream_index(channel.stream))];
   for (int i = 0; i < span.count; ++i) {
-    const double t = run.time[at(span.channel)][i] - shift, step = prediction.step;
-    const double slope = (prediction.at(span.channel, t + step) - prediction.at(span.channel, t - step)) / (2.0 * step);
-    sigma[i] = std::hypot(sigma[i], kJitter * slope);
+    const double t = run.time[at(span.channel)][i] - shift;
+    sigma[i] = std::hypot(sigma[i], timing_error(prediction, channel, span.channel, t, half_block));
   }
   return sigma;
 }
@@ -42,6 +60,7 @@ void add_span(const Condition& condition, const RowSpan& span, const Prediction&
     }
     space.previous[first + i] = i > 0 ? rho * sigma[i] / sigma[i - 1] : 0.0;
     space.weight[first + i] = 1.0 / (sigma[i] * std::sqrt(1.0 - rho * rho));
+    space.sigma[first + i] = sigma[i];
   }
 }
 
@@ -62,6 +81,7 @@ ConditionSpace whitening(const Condition& condition, const std::vector<const Pre
     space.rows += span.count;
   }
   space.weight.resize(space.rows);
+  space.sigma.resize(space.rows);
   space.previous.resize(space.rows);
   int first = 0;
   for (const RowSpan& span : space.spans) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <map>
 
 #include "jaculus/effects/select.h"
 
@@ -99,15 +100,33 @@ std::vector<int> decide(const Selection& selection, std::string& verdict) {
   return listed;
 }
 
-void rank(const DiagnosisProblem& problem, const Linearisation& about, const Selection& selection, Diagnosis& out) {
-  const ModelFit* none = find_model(selection, {});
-  const double zero = none != nullptr ? none->fit.log_evidence : 0.0;
+/// Held-out gaps of models, each worked out once.
+class HeldOutGaps {
+ public:
+  HeldOutGaps(const DiagnosisProblem& problem, const Linearisation& about, const Fit& none)
+      : problem_(problem), about_(about), none_(none) {}
+
+  const HeldOut& of(const ModelFit& model) {
+    const auto known = gaps_.find(model.candidates);
+    if (known != gaps_.end()) return known->second;
+    return gaps_.emplace(model.candidates, held_out(problem_, about_, none_, model.fit)).first->second;
+  }
+
+ private:
+  const DiagnosisProblem& problem_;
+  const Linearisation& about_;
+  const Fit& none_;
+  std::map<std::vector<int>, HeldOut> gaps_;
+};
+
+void rank(const DiagnosisProblem& problem, const Selection& selection, HeldOutGaps& gaps, Diagnosis& out) {
+  const double zero = find_model(selection, {})->fit.log_evidence;
   std::size_t judged = 0;
   for (const ModelFit& model : selection.models) {
     if (!model.fit.valid || (model.candidates.size() > 1 && model.probability < kRanked)) continue;
     Ranked row{name_of(problem, model.candidates), model.fit.log_evidence - zero, kNaN, model.probability};
-    if (none != nullptr && (judged < kHeldOut || model.candidates.empty())) {
-      row.held_out_error = held_out(problem, about, none->fit, model.fit).after;
+    if (judged < kHeldOut || model.candidates.empty()) {
+      row.held_out_error = gaps.of(model).after;
       ++judged;
     }
     out.ranking.push_back(row);
@@ -136,20 +155,19 @@ const ModelFit* chosen_model(const Selection& selection, const std::vector<int>&
   return best;
 }
 
-/// Leaves out members of a set without which held-out data are predicted as well: what the fit wanted and prediction does not
-/// is a fault of the model of noise or start, not an effect of the robot.
-constexpr double kWorth = 0.02;  // share by which a member must lower the held-out error
+/// Log density of held-out data that an effect must be worth: less is a fault of the model of noise or start, not an effect.
+constexpr double kWorth = 3.0, kWorthOfLittle = 20.0;  // the second where the gap is small
 
-const ModelFit* prune(const DiagnosisProblem& problem, const Linearisation& about, const Selection& selection,
-                      const Fit& none, const ModelFit* model) {
+/// Leaves out members of a set without which held-out data are predicted as well.
+const ModelFit* prune(const Selection& selection, HeldOutGaps& gaps, const ModelFit* model) {
   for (bool again = true; again && model->candidates.size() > 1;) {
     again = false;
-    const double full = held_out(problem, about, none, model->fit).after;
+    const double full = gaps.of(*model).log_gain;
     for (std::size_t k = 0; k < model->candidates.size() && !again; ++k) {
       std::vector<int> rest = model->candidates;
       rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(k));
       const ModelFit* less = find_model(selection, rest);
-      if (less == nullptr || held_out(problem, about, none, less->fit).after > (1.0 + kWorth) * full) continue;
+      if (less == nullptr || full - gaps.of(*less).log_gain > kWorth) continue;
       model = less;
       again = true;
     }
@@ -159,13 +177,14 @@ const ModelFit* prune(const DiagnosisProblem& problem, const Linearisation& abou
 
 /// A verdict that names effects must predict: where held-out data are not predicted better than by the nominal model, there is no
 /// gap to explain (below kGap noise floors) or one that the catalogue does not explain.
-constexpr double kGap = 1.5;  // noise floors; below it the share of a gap that shrank means nothing
+constexpr double kGap = 1.5;     // noise floors; below it the share of a gap that shrank means nothing
+constexpr double kSlack = 0.02;  // share by which the held-out error may rise
 
 void demand_prediction(Diagnosis& out) {
   const bool named = out.verdict == "effect" || out.verdict == "several" || out.verdict == "ambiguous";
   const bool small = out.gap.before < kGap;
   if (!out.gap.valid || out.verdict == "none" || (!named && !small)) return;
-  if (out.gap.after < (1.0 - kWorth) * out.gap.before) return;
+  if (out.gap.log_gain > (small ? kWorthOfLittle : kWorth) && out.gap.after < (1.0 + kSlack) * out.gap.before) return;
   out.reasons.push_back(small ? "the fit prefers a model with effects, but it predicts held-out data no better than "
                                 "the nominal one, which is "
                                 "within 1.5 noise floors of them: no gap is claimed"
@@ -179,12 +198,13 @@ void demand_prediction(Diagnosis& out) {
 void state_findings(const DiagnosisProblem& problem, const Linearisation& about, const EvidenceSpace& space,
                     const Selection& selection, Diagnosis& out) {
   std::vector<int> stated = decide(selection, out.verdict);
-  rank(problem, about, selection, out);
   const ModelFit* none = find_model(selection, {});
   const ModelFit* chosen = chosen_model(selection, stated, out.verdict);
   if (none == nullptr || chosen == nullptr) return;
+  HeldOutGaps gaps(problem, about, none->fit);
+  rank(problem, selection, gaps, out);
   if (out.verdict == "several") {
-    chosen = prune(problem, about, selection, none->fit, chosen);
+    chosen = prune(selection, gaps, chosen);
     std::erase_if(stated, [&](int c) {
       return std::find(chosen->candidates.begin(), chosen->candidates.end(), c) == chosen->candidates.end();
     });
@@ -195,7 +215,7 @@ void state_findings(const DiagnosisProblem& problem, const Linearisation& about,
   out.p_none = none->fit.p;
   out.chosen = chosen->candidates;
   out.log_unknown = chosen->structure;
-  out.gap = held_out(problem, about, none->fit, chosen->fit);
+  out.gap = gaps.of(*chosen);
   demand_prediction(out);
   if (out.verdict == "unexplained" && !chosen->candidates.empty()) {
     out.reasons.push_back("the nearest of the catalogue, which leaves structure beyond noise: " +

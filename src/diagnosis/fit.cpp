@@ -242,6 +242,7 @@ Fit fit_model(const DiagnosisProblem& problem, const EvidenceSpace& space, const
     fit.p = residual.full(u);
     complete(residual, u, fit);
     if (!best.valid || fit.cost < best.cost) best = fit;
+    if (best.log_evidence >= options.enough) break;
   }
   best.predictions = predictions;
   return best;

@@ -200,14 +200,23 @@ void apply_factors(const Base& base, const Vector& p, Plant& plant, Controller& 
   }
 }
 
-void apply_starts(const Model& model, const Base& base, const Vector& p, StartState& start) {
+void apply_starts(const Model& model, const Base& base, const Vector& p, const Plant& plant, StartState& start) {
+  bool stands = false;
   for (const StartDirection& d : base.directions) {
     for (const int i : model.hypotheses.starts) {
       if (model.hypotheses.parameters[at(i)].name != d.name || p[i] == 0.0) continue;
       start.q += p[i] * d.q;
       start.v += p[i] * d.v;
+      stands = stands || d.stands;
     }
   }
+  if (stands) level_feet(plant, start.q);
+}
+
+/// Whether a robot stands otherwise than the nominal one does.
+bool moves_start(const Plant& plant) {
+  return plant.ground.foot_radius != 0.0 || plant.ground.compliance != 0.0 || !plant.sensing.offset.empty() ||
+         !plant.sensing.scale.empty();
 }
 
 RunSetup setup_of(const Model& model, int c, int r, const Vector& p) {
@@ -217,8 +226,12 @@ RunSetup setup_of(const Model& model, int c, int r, const Vector& p) {
   RunSetup setup{base.plant, base.controllers[condition.measured_input ? at(r) : 0], base.start, {}};
   apply_candidates(model, condition.model, p, setup.plant);
   apply_factors(base, p, setup.plant, setup.controller);
-  if (condition.measured_input) setup.start = {run.start_q, run.start_v};
-  apply_starts(model, base, p, setup.start);
+  if (condition.measured_input) {
+    setup.start = {run.start_q, run.start_v};
+  } else if (moves_start(setup.plant)) {
+    setup.start = reference_start(setup.plant, setup.controller.reference);
+  }
+  apply_starts(model, base, p, setup.plant, setup.start);
   double end = condition.window_end;
   if (condition.measured_input) {
     end = 0.0;
@@ -231,7 +244,7 @@ RunSetup setup_of(const Model& model, int c, int r, const Vector& p) {
   return setup;
 }
 
-/// The first parameter of a candidate that adds a stiff hinge (a little play or compliance), with the least value worth simulating;
+/// The first parameter of a candidate that adds a stiff hinge or floor (a little play or compliance), with the least value worth simulating;
 /// -1 where there is none. Influence is proportional to play and compliance near zero while the stiffness, and the cost, grow.
 int stiff_parameter(const Model& model, const PlanarModel& robot, const Vector& p, double& least) {
   for (const Candidate& candidate : model.hypotheses.candidates) {
@@ -241,9 +254,21 @@ int stiff_parameter(const Model& model, const PlanarModel& robot, const Vector& 
     if (p[i] <= own.nominal || p[i] >= least || !own.one_sided() || !candidate.effect->applies(robot)) continue;
     Plant plant = nominal_plant(robot);
     candidate.effect->apply(candidate.effect->probed(), plant);
-    if (!plant.transmissions.empty()) return i;
+    if (!plant.transmissions.empty() || plant.ground.compliance > 0.0) return i;
   }
   return -1;
+}
+
+/// When a script's steps, and the end of any command, arrive at the motors.
+std::vector<double> command_steps(const RunSetup& setup) {
+  std::vector<double> steps;
+  const Reference& reference = setup.controller.reference;
+  const double late = setup.plant.actuation.late_start + setup.plant.actuation.delay;
+  steps.push_back(reference.duration + late);
+  if (reference.linear || reference.position.size() > 0) return steps;
+  for (Eigen::Index k = 1; k < reference.time.size(); ++k)
+    if (reference.feedforward.col(k) != reference.feedforward.col(k - 1)) steps.push_back(reference.time[k] + late);
+  return steps;
 }
 
 Prediction simulate_run(const Model& model, int c, int r, const Vector& p) {
@@ -256,6 +281,10 @@ Prediction simulate_run(const Model& model, int c, int r, const Vector& p) {
       simulation.status == SimulationStatus::done && simulation.time.size() == setup.options.sample_times.size();
   if (!prediction.valid) return prediction;
   prediction.values = channels_of(model.observations->conditions[at(c)], setup.plant, simulation);
+  for (const Event& event : simulation.events)
+    if (event.time > 0.0 && (event.kind == EventKind::stop || event.kind == EventKind::land))
+      prediction.impacts.push_back(event.time);
+  prediction.steps = command_steps(setup);
   prediction.valid = prediction.values.allFinite();
   if (!prediction.valid) prediction.message = "the simulation gave values that are not finite";
   return prediction;

@@ -10,7 +10,8 @@
 namespace jaculus {
 namespace {
 
-constexpr int kIterations = 5;
+constexpr int kSteps = 2;                              // of a refit
+constexpr double kLeastStep = 1e-3, kMostStep = 0.05;  // of differences, in u
 constexpr int kMostFolds = 8;
 constexpr double kLeastGap = 1.5;  // below it a shrink would divide noise by noise
 
@@ -20,6 +21,7 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 struct Errors {
   std::vector<Vector> squares, counts;
   double train_runs = 1.0;
+  double log_density = 0.0;  ///< of all judged rows together, less what does not depend on the model
 };
 
 Errors no_errors(const DiagnosisProblem& problem) {
@@ -39,6 +41,15 @@ double prefix_end(const Condition& condition, const Run& run) {
   return run.start + 0.25 * (end - run.start);
 }
 
+/// -r^T (I + B B^T)^-1 r/2 of the white rows that are judged, B: what the prefix leaves open of the nuisances, C L^-T.
+double log_density(const Vector& white, const Vector& judged, const Matrix& columns, const Eigen::LLT<Matrix>& prefix) {
+  const Vector r = white.cwiseProduct(judged);
+  const Matrix B = judged.asDiagonal() * prefix.matrixL().solve(columns.transpose()).transpose();
+  const Vector along = B.transpose() * r;
+  const Matrix inner = B.transpose() * B + Matrix::Identity(B.cols(), B.cols());
+  return -0.5 * (r.squaredNorm() - along.dot(inner.llt().solve(along)));
+}
+
 /// Errors of one held-out run after its nuisances were estimated from the prefix.
 void judge_run(const Condition& condition, int c, int r, const Vector& residual, const RunNuisances& n,
                const ConditionSpace& space, Errors& errors) {
@@ -54,21 +65,25 @@ void judge_run(const Condition& condition, int c, int r, const Vector& residual,
   const auto white = [&](const Vector& part) {
     Vector all = Vector::Zero(condition.rows());
     all.segment(n.first, n.count) = part;
-    return Vector(space.whiten(all).segment(n.first, n.count).cwiseProduct(prefix));
+    return Vector(space.whiten(all).segment(n.first, n.count));
   };
-  Matrix A(n.count, n.columns.cols());
-  for (Eigen::Index k = 0; k < A.cols(); ++k) A.col(k) = white(n.scale[k] * n.columns.col(k));
-  const Vector r_white = white(raw - n.columns * n.mean);
+  Matrix columns(n.count, n.columns.cols());
+  for (Eigen::Index k = 0; k < columns.cols(); ++k) columns.col(k) = white(n.scale[k] * n.columns.col(k));
+  const Matrix A = prefix.asDiagonal() * columns;
+  const Vector r_white = white(raw - n.columns * n.mean).cwiseProduct(prefix);
   const Matrix H = A.transpose() * A + Matrix::Identity(A.cols(), A.cols());
-  const Vector found = n.mean + n.scale.cwiseProduct(H.llt().solve(A.transpose() * r_white));
-  raw -= n.columns * found;
+  const Eigen::LLT<Matrix> llt(H);
+  raw -= n.columns * (n.mean + n.scale.cwiseProduct(llt.solve(A.transpose() * r_white)));
+  // What the prefix leaves open of the nuisances: rows of n.columns S L^-T, of which each row's square sum is a variance.
+  const Matrix open = llt.matrixL().solve((n.columns * n.scale.asDiagonal()).transpose()).transpose();
+  errors.log_density += log_density(white(raw), (1.0 - prefix.array()).matrix(), columns, llt);
   for (const RowSpan& span : row_spans(condition)) {
     if (span.run != r) continue;
-    const double sigma = condition.channels[at(span.channel)].noise_floor;
     for (int i = 0; i < span.count; ++i) {
       const int row = span.first - n.first + i;
       if (prefix[row] > 0.0) continue;
-      errors.squares[at(c)][span.channel] += std::pow(raw[row] / sigma, 2) / (1.0 + 1.0 / errors.train_runs);
+      const double variance = std::pow(space.sigma[span.first + i], 2) * (1.0 + 1.0 / errors.train_runs);
+      errors.squares[at(c)][span.channel] += raw[row] * raw[row] / (variance + open.row(row).squaredNorm());
       errors.counts[at(c)][span.channel] += 1.0;
     }
   }
@@ -111,23 +126,82 @@ std::vector<RunMask> folds_of(const DiagnosisProblem& problem, std::string& over
   return folds;
 }
 
+/// A fitted model with its rows' slopes: what all folds share.
+struct Tangent {
+  bool valid = false;
+  std::vector<int> free;
+  Vector p;
+  std::vector<Vector> rows;                 ///< predicted, a condition each
+  std::vector<std::vector<Vector>> slopes;  ///< d(rows)/du, a free parameter and a condition each
+};
+
+bool rows_at(const DiagnosisProblem& problem, const Vector& p, std::vector<Vector>& rows) {
+  const PredictionSet set = predict_all(problem, p);
+  if (set.valid) rows = rows_of(problem, set);
+  return set.valid;
+}
+
+Tangent tangent_of(const DiagnosisProblem& problem, const Fit& fit) {
+  Tangent tangent{false, fit.free, fit.p, {}, {}};
+  if (!rows_at(problem, fit.p, tangent.rows)) return tangent;
+  for (std::size_t i = 0; i < fit.free.size(); ++i) {
+    const FreeParameter& own = problem.hypotheses.parameters[at(fit.free[i])];
+    const double reach = 0.5 / (1.0 + fit.jacobian.col(static_cast<Eigen::Index>(i)).norm());
+    double step = std::clamp(reach, kLeastStep, kMostStep);
+    Vector moved = fit.p;
+    if (!own.bounds.contains(moved[fit.free[i]] + step * own.scale)) step = -step;
+    moved[fit.free[i]] += step * own.scale;
+    std::vector<Vector> there;
+    if (!rows_at(problem, moved, there)) return tangent;
+    for (std::size_t c = 0; c < there.size(); ++c) there[c] = (there[c] - tangent.rows[c]) / step;
+    tangent.slopes.push_back(std::move(there));
+  }
+  tangent.valid = true;
+  return tangent;
+}
+
+/// Gauss-Newton on the rows of a fold with the slopes of the whole, from where the whole was fitted: folds differ little. Returns the
+/// predicted rows at the best point reached.
+std::vector<Vector> refitted_rows(const DiagnosisProblem& problem, const EvidenceSpace& space, const Tangent& tangent) {
+  const auto size = static_cast<Eigen::Index>(tangent.free.size());
+  std::vector<Vector> best = tangent.rows, rows = best;
+  if (size == 0) return best;
+  Matrix J(space.rows, size);
+  for (Eigen::Index i = 0; i < size; ++i) J.col(i) = -space.apply(tangent.slopes[static_cast<std::size_t>(i)]);
+  const Eigen::LLT<Matrix> curvature(J.transpose() * J + Matrix::Identity(size, size));
+  const auto parameter = [&](Eigen::Index i) -> const FreeParameter& {
+    return problem.hypotheses.parameters[at(tangent.free[static_cast<std::size_t>(i)])];
+  };
+  Vector p = tangent.p, u(size);
+  double least = kInfinity;
+  for (int step = 0;; ++step) {
+    for (Eigen::Index i = 0; i < size; ++i)
+      u[i] = (p[tangent.free[static_cast<std::size_t>(i)]] - parameter(i).nominal) / parameter(i).scale;
+    const Vector r = space.residual(rows);
+    const double cost = r.squaredNorm() + u.squaredNorm();
+    if (cost < least) best = rows;
+    if (cost >= least || step == kSteps) return best;
+    least = cost;
+    u -= curvature.solve(J.transpose() * r + u);
+    for (Eigen::Index i = 0; i < size; ++i)
+      p[tangent.free[static_cast<std::size_t>(i)]] = std::clamp(parameter(i).nominal + u[i] * parameter(i).scale,
+                                                                parameter(i).bounds.lower, parameter(i).bounds.upper);
+    if (!rows_at(problem, p, rows)) return best;
+  }
+}
+
 struct FoldResult {
   bool valid = false;
   Errors before, after;
 };
 
 FoldResult run_fold(const DiagnosisProblem& problem, const Linearisation& about, const EvidenceSpace& whole,
-                    const RunMask& mask, const Fit& none, const Fit& model) {
+                    const RunMask& mask, const Tangent& none, const Tangent& model) {
   FoldResult result{false, no_errors(problem), no_errors(problem)};
   const EvidenceSpace space = evidence_space(problem, about, mask);
   if (space.rows == 0) return result;
-  const Fit nominal = fit_model(problem, space, none.free, {none.p}, {kIterations});
-  const Fit fitted = fit_model(problem, space, model.free, {model.p}, {kIterations});
-  if (!nominal.valid || !fitted.valid) return result;
-  for (const auto& [p, errors] : {std::pair(&nominal.p, &result.before), std::pair(&fitted.p, &result.after)}) {
-    const PredictionSet set = predict_all(problem, *p);
-    if (!set.valid) return result;
-    const std::vector<Vector> predicted = rows_of(problem, set);
+  for (const auto& [tangent, errors] : {std::pair(&none, &result.before), std::pair(&model, &result.after)}) {
+    const std::vector<Vector> predicted = refitted_rows(problem, space, *tangent);
     for (std::size_t c = 0; c < mask.size(); ++c) {
       const Condition& condition = problem.observations.conditions[c];
       const auto trained = static_cast<double>(std::count(mask[c].begin(), mask[c].end(), true));
@@ -158,6 +232,7 @@ double overall(const Errors& errors) {
 }
 
 void add(Errors& sum, const Errors& one) {
+  sum.log_density += one.log_density;
   for (std::size_t c = 0; c < sum.squares.size(); ++c) {
     sum.squares[c] += one.squares[c];
     sum.counts[c] += one.counts[c];
@@ -189,9 +264,11 @@ HeldOut held_out(const DiagnosisProblem& problem, const Linearisation& about, co
   const std::vector<RunMask> masks = folds_of(problem, out.over);
   if (masks.empty()) return out;
   const EvidenceSpace whole = evidence_space(problem, about);
+  const Tangent of_none = tangent_of(problem, none), of_model = tangent_of(problem, model);
+  if (!of_none.valid || !of_model.valid) return out;
   std::vector<FoldResult> folds(masks.size());
   tbb::parallel_for(std::size_t{0}, masks.size(),
-                    [&](std::size_t f) { folds[f] = run_fold(problem, about, whole, masks[f], none, model); });
+                    [&](std::size_t f) { folds[f] = run_fold(problem, about, whole, masks[f], of_none, of_model); });
   Errors before = no_errors(problem), after = before;
   for (const FoldResult& fold : folds) {
     if (!fold.valid) continue;
@@ -203,6 +280,7 @@ HeldOut held_out(const DiagnosisProblem& problem, const Linearisation& about, co
   out.valid = true;
   out.before = overall(before);
   out.after = overall(after);
+  out.log_gain = after.log_density - before.log_density;
   if (out.before >= kLeastGap) out.shrink = shrink_of(out.before, out.after);
   set_interval(folds, out);
   for (std::size_t c = 0; c < before.squares.size(); ++c) {

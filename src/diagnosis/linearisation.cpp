@@ -4,10 +4,13 @@
 #include <cstddef>
 
 #include "diagnosis/align.h"
+#include "diagnosis/start_curvature.h"
+#include "jaculus/diagnosis/evidence_space.h"
 
 namespace jaculus {
 namespace {
 
+constexpr double kStartStep = 0.25;  // of its scale, by which a start is moved for its slope
 constexpr double kFreeOffset = 1.0;  // m or rad: relative to rest, wherever that was
 constexpr double kHeightOffset = 0.003, kImuOffset = 0.01, kBusOffset = 0.1;  // m, rad, V
 constexpr double kShift = 2e-3;                                               // s, prior scatter of stamps
@@ -76,6 +79,20 @@ void add_offsets(const Condition& condition, int r, RunNuisances& out) {
   }
 }
 
+/// A run's own smooth ways, where runs differ by more than noise and starts.
+void add_wander(const Condition& condition, int r, RunNuisances& out) {
+  for (std::size_t c = 0; c < condition.channels.size(); ++c) {
+    const Channel& channel = condition.channels[c];
+    for (int k = 0; channel.wander > 0.0 && k < kWanderModes; ++k) {
+      const auto mode = [&](int row_channel, double time) {
+        if (row_channel != static_cast<int>(c)) return 0.0;
+        return fault_modes(condition, channel, Vector::Constant(1, time), kWanderModes)(0, k);
+      };
+      add_column(condition, r, "wander of " + channel.name, 0.0, channel.wander, mode, out);
+    }
+  }
+}
+
 RunNuisances run_nuisances(const DiagnosisProblem& problem, const Linearisation& about, int c, int r) {
   const Condition& condition = problem.observations.conditions[at(c)];
   RunNuisances out;
@@ -94,7 +111,7 @@ RunNuisances run_nuisances(const DiagnosisProblem& problem, const Linearisation&
     const auto difference = [&](int channel, double time) {
       const auto stream = static_cast<std::size_t>(condition.stream_index(condition.channels[at(channel)].stream));
       const double t = time - run.start - run.shift[stream];
-      return (moved.row(run, channel, t) - nominal.row(run, channel, t)) / parameter.scale;
+      return (moved.row(run, channel, t) - nominal.row(run, channel, t)) / (kStartStep * parameter.scale);
     };
     add_column(condition, r, "start of " + parameter.name, 0.0, parameter.scale, difference, out);
   }
@@ -145,18 +162,26 @@ Linearisation linearise(DiagnosisProblem& problem, const Vector& p) {
   if (!about.at_p.valid) return about;
   for (const int start : problem.hypotheses.starts) {
     Vector moved = p;
-    moved[start] += problem.hypotheses.parameters[at(start)].scale;
+    moved[start] += kStartStep * problem.hypotheses.parameters[at(start)].scale;
     about.starts.push_back(predict_all(problem, moved));
   }
   for (std::size_t c = 0; c < problem.observations.conditions.size(); ++c) {
     Condition& condition = problem.observations.conditions[c];
     const auto predictions = about.at_p.runs(condition, static_cast<int>(c));
+    for (Run& run : condition.runs) {
+      if (run.recorded.empty()) run.recorded = run.value;
+      run.value = run.recorded;
+    }
     if (!condition.measured_input) align(condition, predictions);
     about.nuisances.emplace_back();
     for (std::size_t r = 0; r < condition.runs.size(); ++r) {
       about.nuisances.back().push_back(run_nuisances(problem, about, static_cast<int>(c), static_cast<int>(r)));
     }
     estimate_noise(condition, predictions, about.nuisances.back());
+    if (take_start_curvature(problem, about, static_cast<int>(c)))
+      estimate_noise(condition, predictions, about.nuisances.back());
+    for (std::size_t r = 0; r < condition.runs.size(); ++r)
+      add_wander(condition, static_cast<int>(r), about.nuisances.back()[r]);
   }
   return about;
 }

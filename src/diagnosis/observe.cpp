@@ -210,13 +210,7 @@ void drop_dead_channels(Condition& condition, const std::string& label, std::vec
     notes.push_back(
         most < least ? fmt::format("{}: {} has too few samples in the window, or none but NaN: left out", label, name)
                      : fmt::format("{}: {} is constant (a dead sensor?): left out", label, name));
-    condition.channels.erase(condition.channels.begin() + static_cast<std::ptrdiff_t>(c));
-    for (Run& run : condition.runs) {
-      run.time.erase(run.time.begin() + static_cast<std::ptrdiff_t>(c));
-      run.value.erase(run.value.begin() + static_cast<std::ptrdiff_t>(c));
-      run.block.erase(run.block.begin() + static_cast<std::ptrdiff_t>(c));
-      run.spacing.erase(run.spacing.begin() + static_cast<std::ptrdiff_t>(c));
-    }
+    drop_channel(condition, c);
   }
 }
 

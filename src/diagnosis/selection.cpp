@@ -12,11 +12,17 @@
 namespace jaculus {
 namespace {
 
-constexpr double kPriorNone = 0.5, kPriorSingle = 0.38, kPriorPair = 0.09, kPriorTriple = 0.02, kPriorUnknown = 0.02;
+constexpr double kPriorNone = 0.5, kPriorSingle = 0.38, kPriorPair = 0.09, kPriorTriple = 0.02, kPriorUnknown = 1e-6;
 constexpr double kGain = 2.0;  // log posterior odds by which a larger model must lead for its successors to be tried
 constexpr double kLeastScore = -1.5;  // of a candidate that is fitted; none of the prior's mass moves below
-constexpr int kMostMates = 6;         // class members fitted beyond those that screening kept
-constexpr int kTested = 6;            // models whose remainder is tested for structure
+constexpr double kLeastGain = 2.0;    // of one that is added to others: the prior asks for more than that
+constexpr double kReached = 0.5;  // log evidence by which a fit may stay below its screening before it starts elsewhere
+constexpr double kLeft =
+    -3.0;  // log Bayes factor of structure in what a model leaves, below which no more effects are sought
+constexpr double kHopeless =
+    0.5;  // share of it that a pair may leave of what its best member left, for triples to be sought
+constexpr int kMostMates = 6;  // class members fitted beyond those that screening kept
+constexpr int kTested = 6;     // models whose remainder is tested for structure
 
 using Members = std::vector<int>;
 
@@ -62,7 +68,8 @@ class Search {
     std::iota(order.begin(), order.end(), 0);
     std::stable_sort(order.begin(), order.end(),
                      [&](int a, int b) { return probes[at(a)].score > probes[at(b)].score; });
-    std::erase_if(order, [&](int c) { return !probes[at(c)].valid || probes[at(c)].score < kLeastScore; });
+    const double least = base.candidates.empty() ? kLeastScore : kLeastGain;
+    std::erase_if(order, [&](int c) { return !probes[at(c)].valid || probes[at(c)].score < least; });
     order.resize(std::min(order.size(), at(count)));
     extend(base, probes, order);
   }
@@ -75,10 +82,14 @@ class Search {
       job.members.insert(std::upper_bound(job.members.begin(), job.members.end(), c), c);
       if (find(job.members) != nullptr) continue;
       job.starts = starts(base.fit.p, c, probes[at(c)]);
+      job.enough = base.fit.log_evidence + probes[at(c)].score - kReached;
       jobs.push_back(job);
     }
     add(jobs);
   }
+
+  /// log Bayes factor of smooth structure in what a model leaves.
+  [[nodiscard]] double left(const ModelFit& model) const { return structure_evidence(problem_, space_, model.fit); }
 
   std::vector<Probe> probe(const ModelFit& base) {
     const bool single_strength = !base.candidates.empty();
@@ -90,6 +101,7 @@ class Search {
   struct ModelJob {
     Members members;
     std::vector<Vector> starts;
+    double enough = kInfinity;  ///< log evidence that screening promised
   };
 
   /// From the linear estimate, and from the probing step.
@@ -121,7 +133,9 @@ class Search {
       for (const int c : model.candidates)
         for (const int p : problem_.hypotheses.candidates[at(c)].parameters) free.push_back(p);
       free.insert(free.end(), problem_.hypotheses.nuisances.begin(), problem_.hypotheses.nuisances.end());
-      model.fit = fit_model(problem_, space_, free, jobs[i].starts);
+      FitOptions fitting;
+      fitting.enough = jobs[i].enough;
+      model.fit = fit_model(problem_, space_, free, jobs[i].starts, fitting);
     });
     for (ModelFit& fit : fits) {
       predictions += fit.fit.predictions;
@@ -172,8 +186,11 @@ void search_larger(Search& search, const SelectionOptions& options) {
     const ModelFit* before = search.best(size - 2);
     if (base == nullptr || before == nullptr || search.value(*base) < search.value(*before) + (size > 2 ? kGain : 0.0))
       return;
-    if (options.progress) options.progress(size == 2 ? "pairs of effects" : "triples of effects");
     const ModelFit from = *base;
+    const double left = search.left(from);
+    // A set that takes little off what its best member leaves is not on the way to an explanation.
+    if (left < kLeft || (size > 2 && left > kHopeless * search.left(*before))) return;
+    if (options.progress) options.progress(size == 2 ? "pairs of effects" : "triples of effects");
     search.extend(from, search.probe(from), options.kept_pairs);
     const ModelFit* reached = search.best(size);
     if (reached == nullptr || search.value(*reached) < search.value(from)) return;

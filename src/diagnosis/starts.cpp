@@ -40,8 +40,12 @@ Matrix height_jacobian(const AbsoluteTree& tree, const Vector& q) {
 
 StartDirection direction(const PlanarModel& model, int i, bool rate, double scale) {
   const Coordinate& coordinate = model.coordinates[static_cast<std::size_t>(i)];
-  StartDirection d{coordinate.name + (rate ? "_velocity" : ""), coordinate.angular ? "rad" : "m", scale,
-                   Vector::Zero(model.size()), Vector::Zero(model.size())};
+  StartDirection d{coordinate.name + (rate ? "_velocity" : ""),
+                   coordinate.angular ? "rad" : "m",
+                   scale,
+                   Vector::Zero(model.size()),
+                   Vector::Zero(model.size()),
+                   false};
   if (rate) d.unit += "/s";
   (rate ? d.v : d.q)[i] = 1.0;
   return d;
@@ -76,6 +80,7 @@ std::vector<StartDirection> start_directions(const Condition& condition, const S
       const Vector step = follow.colPivHouseholderQr().solve(Vector(-jacobian.col(i)));
       d.q[z] = step[0];
       d.q[pitch] = step[1];
+      d.stands = true;
     }
     directions.push_back(d);
   }

@@ -14,7 +14,8 @@ struct StartDirection {
   std::string name;  ///< "tail", "pitch_velocity"
   std::string unit;
   double scale = 0.0;
-  Vector q, v;  ///< unit step of coordinates and rates
+  Vector q, v;          ///< unit step of coordinates and rates
+  bool stands = false;  ///< the base then moves so that both feet touch; q has it to first order
 };
 
 /// Feet that stand on the floor stay there: z and pitch follow the legs. A start in the air may also differ in pitch, and in its rate.

@@ -66,7 +66,7 @@ TEST(Diagnose, PairIsFound) {
   const std::vector<std::string> found = names(d);
   EXPECT_NE(std::find(found.begin(), found.end(), "second"), found.end()) << diagnosis_text(d);
   EXPECT_NE(std::find(found.begin(), found.end(), "first"), found.end()) << diagnosis_text(d);
-  EXPECT_LT(d.gap.after, 1.3);
+  EXPECT_LT(d.gap.after, 0.2 * d.gap.before);
 }
 
 TEST(Diagnose, WhatNoCandidateHasIsUnexplained) {

@@ -23,19 +23,21 @@ struct Channel {
   double spacing = kNaN;      ///< between samples as used, median over runs [s]
   double noise_floor = kNaN;  ///< standard deviation of one trial about the trials' mean after alignment [unit]
   double correlation = 0.0;   ///< of neighbouring samples of that scatter, 0 to 0.98 [-]
+  double wander = 0.0;        ///< standard deviation of each smooth mode of a run's own, beyond noise and starts [unit]
   double discrepancy = 0.0;   ///< standard deviation declared for smooth faults of the plant itself [unit]
 };
 
 /// Samples of one run.
 struct Run {
-  int trial = 0;                ///< index in the dataset's trials
-  double start = 0.0;           ///< data's time at which the simulation begins [s]
-  std::vector<Vector> time;     ///< a channel each: data's time of samples [s]; empty where it has none
-  std::vector<int> block;       ///< a channel each: samples averaged into one row, whose time is their mean
-  std::vector<double> spacing;  ///< a channel each: between those samples [s]
-  std::vector<Vector> value;    ///< a channel each: samples without gaps [unit]
-  std::vector<double> shift;    ///< a stream each: stamps are late by this, as aligned so far [s]
-  Vector start_q, start_v;      ///< kind measured: initial coordinates and rates from the data, else empty
+  int trial = 0;                 ///< index in the dataset's trials
+  double start = 0.0;            ///< data's time at which the simulation begins [s]
+  std::vector<Vector> time;      ///< a channel each: data's time of samples [s]; empty where it has none
+  std::vector<int> block;        ///< a channel each: samples averaged into one row, whose time is their mean
+  std::vector<double> spacing;   ///< a channel each: between those samples [s]
+  std::vector<Vector> value;     ///< a channel each: samples without gaps, less what start_curvature.h takes off [unit]
+  std::vector<Vector> recorded;  ///< the same as recorded; empty: as `value` [unit]
+  std::vector<double> shift;     ///< a stream each: stamps are late by this, as aligned so far [s]
+  Vector start_q, start_v;       ///< kind measured: initial coordinates and rates from the data, else empty
 };
 
 struct Condition {
@@ -78,6 +80,8 @@ struct RowSpan {
   int first = 0, count = 0;
 };
 std::vector<RowSpan> row_spans(const Condition& condition);
+/// Leaves a channel out of a condition and all its runs.
+void drop_channel(Condition& condition, std::size_t channel);
 /// All rows' values, in order.
 Vector measured_rows(const Condition& condition);
 

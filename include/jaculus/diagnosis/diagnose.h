@@ -10,7 +10,7 @@
 //   effect        one effect alone has 0.8 or more
 //   several       one set of effects has 0.8 or more
 //   ambiguous     else; the effects that take part in models of 95 % of the rest are listed
-// Evidence alone states nothing: a member of `several` must lower the held-out error by 2 %, and where the effects as a whole do
+// Evidence alone states nothing: a member of `several` must raise the log density of held-out data by 3, and where the effects as a whole do
 // not, the verdict is none (held-out gap below 1.5 noise floors) or unexplained.
 
 #include <functional>
@@ -76,8 +76,8 @@ struct Diagnosis {
 struct DiagnoseOptions {
   ObservationOptions observation;
   SelectionOptions selection;
-  double discrepancy_share = 0.03;     ///< of a channel's gap that the plant may misshape; see declare_discrepancy
-  double discrepancy_floor = 0.3;      ///< smooth faults of the plant itself, in noise floors
+  double discrepancy_share = 0.08;     ///< of a channel's gap that the plant may misshape; see declare_discrepancy
+  double discrepancy_floor = 1.0;      ///< smooth faults of the plant itself, in noise floors
   std::vector<const Effect*> effects;  ///< empty: the catalogue
   std::function<void(const std::string&)> progress;  ///< a line on what is going on
 };

@@ -31,6 +31,7 @@ struct ConditionSpace {
   std::vector<int> run_first;  ///< where each run's rows begin here
   std::vector<int> run_count;
   int rows = 0;
+  Vector sigma;            ///< standard deviation of every row here [unit]
   Vector weight;           ///< 1/(sigma sqrt(1 - rho^2)) of every row here
   Vector previous;         ///< rho to the row before, 0 at a span's start
   Vector prior_mean_rows;  ///< A m, raw rows of the condition
@@ -56,6 +57,9 @@ struct EvidenceSpace {
 /// Which runs of which condition take part; empty: all.
 using RunMask = std::vector<std::vector<bool>>;
 EvidenceSpace evidence_space(const DiagnosisProblem& problem, const Linearisation& about, const RunMask& mask = {});
+
+/// Modes of runs' own ways (Channel::wander).
+constexpr int kWanderModes = 10;
 
 /// Modes of step 3 at the rows of a channel, rows x K.
 Matrix fault_modes(const Condition& condition, const Channel& channel, const Vector& time, int modes);

@@ -30,10 +30,11 @@ struct Fit {
 };
 
 struct FitOptions {
-  int iterations = 12;  ///< at most, a start
+  int iterations = 12;        ///< at most, a start
+  double enough = kInfinity;  ///< log evidence at which no further start is tried
 };
 
-/// Fits the parameters `free` from each of `starts` (full vectors; their other entries count as fixed) and keeps the best.
+/// Fits the parameters `free` from each of `starts` in turn (full vectors; their other entries count as fixed) and keeps the best.
 Fit fit_model(const DiagnosisProblem& problem, const EvidenceSpace& space, const std::vector<int>& free,
               const std::vector<Vector>& starts, const FitOptions& options = {});
 

@@ -19,9 +19,11 @@ namespace jaculus {
 /// Channels of one condition on a uniform grid of model time.
 struct Prediction {
   bool valid = false;
-  std::string message;  ///< why not valid: the simulation's own
-  double step = 1e-3;   ///< of the grid, which begins at zero [s]
-  Matrix values;        ///< channels x grid points
+  std::string message;            ///< why not valid: the simulation's own
+  double step = 1e-3;             ///< of the grid, which begins at zero [s]
+  Matrix values;                  ///< channels x grid points
+  std::vector<double> impacts{};  ///< of stops and landing feet, model time [s]
+  std::vector<double> steps{};    ///< of a scripted command and the end of any, where they arrive, model time [s]
 
   /// Value of a channel at a model time, linear between grid points, constant beyond the ends.
   [[nodiscard]] double at(int channel, double time) const;

@@ -9,6 +9,8 @@
 //   offset of a channel  1; x and pitch of motion capture are relative to rest, hence free
 // Noise: residual r at the point, per channel, on hat functions over time that all runs share and the nuisances of each run; what
 // is left has sigma^2 = sum r^2/(N - rank) and correlation of neighbours rho = lag-1 autocorrelation + rank/N (the bias of a fit).
+// Wander: where the runs' own leftovers, projected on 10 modes over time, hold three times what noise leaves there, a run may go a
+// smooth way of its own: 10 columns a channel with the standard deviation that the runs show.
 // One run alone: the hats are a smoother and sigma is its scatter, which sees no slow noise.
 
 #include "jaculus/diagnosis/data.h"
@@ -48,7 +50,7 @@ struct RunNuisances {
 struct Linearisation {
   Vector p;
   PredictionSet at_p;
-  std::vector<PredictionSet> starts;                 ///< at p with one start offset moved by its scale, an entry each
+  std::vector<PredictionSet> starts;  ///< at p with one start offset moved by a share of its scale, an entry each
   std::vector<std::vector<RunNuisances>> nuisances;  ///< a condition, a run
 };
 
