@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "diagnosis/nuisance_estimate.h"
 #include "jaculus/diagnosis/evidence_space.h"
 
 namespace jaculus {
@@ -210,12 +211,9 @@ Vector without_nuisances(const Condition& condition, const std::vector<const Pre
   }
   for (const RunNuisances& n : nuisances) {
     if (n.count == 0 || n.columns.cols() == 0) continue;
-    const Vector w = weight.segment(n.first, n.count);
-    const Matrix A = w.asDiagonal() * n.columns * n.scale.asDiagonal();
-    const Vector r = w.cwiseProduct(residual.segment(n.first, n.count) - n.columns * n.mean);
-    const Matrix H = A.transpose() * A + Matrix::Identity(A.cols(), A.cols());
+    const Vector r = residual.segment(n.first, n.count) - n.columns * n.mean;
     residual.segment(n.first, n.count) -=
-        n.columns * (n.mean + n.scale.cwiseProduct(H.ldlt().solve(A.transpose() * r)));
+        n.columns * (n.mean + nuisance_deviation(n, r, weight.segment(n.first, n.count)));
   }
   return residual;
 }

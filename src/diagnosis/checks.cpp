@@ -2,12 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
 #include <numbers>
+
+#include "diagnosis/nuisance_estimate.h"
 
 namespace jaculus {
 namespace {
@@ -101,10 +102,8 @@ Vector without_nuisances(const Condition& condition, const std::vector<RunNuisan
       const double one = 1.0 / std::max(1e-12, condition.channels[at(span.channel)].noise_floor);
       for (int i = 0; i < span.count; ++i) weight[span.first - n.first + i] = time[i] < half ? one : 0.0;
     }
-    const Matrix A = weight.asDiagonal() * n.columns * n.scale.asDiagonal();
-    const Vector r = weight.cwiseProduct(residual.segment(n.first, n.count) - mean.segment(n.first, n.count));
-    const Matrix H = A.transpose() * A + Matrix::Identity(A.cols(), A.cols());
-    out.segment(n.first, n.count) -= n.columns * n.scale.cwiseProduct(H.ldlt().solve(A.transpose() * r));
+    const Vector own = residual.segment(n.first, n.count) - mean.segment(n.first, n.count);
+    out.segment(n.first, n.count) -= n.columns * nuisance_deviation(n, own, weight);
   }
   return out;
 }

@@ -1,8 +1,9 @@
 #include "diagnosis/start_curvature.h"
 
-#include <Eigen/Cholesky>
 #include <cstddef>
 #include <string>
+
+#include "diagnosis/nuisance_estimate.h"
 
 namespace jaculus {
 namespace {
@@ -25,10 +26,7 @@ Vector by_prefix(const Condition& condition, const RunNuisances& n, int run, con
         weight[row] = 1.0 / channel.noise_floor;
     }
   }
-  const Matrix A = weight.asDiagonal() * n.columns * n.scale.asDiagonal();
-  const Vector r = weight.cwiseProduct(residual - n.columns * n.mean);
-  const Matrix H = A.transpose() * A + Matrix::Identity(A.cols(), A.cols());
-  return n.mean + n.scale.cwiseProduct(H.ldlt().solve(A.transpose() * r));
+  return n.mean + nuisance_deviation(n, residual - n.columns * n.mean, weight);
 }
 
 bool take_from_run(DiagnosisProblem& problem, const Linearisation& about, int c, int r) {
