@@ -42,20 +42,8 @@ class Residual {
     const FreeParameter& p = parameter(i);
     return {(p.bounds.lower - p.nominal) / p.scale, (p.bounds.upper - p.nominal) / p.scale};
   }
-  [[nodiscard]] Vector full(const Vector& u) const {
-    Vector p = fixed_;
-    for (Eigen::Index i = 0; i < u.size(); ++i) {
-      const FreeParameter& own = parameter(i);
-      p[free_[at(i)]] = std::clamp(own.nominal + own.scale * u[i], own.bounds.lower, own.bounds.upper);
-    }
-    return p;
-  }
-  [[nodiscard]] Vector reduced(const Vector& p) const {
-    Vector u(static_cast<Eigen::Index>(free_.size()));
-    for (Eigen::Index i = 0; i < u.size(); ++i)
-      u[i] = std::clamp((p[free_[at(i)]] - parameter(i).nominal) / parameter(i).scale, range(i).lower, range(i).upper);
-    return u;
-  }
+  [[nodiscard]] Vector full(const Vector& u) const { return problem_.hypotheses.unscaled(free_, u, fixed_); }
+  [[nodiscard]] Vector reduced(const Vector& p) const { return problem_.hypotheses.scaled(free_, p); }
   bool value(const Vector& u, Vector& r) {
     ++predictions_;
     const PredictionSet set = predict_all(problem_, full(u));
@@ -79,8 +67,7 @@ class Residual {
         if (!range(i).contains(moved[i]) || !value(moved, there)) return false;
       }
       J.col(i) = (there - r) / step;
-      // Half a standard deviation by this parameter alone: large beside the simulation's rounding, small beside its curvature.
-      steps_[i] = std::clamp(0.5 / (1.0 + J.col(i).norm()), kLeastStep, kMostStep);
+      steps_[i] = difference_step(J.col(i).norm());
     }
     return true;
   }
@@ -210,6 +197,8 @@ double interval_end(const DiagnosisProblem& problem, const EvidenceSpace& space,
 }
 
 }  // namespace
+
+double difference_step(double sensitivity) { return std::clamp(0.5 / (1.0 + sensitivity), kLeastStep, kMostStep); }
 
 Fit evaluate_model(const DiagnosisProblem& problem, const EvidenceSpace& space, const Vector& p) {
   Fit fit;

@@ -10,8 +10,7 @@
 namespace jaculus {
 namespace {
 
-constexpr int kSteps = 2;                              // of a refit
-constexpr double kLeastStep = 1e-3, kMostStep = 0.05;  // of differences, in u
+constexpr int kSteps = 2;  // of a refit
 constexpr int kMostFolds = 8;
 constexpr double kLeastGap = 1.5;  // below it a shrink would divide noise by noise
 
@@ -146,8 +145,7 @@ Tangent tangent_of(const DiagnosisProblem& problem, const Fit& fit) {
   if (!rows_at(problem, fit.p, tangent.rows)) return tangent;
   for (std::size_t i = 0; i < fit.free.size(); ++i) {
     const FreeParameter& own = problem.hypotheses.parameters[at(fit.free[i])];
-    const double reach = 0.5 / (1.0 + fit.jacobian.col(static_cast<Eigen::Index>(i)).norm());
-    double step = std::clamp(reach, kLeastStep, kMostStep);
+    double step = difference_step(fit.jacobian.col(static_cast<Eigen::Index>(i)).norm());
     Vector moved = fit.p;
     if (!own.bounds.contains(moved[fit.free[i]] + step * own.scale)) step = -step;
     moved[fit.free[i]] += step * own.scale;
@@ -169,23 +167,17 @@ std::vector<Vector> refitted_rows(const DiagnosisProblem& problem, const Evidenc
   Matrix J(space.rows, size);
   for (Eigen::Index i = 0; i < size; ++i) J.col(i) = -space.apply(tangent.slopes[static_cast<std::size_t>(i)]);
   const Eigen::LLT<Matrix> curvature(J.transpose() * J + Matrix::Identity(size, size));
-  const auto parameter = [&](Eigen::Index i) -> const FreeParameter& {
-    return problem.hypotheses.parameters[at(tangent.free[static_cast<std::size_t>(i)])];
-  };
-  Vector p = tangent.p, u(size);
+  Vector p = tangent.p;
   double least = kInfinity;
   for (int step = 0;; ++step) {
-    for (Eigen::Index i = 0; i < size; ++i)
-      u[i] = (p[tangent.free[static_cast<std::size_t>(i)]] - parameter(i).nominal) / parameter(i).scale;
+    Vector u = problem.hypotheses.scaled(tangent.free, p);
     const Vector r = space.residual(rows);
     const double cost = r.squaredNorm() + u.squaredNorm();
     if (cost < least) best = rows;
     if (cost >= least || step == kSteps) return best;
     least = cost;
     u -= curvature.solve(J.transpose() * r + u);
-    for (Eigen::Index i = 0; i < size; ++i)
-      p[tangent.free[static_cast<std::size_t>(i)]] = std::clamp(parameter(i).nominal + u[i] * parameter(i).scale,
-                                                                parameter(i).bounds.lower, parameter(i).bounds.upper);
+    p = problem.hypotheses.unscaled(tangent.free, u, p);
     if (!rows_at(problem, p, rows)) return best;
   }
 }

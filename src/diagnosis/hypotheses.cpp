@@ -2,6 +2,7 @@
 
 #include "jaculus/diagnosis/hypotheses.h"
 
+#include <algorithm>
 #include <cstddef>
 
 namespace jaculus {
@@ -9,6 +10,26 @@ namespace jaculus {
 Vector Hypotheses::nominal() const {
   Vector p(static_cast<Eigen::Index>(parameters.size()));
   for (std::size_t i = 0; i < parameters.size(); ++i) p[static_cast<Eigen::Index>(i)] = parameters[i].nominal;
+  return p;
+}
+
+Vector Hypotheses::scaled(const std::vector<int>& free, const Vector& p) const {
+  Vector u(static_cast<Eigen::Index>(free.size()));
+  for (std::size_t i = 0; i < free.size(); ++i) {
+    const FreeParameter& own = parameters[static_cast<std::size_t>(free[i])];
+    u[static_cast<Eigen::Index>(i)] =
+        std::clamp((p[free[i]] - own.nominal) / own.scale, (own.bounds.lower - own.nominal) / own.scale,
+                   (own.bounds.upper - own.nominal) / own.scale);
+  }
+  return u;
+}
+
+Vector Hypotheses::unscaled(const std::vector<int>& free, const Vector& u, Vector p) const {
+  for (std::size_t i = 0; i < free.size(); ++i) {
+    const FreeParameter& own = parameters[static_cast<std::size_t>(free[i])];
+    p[free[i]] =
+        std::clamp(own.nominal + own.scale * u[static_cast<Eigen::Index>(i)], own.bounds.lower, own.bounds.upper);
+  }
   return p;
 }
 

@@ -29,6 +29,10 @@ struct Fit {
   long predictions = 0;  ///< sets of simulations that it took
 };
 
+/// Step in u of a difference, by the norm of dr/du: half a standard deviation by this parameter alone, within 0.001 and 0.05. Large beside
+/// the simulation's rounding, small beside its curvature.
+double difference_step(double sensitivity);
+
 struct FitOptions {
   int iterations = 12;        ///< at most, a start
   double enough = kInfinity;  ///< log evidence at which no further start is tried

@@ -41,6 +41,10 @@ struct Hypotheses {
   std::vector<int> starts;     ///< indices; free in every run
 
   [[nodiscard]] Vector nominal() const;
+  /// u = (p - nominal)/scale of the parameters `free`, within their bounds.
+  [[nodiscard]] Vector scaled(const std::vector<int>& free, const Vector& p) const;
+  /// p with the parameters `free` set from u, within their bounds.
+  [[nodiscard]] Vector unscaled(const std::vector<int>& free, const Vector& u, Vector p) const;
   [[nodiscard]] int candidate(const std::string& name) const;  ///< index, -1 where there is none
 };
 
