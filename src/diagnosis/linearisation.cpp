@@ -81,15 +81,19 @@ void add_offsets(const Condition& condition, int r, RunNuisances& out) {
 
 /// A run's own smooth ways, where runs differ by more than noise and starts.
 void add_wander(const Condition& condition, int r, RunNuisances& out) {
-  for (std::size_t c = 0; c < condition.channels.size(); ++c) {
-    const Channel& channel = condition.channels[c];
-    for (int k = 0; channel.wander > 0.0 && k < kWanderModes; ++k) {
-      const auto mode = [&](int row_channel, double time) {
-        if (row_channel != static_cast<int>(c)) return 0.0;
-        return fault_modes(condition, channel, Vector::Constant(1, time), kWanderModes)(0, k);
-      };
-      add_column(condition, r, "wander of " + channel.name, 0.0, channel.wander, mode, out);
-    }
+  for (const RowSpan& span : row_spans(condition)) {
+    const Channel& channel = condition.channels[at(span.channel)];
+    if (span.run != r || channel.wander == 0.0) continue;
+    const Eigen::Index first = out.columns.cols(), all = first + kWanderModes;
+    out.columns.conservativeResize(out.count, all);
+    out.columns.rightCols(kWanderModes).setZero();
+    out.columns.block(span.first - out.first, first, span.count, kWanderModes) =
+        fault_modes(condition, channel, condition.runs[at(r)].time[at(span.channel)], kWanderModes);
+    out.mean.conservativeResize(all);
+    out.mean.tail(kWanderModes).setZero();
+    out.scale.conservativeResize(all);
+    out.scale.tail(kWanderModes).setConstant(channel.wander);
+    out.names.insert(out.names.end(), kWanderModes, "wander of " + channel.name);
   }
 }
 
