@@ -7,6 +7,7 @@
 
 #include "jaculus/core/error.h"
 #include "jaculus/core/yaml.h"
+#include "simulation/channel_values.h"
 
 namespace jaculus::detail {
 
@@ -36,11 +37,6 @@ void check_reference(const Controller& c, const PlanarModel& model) {
       throw InputError(fmt::format("controller: {} gains for {} motors", gains->size(), count));
 }
 
-double value_of(const std::map<std::string, double>& values, const std::string& name, double otherwise) {
-  const auto found = values.find(name);
-  return found == values.end() ? otherwise : found->second;
-}
-
 }  // namespace
 
 Commander::Commander(const Plant& plant, const Controller& controller)
@@ -48,7 +44,7 @@ Commander::Commander(const Plant& plant, const Controller& controller)
       rate_(controller.rate_hz),
       delay_(plant.actuation.delay),
       late_(plant.actuation.late_start),
-      latency_(value_of(plant.sensing.latency, "joints", 0.0)),
+      latency_(value_or(plant.sensing.latency, "joints", 0.0)),
       scale_(plant.actuation.feedforward_scale),
       continuous_(std::isinf(controller.rate_hz)) {
   const PlanarModel& model = plant.model;
@@ -64,10 +60,10 @@ Commander::Commander(const Plant& plant, const Controller& controller)
     kp_.push_back(controller.kp.size() == 0 ? 0.0 : controller.kp[i] * plant.actuation.gain_scale_p);
     kd_.push_back(controller.kd.size() == 0 ? 0.0 : controller.kd[i] * plant.actuation.gain_scale_d);
     ratio_.push_back(model.motors[static_cast<size_t>(motor_.back())].gear);
-    position_scale_.push_back(value_of(plant.sensing.scale, joint, 1.0));
-    position_offset_.push_back(value_of(plant.sensing.offset, joint, 0.0));
-    velocity_scale_.push_back(value_of(plant.sensing.scale, joint + "_velocity", 1.0));
-    velocity_offset_.push_back(value_of(plant.sensing.offset, joint + "_velocity", 0.0));
+    position_scale_.push_back(value_or(plant.sensing.scale, joint, 1.0));
+    position_offset_.push_back(value_or(plant.sensing.offset, joint, 0.0));
+    velocity_scale_.push_back(value_or(plant.sensing.scale, joint + "_velocity", 1.0));
+    velocity_offset_.push_back(value_or(plant.sensing.offset, joint + "_velocity", 0.0));
     feedback = feedback || kp_.back() != 0.0 || kd_.back() != 0.0;
   }
   if (continuous_ && feedback && (delay_ > 0.0 || latency_ > 0.0))

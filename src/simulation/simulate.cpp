@@ -10,6 +10,7 @@
 #include "jaculus/core/error.h"
 #include "jaculus/core/yaml.h"
 #include "jaculus/dynamics/rigid_body.h"
+#include "simulation/channel_values.h"
 #include "simulation/simulator.h"
 
 namespace jaculus {
@@ -125,9 +126,8 @@ void place_by_encoders(const Plant& plant, Vector& q) {
     const PlanarMotor& motor = model.motors[static_cast<size_t>(m)];
     map.row(m) = model.joint_map.row(motor.body);
     const double angle = map.row(m).dot(q) + model.joint_offset[motor.body];
-    const auto offset = plant.sensing.offset.find(motor.joint), scale = plant.sensing.scale.find(motor.joint);
-    const double shown_at = angle - (offset == plant.sensing.offset.end() ? 0.0 : offset->second);
-    change[m] = (scale == plant.sensing.scale.end() ? shown_at : shown_at / scale->second) - angle;
+    const double offset = value_or(plant.sensing.offset, motor.joint, 0.0);
+    change[m] = (angle - offset) / value_or(plant.sensing.scale, motor.joint, 1.0) - angle;
   }
   if (!change.isZero(0.0)) q += map.completeOrthogonalDecomposition().solve(change);
 }
