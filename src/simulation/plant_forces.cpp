@@ -97,7 +97,8 @@ void PlantEquations::add_hinges(const double* y) {
 
 /// Normal force of the floor (Kelvin and Voigt, without pull; m: the robot's mass over its feet), and a sole that is a spring and a
 /// damper side by side in series with a slider:
-///     f_z = max(0, d/c + 2 zeta sqrt(m/c) d'),   f_t = -20 (s + T v_t)/c within +-mu f_z,   s' = -(s + c f_t/20)/T   (= v_t while it sticks).
+///     f_z = max(0, d/c + 2 zeta sqrt(m/c) d'),   f_t = -20 (s + T v_t)/c within +-mu f_z,
+///     s' = -(s + c f_t/20)/T   (= v_t while it sticks).
 /// Forces are continuous in the state, so that stick and slip are no events here, only landing and lifting are.
 void PlantEquations::add_ground(const double* y) {
   const Ground& ground = plant_.ground;

@@ -65,7 +65,8 @@ Simulation simulate(const Plant& plant, const Controller& controller, const Star
 /// above one another, stays as it is.
 void level_feet(const Plant& plant, Vector& q);
 
-/// The start of a reference: its initial coordinates, as the plant's encoders show them, at rest, lowered or raised so that the lowest feet touch the floor.
+/// The start of a reference: its initial coordinates, as the plant's encoders show them, at rest, lowered or raised so that the
+/// lowest feet touch the floor.
 /// A start whose feet are more than 50 mm above the floor is a drop, and stays there.
 StartState reference_start(const Plant& plant, const Reference& reference);
 
