@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <fstream>
 
 #include "cli/program.h"
@@ -14,6 +13,7 @@ namespace jaculus {
 namespace {
 
 using test::bytes_of;
+using test::expect_refusal;
 using test::holds;
 using test::Outcome;
 using test::run_program;
@@ -235,13 +235,6 @@ class BadInput : public ::testing::Test {
     folder.write("toy/robot.urdf", kUrdf);
     folder.write("toy/robot.yaml", kRobot);
     folder.write("problem.yaml", kProblem);
-  }
-  /// What every refusal has: exit code 2, one line on standard error, nothing on standard output.
-  static void expect_refusal(const Outcome& outcome) {
-    EXPECT_EQ(outcome.exit_code, 2) << outcome.err;
-    EXPECT_EQ(outcome.out, "");
-    EXPECT_TRUE(outcome.err.starts_with("jaculus: ")) << outcome.err;
-    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
   }
   TemporaryFolder folder;
 };

@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -14,19 +13,12 @@ namespace jaculus {
 namespace {
 
 using test::bytes_of;
+using test::expect_refusal;
 using test::holds;
+using test::kProblems;
 using test::Outcome;
 using test::run_program;
 using test::TemporaryFolder;
-
-const std::string kProblems = std::string(JACULUS_SOURCE_DIR) + "/problems/";
-
-void expect_refusal(const Outcome& outcome) {
-  EXPECT_EQ(outcome.exit_code, 2) << outcome.err;
-  EXPECT_EQ(outcome.out, "");
-  EXPECT_TRUE(outcome.err.starts_with("jaculus: ")) << outcome.err;
-  EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
-}
 
 TEST(CheckStudy, SaysWhatEveryShippedStudyIs) {
   int studies = 0;

@@ -14,11 +14,10 @@ namespace {
 
 using test::bytes_of;
 using test::holds;
+using test::kProblems;
 using test::Outcome;
 using test::run_program;
 using test::TemporaryFolder;
-
-const std::string kProblems = std::string(JACULUS_SOURCE_DIR) + "/problems/";
 
 TEST(Command, EveryCommandHasHelpWithAnExample) {
   for (const char* command : {"check", "export", "study"}) {

@@ -22,11 +22,10 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 using test::bytes_of;
 using test::holds;
+using test::kProblems;
 using test::Outcome;
 using test::run_program;
 using test::TemporaryFolder;
-
-const std::string kProblems = std::string(JACULUS_SOURCE_DIR) + "/problems/";
 
 TEST(Simulate, LeapTrialsGiveADatasetThatReadsBackAndTheSameBytesForASeed) {
   const TemporaryFolder folder;

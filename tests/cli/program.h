@@ -1,10 +1,16 @@
 #pragma once
 // Runs the built program as a user would and catches what it says.
 
+#include <gtest/gtest.h>
+
+#include <algorithm>
 #include <string>
 #include <vector>
 
 namespace jaculus::test {
+
+/// Where the problems stand that are shipped, with the slash.
+inline const std::string kProblems = std::string(JACULUS_SOURCE_DIR) + "/problems/";
 
 struct Outcome {
   int exit_code = -1;  ///< -1 where it did not end by itself
@@ -17,5 +23,13 @@ Outcome run_program(const std::vector<std::string>& arguments, const std::string
 
 /// The same with standard error on a terminal (a pseudo-terminal of the kernel): `err` is what it received.
 Outcome run_on_terminal(const std::vector<std::string>& arguments);
+
+/// Bad input, as every command refuses it: exit code 2, nothing on standard output, one line of message.
+inline void expect_refusal(const Outcome& outcome) {
+  EXPECT_EQ(outcome.exit_code, 2) << outcome.err;
+  EXPECT_EQ(outcome.out, "");
+  EXPECT_TRUE(outcome.err.starts_with("jaculus: ")) << outcome.err;
+  EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+}
 
 }  // namespace jaculus::test

@@ -14,8 +14,6 @@ namespace {
 
 using namespace test;
 
-const std::string kProblems = std::string(JACULUS_SOURCE_DIR) + "/problems/";
-
 /// Standard error of a command on a terminal must show `shown`, elsewhere nothing of it, and with --quiet nowhere anything.
 void expect_on_terminals_only(const std::vector<std::string>& arguments, const std::vector<std::string>& shown) {
   const Outcome terminal = run_on_terminal(arguments), file = run_program(arguments);

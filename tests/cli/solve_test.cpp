@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -15,8 +14,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
-
-const std::string kProblems = std::string(JACULUS_SOURCE_DIR) + "/problems/";
 
 Json json_of(const fs::path& file) { return Json::parse(bytes_of(file)); }
 
