@@ -16,10 +16,10 @@ namespace jaculus::testbed {
 /// How hard MuJoCo's constraints are and how it steps. None of this is physics of the robot: the tests of agreement show that
 /// the motion no longer depends on it.
 struct Numerics {
-  double step = 1.6e-4;            ///< longest step [s]
-  bool runge_kutta = true;         ///< else semi-implicit Euler
-  double stiffness_steps = 2.0;    ///< time constant of constraints in steps; below 2 stiff legs may chatter on the floor [-]
-  double impedance = 0.9999;       ///< of constraints: 1 - softness [-]
+  double step = 1.6e-4;          ///< longest step [s]
+  bool runge_kutta = true;       ///< else semi-implicit Euler
+  double stiffness_steps = 2.0;  ///< time constant of constraints in steps; below 2 stiff legs chatter on the floor [-]
+  double impedance = 0.9999;     ///< of constraints: 1 - softness [-]
   double friction_impedance = 10;  ///< of friction against normal force (impratio) [-]
   int strips = 32;                 ///< of the drag's quadrature
 };
