@@ -82,9 +82,11 @@ EvidenceSpace compare_in(DiagnosisProblem& problem, Linearisation& about, const 
   return space;
 }
 
-/// Nuisances act differently once an effect is there (a shift on a tail that swings): where an effect leads clearly, everything is
-/// linearised about it and compared again.
+/// Nuisances act differently once an effect is there (a shift on a tail that swings, the clocks by which an impact is dated): where
+/// an effect leads clearly, everything is linearised about it, it is fitted again from there until it stays, and all are compared again.
 constexpr double kClearLead = 10.0;  // log evidence over none
+constexpr int kRounds = 4;
+constexpr double kStays = 0.02;  // of a prior scale
 
 const ModelFit* clear_leader(const Selection& selection) {
   const ModelFit* none = nullptr;
@@ -98,19 +100,28 @@ const ModelFit* clear_leader(const Selection& selection) {
   return leads ? best : nullptr;
 }
 
+void settle(DiagnosisProblem& problem, Fit leader, Linearisation& about, EvidenceSpace& space) {
+  for (int round = 0; round < kRounds; ++round) {
+    Linearisation again = linearise(problem, leader.p);
+    if (!again.at_p.valid) return;
+    about = std::move(again);
+    space = evidence_space(problem, about);
+    const Fit next = fit_model(problem, space, leader.free, {leader.p});
+    if (!next.valid) return;
+    const Vector moved =
+        problem.hypotheses.scaled(leader.free, next.p) - problem.hypotheses.scaled(leader.free, leader.p);
+    leader = next;
+    if (moved.cwiseAbs().maxCoeff() < kStays) return;
+  }
+}
+
 Selection select_twice(DiagnosisProblem& problem, Linearisation& about, EvidenceSpace& space,
                        const SelectionOptions& options) {
   SelectionOptions singles = options;
   singles.largest = 1;
   Selection first = select_models(problem, space, singles);
   if (first.none > 0.5 || first.models.empty()) return first;
-  if (const ModelFit* leader = clear_leader(first)) {
-    Linearisation again = linearise(problem, leader->fit.p);
-    if (again.at_p.valid) {
-      about = std::move(again);
-      space = evidence_space(problem, about);
-    }
-  }
+  if (const ModelFit* leader = clear_leader(first)) settle(problem, leader->fit, about, space);
   Selection second = select_models(problem, space, options);
   second.predictions += first.predictions;
   return second;

@@ -14,23 +14,59 @@ constexpr double kLeastEnergy = 1e-5;  // s^2 below which a direction shrinks by
 constexpr double kJitter = 3e-4;       // s, by which steps of a held quantity may be off between log and prediction
 constexpr double kTick = 2.5e-4;       // s, by which a loop's answer to an impact may be off: some of its period
 constexpr double kJump = 0.5;          // of a jump, by which a row beside it may be off
+constexpr double kSought = 0.03;       // s, within which a predicted jump is sought in the data
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
+/// Model times between which a jump may fall: around an impact, as predicted and as this span's data show it.
+struct JumpWindow {
+  double from = 0.0, to = 0.0;  ///< [s]
+  double size = 0.0;            ///< predicted across it [unit]
+};
+
+/// Where data fall or rise by half the predicted jump or more between neighbours, the steepest place within reach is taken for it;
+/// where none do (positions only bend), the jump is where it was predicted.
+JumpWindow jump_window(const Vector& time, const Vector& value, double shift, double impact, double size,
+                       double reach) {
+  JumpWindow window{impact - reach, impact + reach, std::abs(size)};
+  double most = kJump * std::abs(size);
+  for (Eigen::Index i = 1; i < time.size(); ++i) {
+    const double t = 0.5 * (time[i - 1] + time[i]) - shift,
+                 rise = (value[i] - value[i - 1]) * (size < 0.0 ? -1.0 : 1.0);
+    if (std::abs(t - impact) > kSought || rise <= most) continue;
+    most = rise;
+    window.from = std::min(impact, t) - reach;
+    window.to = std::max(impact, t) + reach;
+  }
+  return window;
+}
+
+/// Windows of the jumps that a span's rows may be off by.
+std::vector<JumpWindow> jump_windows(const Condition& condition, const RowSpan& span, const Prediction& prediction,
+                                     double shift, double reach) {
+  const Channel& channel = condition.channels[at(span.channel)];
+  const Run& run = condition.runs[at(span.run)];
+  std::vector<JumpWindow> windows;
+  const auto add = [&](double t) {
+    const double size = prediction.at(span.channel, t + reach) - prediction.at(span.channel, t - reach);
+    windows.push_back(jump_window(run.time[at(span.channel)], run.value[at(span.channel)], shift, t, size, reach));
+  };
+  for (const double impact : prediction.impacts) add(impact);
+  if (channel.held)
+    for (const double step : prediction.steps) add(step);
+  return windows;
+}
+
 /// What timing alone may do to a row at model time t [unit]: a held quantity steps; an impact jumps, and a sampled loop answers it a
 /// part of its period sooner or later than predicted.
-double timing_error(const Prediction& prediction, const Channel& channel, int c, double t, double half_block) {
+double timing_error(const Prediction& prediction, const std::vector<JumpWindow>& windows, bool held, int c, double t) {
   const double step = prediction.step;
-  const auto difference = [&](double reach) { return prediction.at(c, t + reach) - prediction.at(c, t - reach); };
-  const double slope = std::abs(difference(step)) / (2.0 * step), reach = half_block + step;
-  double error = channel.held ? kJitter * slope : 0.0;
-  bool beside = false;
-  for (const double impact : prediction.impacts) {
-    beside = beside || std::abs(t - impact) <= reach;
-    if (t > impact) error = std::max(error, kTick * slope);
-  }
-  for (const double at : prediction.steps) beside = beside || (channel.held && std::abs(t - at) <= reach);
-  return beside ? std::max(error, kJump * std::abs(difference(reach))) : error;
+  const double slope = std::abs(prediction.at(c, t + step) - prediction.at(c, t - step)) / (2.0 * step);
+  double error = held ? kJitter * slope : 0.0;
+  if (!prediction.impacts.empty() && t > prediction.impacts.front()) error = std::max(error, kTick * slope);
+  for (const JumpWindow& window : windows)
+    if (t >= window.from && t <= window.to) error = std::max(error, kJump * window.size);
+  return error;
 }
 
 /// Standard deviation of every row of a span: the channel's floor, more where timing matters.
@@ -41,9 +77,10 @@ Vector deviations(const Condition& condition, const RowSpan& span, const Predict
   if (!channel.held && prediction.impacts.empty()) return sigma;
   const double half_block = 0.5 * (run.block[at(span.channel)] - 1) * run.spacing[at(span.channel)];
   const double shift = run.start + run.shift[at(condition.stream_index(channel.stream))];
+  const auto windows = jump_windows(condition, span, prediction, shift, half_block + prediction.step);
   for (int i = 0; i < span.count; ++i) {
     const double t = run.time[at(span.channel)][i] - shift;
-    sigma[i] = std::hypot(sigma[i], timing_error(prediction, channel, span.channel, t, half_block));
+    sigma[i] = std::hypot(sigma[i], timing_error(prediction, windows, channel.held, span.channel, t));
   }
   return sigma;
 }

@@ -177,14 +177,16 @@ const ModelFit* prune(const Selection& selection, HeldOutGaps& gaps, const Model
 
 /// A verdict that names effects must predict: where held-out data are not predicted better than by the nominal model, there is no
 /// gap to explain (below kGap noise floors) or one that the catalogue does not explain.
-constexpr double kGap = 1.5;     // noise floors; below it the share of a gap that shrank means nothing
-constexpr double kSlack = 0.02;  // share by which the held-out error may rise
+constexpr double kGap = 1.5;  // noise floors; below it the share of a gap that shrank means nothing
+constexpr double kSlack =
+    0.02;  // share by which the held-out error may rise, and by which it must fall where the gap is small
 
 void demand_prediction(Diagnosis& out) {
   const bool named = out.verdict == "effect" || out.verdict == "several" || out.verdict == "ambiguous";
   const bool small = out.gap.before < kGap;
   if (!out.gap.valid || out.verdict == "none" || (!named && !small)) return;
-  if (out.gap.log_gain > (small ? kWorthOfLittle : kWorth) && out.gap.after < (1.0 + kSlack) * out.gap.before) return;
+  const double most = (small ? 1.0 - kSlack : 1.0 + kSlack) * out.gap.before;
+  if (out.gap.log_gain > (small ? kWorthOfLittle : kWorth) && out.gap.after < most) return;
   out.reasons.push_back(small ? "the fit prefers a model with effects, but it predicts held-out data no better than "
                                 "the nominal one, which is "
                                 "within 1.5 noise floors of them: no gap is claimed"

@@ -12,6 +12,8 @@ namespace {
 
 constexpr double kInfluence = 0.1;  // norm of a prior scale's signature below which these data can't see a candidate
 constexpr double kSmall = 0.15;     // of the probing step
+constexpr double kLowest = 0.125, kHighest = 8.0;  // rungs of the ladder, of the probing step
+constexpr int kEven = 16;                          // spaces between rungs over a short range
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
@@ -87,6 +89,47 @@ void score(const DiagnosisProblem& problem, const Fit& base, const Candidate& ca
   probe.estimate = linear.mean.head(own.cols());
 }
 
+/// u of the first parameter's rungs within its bounds.
+std::vector<double> ladder(const FreeParameter& parameter, double value) {
+  const double step = probe_step(parameter, value, 1.0);
+  const double range = parameter.bounds.upper - parameter.bounds.lower;
+  std::vector<double> rungs;
+  const auto add = [&](double move) {
+    if (move != 0.0 && parameter.bounds.contains(value + move)) rungs.push_back(move / parameter.scale);
+  };
+  if (range < kHighest * std::abs(step)) {
+    for (int i = 0; i <= kEven; ++i) add(parameter.bounds.lower + i * range / kEven - value);
+    return rungs;
+  }
+  for (double share = kLowest; share <= kHighest; share *= 2.0) {
+    add(share * step);
+    add(-share * step);
+  }
+  return rungs;
+}
+
+/// Walks the ladder; a rung that beats the linear score takes its place.
+void climb(const DiagnosisProblem& problem, const EvidenceSpace& space, const Fit& base, int first, double alone,
+           Probe& probe) {
+  const FreeParameter& own = problem.hypotheses.parameters[at(first)];
+  const double standing = alone - 0.5 * base.residual.squaredNorm();
+  double best = 0.0;
+  for (const double u : ladder(own, base.p[first])) {
+    ++probe.predictions;
+    Vector p = base.p;
+    p[first] += u * own.scale;
+    const PredictionSet set = predict_all(problem, p);
+    if (!set.valid) continue;
+    const Vector r = space.residual(rows_of(problem, set));
+    const double there = linear_evidence(-base.jacobian, r).log_evidence - 0.5 * r.squaredNorm() - 0.5 * u * u;
+    const double score = there - standing - 0.5 * std::log1p((r - base.residual).squaredNorm() / (u * u));
+    if (score <= best) continue;
+    best = score;
+    probe.rung = u;
+  }
+  probe.score = std::max(probe.score, best);
+}
+
 }  // namespace
 
 std::vector<Probe> screen(const DiagnosisProblem& problem, const EvidenceSpace& space, const Fit& base,
@@ -99,6 +142,7 @@ std::vector<Probe> screen(const DiagnosisProblem& problem, const EvidenceSpace& 
     const bool freed = std::find(base.free.begin(), base.free.end(), candidate.parameters.front()) != base.free.end();
     Probe& probe = probes[i];
     if (freed) return;
+    probe.predictions = (single_strength ? 1 : 2) * static_cast<long>(candidate.parameters.size());
     if (columns(problem, space, base, candidate, 1.0, probe.full) && probe.full.norm() > kInfluence) {
       score(problem, base, candidate, probe.full, alone, probe);
       probe.valid = true;
@@ -114,6 +158,7 @@ std::vector<Probe> screen(const DiagnosisProblem& problem, const EvidenceSpace& 
     } else if (probe.valid) {
       probe.small = probe.full;
     }
+    if (probe.valid) climb(problem, space, base, candidate.parameters.front(), alone, probe);
   });
   return probes;
 }

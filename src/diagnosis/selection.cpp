@@ -23,6 +23,7 @@ constexpr double kHopeless =
     0.5;  // share of it that a pair may leave of what its best member left, for triples to be sought
 constexpr int kMostMates = 6;  // class members fitted beyond those that screening kept
 constexpr int kTested = 6;     // models whose remainder is tested for structure
+constexpr double kForm = 0.2;  // share of what a model explains that an effect's own form may leave
 
 using Members = std::vector<int>;
 
@@ -93,8 +94,9 @@ class Search {
 
   std::vector<Probe> probe(const ModelFit& base) {
     const bool single_strength = !base.candidates.empty();
-    predictions += (single_strength ? 1 : 2) * static_cast<long>(problem_.hypotheses.candidates.size());
-    return screen(problem_, space_, base.fit, single_strength);
+    std::vector<Probe> probes = screen(problem_, space_, base.fit, single_strength);
+    for (const Probe& probe : probes) predictions += probe.predictions;
+    return probes;
   }
 
  private:
@@ -104,7 +106,7 @@ class Search {
     double enough = kInfinity;  ///< log evidence that screening promised
   };
 
-  /// From the linear estimate, and from the probing step.
+  /// From the linear estimate, from the best rung of the ladder where there is one, and from the probing step.
   [[nodiscard]] std::vector<Vector> starts(const Vector& base, int c, const Probe& probe) const {
     const auto& parameters = problem_.hypotheses.candidates[at(c)].parameters;
     Vector estimated = base, probed = base;
@@ -120,7 +122,11 @@ class Search {
           k == 0 && u < 0.0 && !p.one_sided() ? -std::abs(step) : (p.one_sided() ? step : std::abs(step));
       probed[parameters[k]] = std::clamp(base[parameters[k]] + side, p.bounds.lower, p.bounds.upper);
     }
-    return {estimated, probed};
+    if (std::isnan(probe.rung)) return {estimated, probed};
+    Vector climbed = base;
+    const int first = parameters.front();
+    climbed[first] += probe.rung * problem_.hypotheses.parameters[at(first)].scale;
+    return {estimated, climbed, probed};
   }
 
   void add(const std::vector<ModelJob>& jobs) {
@@ -231,8 +237,10 @@ void weigh(const DiagnosisProblem& problem, const EvidenceSpace& space, const Se
     if (models[i].fit.valid && (i < tested || models[i].candidates.empty()))
       models[i].structure = structure_evidence(problem, space, models[i].fit);
   });
+  const auto none = std::find_if(models.begin(), models.end(), [](const ModelFit& m) { return m.candidates.empty(); });
   const auto unknown = [&](const ModelFit& m) {
-    return value(m) + std::log(kPriorUnknown) + options.temper * m.structure;
+    const double explained = std::max(0.0, m.fit.log_evidence - none->fit.log_evidence);
+    return value(m) + std::log(kPriorUnknown) + options.temper * (m.structure - kForm * explained);
   };
   double largest = -kInfinity;
   for (const ModelFit& m : models) largest = std::max({largest, value(m), unknown(m)});

@@ -85,6 +85,7 @@ std::optional<Dataset> exact_run(const Stage& stage, const Changes& changes, con
   TrialSpec exact = spec;
   exact.exact = true;
   exact.trials = 1;
+  exact.after = 0.0;  // a gap counts where the robot is commanded, which is what a diagnosis sees
   try {
     return run_trials(stage.asked, changes, exact);
   } catch (const std::runtime_error&) {

@@ -11,8 +11,8 @@
 //   several       one set of effects has 0.8 or more
 //   ambiguous     else; the effects that take part in models of 95 % of the rest are listed
 // Evidence alone states nothing: a member of `several` must raise the log density of held-out data by 3. Where the effects as a
-// whole do not (by 20 where the held-out gap is below 1.5 noise floors), or the held-out error rises by 2 %, the verdict is none
-// (gap below 1.5 noise floors) or unexplained.
+// whole do not (by 20 where the held-out gap is below 1.5 noise floors), or the held-out error rises by 2 % (does not fall by 2 %
+// where the gap is below 1.5), the verdict is none (gap below 1.5 noise floors) or unexplained.
 
 #include <functional>
 #include <memory>

@@ -5,6 +5,9 @@
 //   limits are not linear from nominal on; second parameters (a damping) are probed with the first one set.
 //   score = log evidence of the linear Gaussian model with these columns and those of the base model, prior N(0, I) in u, less that
 //   of the base model alone:  b^T A^-1 b/2 - log det(A)/2,  A = I + G^T G,  b = G^T r.
+// Strong effects leave the reach of slopes (a tail that rebounds, air that no longer brakes), so the first parameter also walks a
+// ladder, its probing step times 1/8, 1/4, ... 8, both ways, or 16 even spaces where its bounds are closer than that; at a rung u, with
+// the base model's parameters moved linearly, score = log evidence there - u^2/2 - log(1 + |(r(u) - r)/u|^2)/2.
 
 #include <vector>
 
@@ -17,11 +20,13 @@ struct Probe {
   bool valid = false;
   Matrix small, full;  ///< rows x parameters, per prior scale, at the two strengths
   double score = -kInfinity;
-  Vector estimate;  ///< u of its parameters by the better linear model, within bounds
+  Vector estimate;       ///< u of its parameters by the better linear model, within bounds
+  double rung = kNaN;    ///< u of the first parameter on the best rung of the ladder; NaN: none beats standing still
+  long predictions = 0;  ///< sets of simulations that it took
 };
 
 /// Probes every candidate that `base` has not freed, in parallel. Order of candidates; freed ones, and those without influence on
-/// these data, stay invalid. `single_strength`: at the probing step alone.
+/// these data, stay invalid. `single_strength`: at the probing step alone, without ladder.
 std::vector<Probe> screen(const DiagnosisProblem& problem, const EvidenceSpace& space, const Fit& base,
                           bool single_strength = false);
 
