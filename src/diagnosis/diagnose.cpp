@@ -100,7 +100,7 @@ const ModelFit* clear_leader(const Selection& selection) {
   return leads ? best : nullptr;
 }
 
-void settle(DiagnosisProblem& problem, Fit leader, Linearisation& about, EvidenceSpace& space) {
+void settle(DiagnosisProblem& problem, Fit& leader, Linearisation& about, EvidenceSpace& space) {
   for (int round = 0; round < kRounds; ++round) {
     Linearisation again = linearise(problem, leader.p);
     if (!again.at_p.valid) return;
@@ -121,8 +121,11 @@ Selection select_twice(DiagnosisProblem& problem, Linearisation& about, Evidence
   singles.largest = 1;
   Selection first = select_models(problem, space, singles);
   if (first.none > 0.5 || first.models.empty()) return first;
-  if (const ModelFit* leader = clear_leader(first)) settle(problem, leader->fit, about, space);
-  Selection second = select_models(problem, space, options);
+  if (const ModelFit* clear = clear_leader(first)) {
+    Fit leader = clear->fit;
+    settle(problem, leader, about, space);
+  }
+  Selection second = select_models(problem, space, options, &first);
   second.predictions += first.predictions;
   return second;
 }
@@ -141,6 +144,25 @@ std::vector<PlanarModel> robots_of(const std::vector<Dataset>& datasets) {
   std::vector<PlanarModel> models;
   for (const Dataset& dataset : datasets) models.push_back(dataset_robot(dataset).planar);
   return models;
+}
+
+/// Datasets as a problem over the effects to be compared; no forward model where observation already found them insufficient.
+struct Posed {
+  std::shared_ptr<DiagnosisProblem> problem = std::make_shared<DiagnosisProblem>();
+  std::optional<PlantForward> forward;
+};
+
+Posed pose(const std::vector<Dataset>& datasets, const DiagnoseOptions& options) {
+  Posed posed;
+  posed.problem->observations = observe(datasets, robots_of(datasets), options.observation);
+  if (posed.problem->observations.conditions.empty() || !posed.problem->observations.insufficient.empty()) return posed;
+  std::vector<const Effect*> effects = options.effects;
+  if (effects.empty())
+    for (const Effect& effect : effect_catalogue()) effects.push_back(&effect);
+  posed.forward = plant_forward(posed.problem->observations, effects);
+  posed.problem->hypotheses = posed.forward->hypotheses;
+  posed.problem->forward = posed.forward->predict;
+  return posed;
 }
 
 }  // namespace
@@ -174,22 +196,35 @@ Diagnosis diagnose_problem(std::shared_ptr<DiagnosisProblem> problem, const Diag
 }
 
 Diagnosis diagnose(const std::vector<Dataset>& datasets, const DiagnoseOptions& options) {
-  auto problem = std::make_shared<DiagnosisProblem>();
-  problem->observations = observe(datasets, robots_of(datasets), options.observation);
-  if (problem->observations.conditions.empty() || !problem->observations.insufficient.empty())
-    return diagnose_problem(problem, options);
-  std::vector<const Effect*> effects = options.effects;
-  if (effects.empty())
-    for (const Effect& effect : effect_catalogue()) effects.push_back(&effect);
-  const PlantForward forward = plant_forward(problem->observations, effects);
-  problem->hypotheses = forward.hypotheses;
-  problem->forward = forward.predict;
-  Diagnosis out = diagnose_problem(problem, options);
+  const Posed posed = pose(datasets, options);
+  if (!posed.forward) return diagnose_problem(posed.problem, options);
+  Diagnosis out = diagnose_problem(posed.problem, options);
   if (!out.problem || out.p_none.size() == 0) return out;
   tell(options, "where the gap lies");
-  const Linearisation about = linearise(*problem, out.p_none);
-  if (about.at_p.valid) out.where = localise(*problem, about, forward);
+  const Linearisation about = linearise(*posed.problem, out.p_none);
+  if (about.at_p.valid) out.where = localise(*posed.problem, about, *posed.forward);
   return out;
+}
+
+HeldOut held_out_with(const std::vector<Dataset>& datasets, const DiagnoseOptions& options) {
+  const Posed posed = pose(datasets, options);
+  DiagnosisProblem& problem = *posed.problem;
+  Diagnosis unused;
+  Linearisation about;
+  if (!posed.forward || !prepare(problem, about, options, unused)) return {};
+  EvidenceSpace space = compare_in(problem, about, options);
+  std::vector<int> free = problem.hypotheses.nuisances;
+  Fit model = fit_model(problem, space, free, {about.p});
+  for (std::size_t c = 0; c < problem.hypotheses.candidates.size() && model.valid; ++c) {
+    const auto& own = problem.hypotheses.candidates[c].parameters;
+    free.insert(free.end(), own.begin(), own.end());
+    const std::vector<Probe> probes = screen(problem, space, model);
+    model = fit_model(problem, space, free, fit_starts(problem, model.p, static_cast<int>(c), probes[c]));
+  }
+  if (!model.valid) return {};
+  settle(problem, model, about, space);
+  const Fit none = fit_model(problem, space, problem.hypotheses.nuisances, {problem.hypotheses.nominal()});
+  return none.valid ? held_out(problem, about, none, model) : HeldOut{};
 }
 
 }  // namespace jaculus

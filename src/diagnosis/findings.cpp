@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <map>
 
+#include "diagnosis/calibration.h"
 #include "jaculus/effects/select.h"
 
 namespace jaculus {
@@ -178,14 +179,14 @@ const ModelFit* prune(const Selection& selection, HeldOutGaps& gaps, const Model
 /// A verdict that names effects must predict: where held-out data are not predicted better than by the nominal model, there is no
 /// gap to explain (below kGap noise floors) or one that the catalogue does not explain.
 constexpr double kGap = 1.5;  // noise floors; below it the share of a gap that shrank means nothing
-constexpr double kSlack =
-    0.02;  // share by which the held-out error may rise, and by which it must fall where the gap is small
+// Share by which the held-out error must fall; the second where the gap is small.
+constexpr double kLeast = 0.1, kLeastOfLittle = 0.02;
 
 void demand_prediction(Diagnosis& out) {
   const bool named = out.verdict == "effect" || out.verdict == "several" || out.verdict == "ambiguous";
   const bool small = out.gap.before < kGap;
   if (!out.gap.valid || out.verdict == "none" || (!named && !small)) return;
-  const double most = (small ? 1.0 - kSlack : 1.0 + kSlack) * out.gap.before;
+  const double most = (1.0 - (small ? kLeastOfLittle : kLeast)) * out.gap.before;
   if (out.gap.log_gain > (small ? kWorthOfLittle : kWorth) && out.gap.after < most) return;
   out.reasons.push_back(small ? "the fit prefers a model with effects, but it predicts held-out data no better than "
                                 "the nominal one, which is "
@@ -223,6 +224,7 @@ void state_findings(const DiagnosisProblem& problem, const Linearisation& about,
     out.reasons.push_back("the nearest of the catalogue, which leaves structure beyond noise: " +
                           name_of(problem, chosen->candidates));
   }
+  calibrate(out);
 }
 
 }  // namespace jaculus

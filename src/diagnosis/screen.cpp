@@ -132,8 +132,7 @@ void climb(const DiagnosisProblem& problem, const EvidenceSpace& space, const Fi
 
 }  // namespace
 
-std::vector<Probe> screen(const DiagnosisProblem& problem, const EvidenceSpace& space, const Fit& base,
-                          bool single_strength) {
+std::vector<Probe> screen(const DiagnosisProblem& problem, const EvidenceSpace& space, const Fit& base, Screening how) {
   const auto& candidates = problem.hypotheses.candidates;
   std::vector<Probe> probes(candidates.size());
   const double alone = linear_evidence(-base.jacobian, base.residual).log_evidence;
@@ -142,12 +141,12 @@ std::vector<Probe> screen(const DiagnosisProblem& problem, const EvidenceSpace& 
     const bool freed = std::find(base.free.begin(), base.free.end(), candidate.parameters.front()) != base.free.end();
     Probe& probe = probes[i];
     if (freed) return;
-    probe.predictions = (single_strength ? 1 : 2) * static_cast<long>(candidate.parameters.size());
+    probe.predictions = (how == Screening::step ? 1 : 2) * static_cast<long>(candidate.parameters.size());
     if (columns(problem, space, base, candidate, 1.0, probe.full) && probe.full.norm() > kInfluence) {
       score(problem, base, candidate, probe.full, alone, probe);
       probe.valid = true;
     }
-    if (single_strength) {
+    if (how == Screening::step) {
       probe.small = probe.full;
       return;
     }
@@ -158,9 +157,31 @@ std::vector<Probe> screen(const DiagnosisProblem& problem, const EvidenceSpace& 
     } else if (probe.valid) {
       probe.small = probe.full;
     }
-    if (probe.valid) climb(problem, space, base, candidate.parameters.front(), alone, probe);
+    if (probe.valid && how == Screening::ladder)
+      climb(problem, space, base, candidate.parameters.front(), alone, probe);
   });
   return probes;
+}
+
+std::vector<Vector> fit_starts(const DiagnosisProblem& problem, const Vector& base, int c, const Probe& probe) {
+  const auto& parameters = problem.hypotheses.candidates[at(c)].parameters;
+  Vector estimated = base, probed = base;
+  for (std::size_t k = 0; k < parameters.size(); ++k) {
+    const FreeParameter& p = problem.hypotheses.parameters[at(parameters[k])];
+    const double step = std::isnan(p.probe) ? p.scale : p.probe;
+    const double u = probe.estimate.size() > 0 ? probe.estimate[static_cast<Eigen::Index>(k)] : 0.0;
+    estimated[parameters[k]] = std::clamp(base[parameters[k]] + u * p.scale, p.bounds.lower, p.bounds.upper);
+    // A start at nominal can be a point without slope.
+    if (k == 0 && std::abs(u * p.scale) < 0.02 * std::abs(step))
+      estimated[parameters[k]] = base[parameters[k]] + 0.1 * step;
+    const double side = k == 0 && u < 0.0 && !p.one_sided() ? -std::abs(step) : (p.one_sided() ? step : std::abs(step));
+    probed[parameters[k]] = std::clamp(base[parameters[k]] + side, p.bounds.lower, p.bounds.upper);
+  }
+  if (std::isnan(probe.rung)) return {estimated, probed};
+  Vector climbed = base;
+  const int first = parameters.front();
+  climbed[first] += probe.rung * problem.hypotheses.parameters[at(first)].scale;
+  return {estimated, climbed, probed};
 }
 
 double unexplained_energy(const Vector& signature, const Matrix& own) {

@@ -12,7 +12,7 @@
 namespace jaculus {
 namespace {
 
-constexpr double kPriorNone = 0.5, kPriorSingle = 0.38, kPriorPair = 0.09, kPriorTriple = 0.02, kPriorUnknown = 1e-6;
+constexpr double kPriorNone = 0.5, kPriorSingle = 0.38, kPriorPair = 0.09, kPriorTriple = 0.02, kPriorUnknown = 1e-3;
 constexpr double kGain = 2.0;  // log posterior odds by which a larger model must lead for its successors to be tried
 constexpr double kLeastScore = -1.5;  // of a candidate that is fitted; none of the prior's mass moves below
 constexpr double kLeastGain = 2.0;    // of one that is added to others: the prior asks for more than that
@@ -23,7 +23,8 @@ constexpr double kHopeless =
     0.5;  // share of it that a pair may leave of what its best member left, for triples to be sought
 constexpr int kMostMates = 6;  // class members fitted beyond those that screening kept
 constexpr int kTested = 6;     // models whose remainder is tested for structure
-constexpr double kForm = 0.2;  // share of what a model explains that an effect's own form may leave
+// Share of what a model explains that its effects' own form may leave: to something unknown, and to each further effect.
+constexpr double kFormLeft = 0.025, kFormMember = 0.01;
 
 using Members = std::vector<int>;
 
@@ -37,17 +38,29 @@ double log_prior(std::size_t members, std::size_t candidates) {
   return std::log(kPriorTriple / std::max(1.0, n * (n - 1.0) * (n - 2.0) / 6.0));
 }
 
+double explained(const ModelFit& model, const ModelFit& none) {
+  return std::max(0.0, model.fit.log_evidence - none.fit.log_evidence);
+}
+
+/// log prior x evidence, less what a further effect must be worth beyond the first one's form; temper is the evidence's power.
+double value_of(const ModelFit& model, const ModelFit& none, double temper) {
+  if (!model.fit.valid) return -kInfinity;
+  const double further = model.candidates.empty() ? 0.0 : static_cast<double>(model.candidates.size() - 1);
+  return model.log_prior + temper * (model.fit.log_evidence - kFormMember * further * explained(model, none));
+}
+
 /// All models fitted so far.
 class Search {
  public:
-  Search(const DiagnosisProblem& problem, const EvidenceSpace& space, const SelectionOptions& options)
-      : problem_(problem), space_(space), options_(options) {}
+  Search(const DiagnosisProblem& problem, const EvidenceSpace& space, const SelectionOptions& options,
+         const Selection* earlier)
+      : problem_(problem), space_(space), options_(options), earlier_(earlier) {}
 
   std::vector<ModelFit> models;
   long predictions = 0;
 
   [[nodiscard]] double value(const ModelFit& model) const {
-    return model.fit.valid ? model.log_prior + options_.temper * model.fit.log_evidence : -kInfinity;
+    return value_of(model, models.front(), options_.temper);  // none is fitted first
   }
   [[nodiscard]] const ModelFit* find(const Members& members) const {
     const auto found =
@@ -82,7 +95,9 @@ class Search {
       job.members = base.candidates;
       job.members.insert(std::upper_bound(job.members.begin(), job.members.end(), c), c);
       if (find(job.members) != nullptr) continue;
-      job.starts = starts(base.fit.p, c, probes[at(c)]);
+      job.starts = fit_starts(problem_, base.fit.p, c, probes[at(c)]);
+      if (const Fit* known = base.candidates.empty() ? fitted_earlier(c) : nullptr)
+        job.starts.insert(job.starts.begin(), known->p);
       job.enough = base.fit.log_evidence + probes[at(c)].score - kReached;
       jobs.push_back(job);
     }
@@ -93,8 +108,10 @@ class Search {
   [[nodiscard]] double left(const ModelFit& model) const { return structure_evidence(problem_, space_, model.fit); }
 
   std::vector<Probe> probe(const ModelFit& base) {
-    const bool single_strength = !base.candidates.empty();
-    std::vector<Probe> probes = screen(problem_, space_, base.fit, single_strength);
+    const Screening how = !base.candidates.empty() ? Screening::step
+                          : earlier_ != nullptr    ? Screening::steps
+                                                   : Screening::ladder;
+    std::vector<Probe> probes = screen(problem_, space_, base.fit, how);
     for (const Probe& probe : probes) predictions += probe.predictions;
     return probes;
   }
@@ -106,27 +123,11 @@ class Search {
     double enough = kInfinity;  ///< log evidence that screening promised
   };
 
-  /// From the linear estimate, from the best rung of the ladder where there is one, and from the probing step.
-  [[nodiscard]] std::vector<Vector> starts(const Vector& base, int c, const Probe& probe) const {
-    const auto& parameters = problem_.hypotheses.candidates[at(c)].parameters;
-    Vector estimated = base, probed = base;
-    for (std::size_t k = 0; k < parameters.size(); ++k) {
-      const FreeParameter& p = problem_.hypotheses.parameters[at(parameters[k])];
-      const double step = std::isnan(p.probe) ? p.scale : p.probe;
-      const double u = probe.estimate.size() > 0 ? probe.estimate[static_cast<Eigen::Index>(k)] : 0.0;
-      estimated[parameters[k]] = std::clamp(base[parameters[k]] + u * p.scale, p.bounds.lower, p.bounds.upper);
-      // A start at nominal can be a point without slope.
-      if (k == 0 && std::abs(u * p.scale) < 0.02 * std::abs(step))
-        estimated[parameters[k]] = base[parameters[k]] + 0.1 * step;
-      const double side =
-          k == 0 && u < 0.0 && !p.one_sided() ? -std::abs(step) : (p.one_sided() ? step : std::abs(step));
-      probed[parameters[k]] = std::clamp(base[parameters[k]] + side, p.bounds.lower, p.bounds.upper);
-    }
-    if (std::isnan(probe.rung)) return {estimated, probed};
-    Vector climbed = base;
-    const int first = parameters.front();
-    climbed[first] += probe.rung * problem_.hypotheses.parameters[at(first)].scale;
-    return {estimated, climbed, probed};
+  [[nodiscard]] const Fit* fitted_earlier(int c) const {
+    if (earlier_ == nullptr) return nullptr;
+    const auto found = std::find_if(earlier_->models.begin(), earlier_->models.end(),
+                                    [&](const ModelFit& m) { return m.fit.valid && m.candidates == Members{c}; });
+    return found == earlier_->models.end() ? nullptr : &found->fit;
   }
 
   void add(const std::vector<ModelJob>& jobs) {
@@ -152,6 +153,7 @@ class Search {
   const DiagnosisProblem& problem_;
   const EvidenceSpace& space_;
   const SelectionOptions& options_;
+  const Selection* earlier_;
 };
 
 /// Candidates whose columns, at either strength, reproduce the signature of a fitted model.
@@ -227,9 +229,8 @@ void search_larger(Search& search, const SelectionOptions& options) {
 void weigh(const DiagnosisProblem& problem, const EvidenceSpace& space, const SelectionOptions& options,
            Selection& out) {
   auto& models = out.models;
-  const auto value = [&](const ModelFit& m) {
-    return m.fit.valid ? m.log_prior + options.temper * m.fit.log_evidence : -kInfinity;
-  };
+  const ModelFit none = models.front();
+  const auto value = [&](const ModelFit& m) { return value_of(m, none, options.temper); };
   std::stable_sort(models.begin(), models.end(),
                    [&](const ModelFit& a, const ModelFit& b) { return value(a) > value(b); });
   const std::size_t tested = std::min(models.size(), at(kTested));
@@ -237,10 +238,8 @@ void weigh(const DiagnosisProblem& problem, const EvidenceSpace& space, const Se
     if (models[i].fit.valid && (i < tested || models[i].candidates.empty()))
       models[i].structure = structure_evidence(problem, space, models[i].fit);
   });
-  const auto none = std::find_if(models.begin(), models.end(), [](const ModelFit& m) { return m.candidates.empty(); });
   const auto unknown = [&](const ModelFit& m) {
-    const double explained = std::max(0.0, m.fit.log_evidence - none->fit.log_evidence);
-    return value(m) + std::log(kPriorUnknown) + options.temper * (m.structure - kForm * explained);
+    return value(m) + std::log(kPriorUnknown) + options.temper * (m.structure - kFormLeft * explained(m, none));
   };
   double largest = -kInfinity;
   for (const ModelFit& m : models) largest = std::max({largest, value(m), unknown(m)});
@@ -265,9 +264,10 @@ void weigh(const DiagnosisProblem& problem, const EvidenceSpace& space, const Se
 
 }  // namespace
 
-Selection select_models(const DiagnosisProblem& problem, const EvidenceSpace& space, const SelectionOptions& options) {
+Selection select_models(const DiagnosisProblem& problem, const EvidenceSpace& space, const SelectionOptions& options,
+                        const Selection* earlier) {
   Selection out;
-  Search search(problem, space, options);
+  Search search(problem, space, options, earlier);
   search.fit_none();
   if (!search.models.front().fit.valid) return out;
   const ModelFit none = search.models.front();

@@ -10,6 +10,8 @@
 #include "evaluation/run_diagnosis.h"
 #include "jaculus/core/error.h"
 #include "jaculus/core/journal.h"
+#include "jaculus/diagnosis/diagnose.h"
+#include "jaculus/effects/select.h"
 #include "jaculus/trajectory/csv.h"
 
 namespace jaculus {
@@ -103,6 +105,28 @@ bool run_baselines(const fs::path& folder, const std::vector<std::string>& case_
   return true;
 }
 
+/// Gap after that the true effects leave with their parameters fitted; NaN where the catalogue has none of them or none can be had.
+double possible_gap(const fs::path& folder, const SealedTruth& truth) {
+  DiagnoseOptions only;
+  for (const std::string& name : truth.effects) only.effects.push_back(find_effect(name));
+  if (only.effects.empty() || std::find(only.effects.begin(), only.effects.end(), nullptr) != only.effects.end())
+    return kNaN;
+  const HeldOut reached = held_out_with({read_dataset(folder / truth.case_id)}, only);
+  return reached.valid ? reached.after : kNaN;
+}
+
+/// Fills in what could have been reached, once all answers are there; false where it was interrupted.
+bool add_possible_gaps(const fs::path& folder, const std::string& key, const ScoreOptions& options,
+                       std::vector<SealedTruth>& truths) {
+  const auto task = [&](int i) { return fmt::format("{}", possible_gap(folder, truths[static_cast<std::size_t>(i)])); };
+  const auto results = run_tasks(static_cast<int>(truths.size()), task, task_options(options, "possible", key));
+  for (std::size_t i = 0; i < truths.size(); ++i) {
+    if (results[i].state == TaskState::cancelled) return false;
+    if (results[i].state == TaskState::done) truths[i].possible_after_gap = std::stod(results[i].bytes);
+  }
+  return true;
+}
+
 void check_cases(const fs::path& folder, const std::vector<std::string>& case_ids) {
   if (case_ids.empty()) throw InputError(fmt::format("{}: no case; allowed: one or more", folder.string()));
   for (const std::string& id : case_ids) {
@@ -134,7 +158,9 @@ Score score_cases(const fs::path& folder, const std::vector<std::string>& case_i
   std::map<std::string, std::vector<CaseAnswer>> answers;
   if (!diagnose_all(folder, case_ids, key, options, answers)) return {};
   if (options.baselines && !run_baselines(folder, case_ids, key, options, answers)) return {};
-  const Score score = score_answers(in_order(open_labels(), case_ids), answers);
+  std::vector<SealedTruth> truths = in_order(open_labels(), case_ids);
+  if (!add_possible_gaps(folder, key, options, truths)) return {};
+  const Score score = score_answers(truths, answers);
   write_file(options.out / "score.json", score_json(score));
   write_file(options.out / "score.txt", score_text(score));
   return score;

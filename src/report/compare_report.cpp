@@ -79,20 +79,34 @@ std::string peak_table(const std::vector<ComparisonRow>& rows) {
   return table.text();
 }
 
+/// Published figures of one leap that don't go together.
+std::string contradiction(const Summary& s) {
+  const double speed = reference(s, "measured_acceleration_m_s2") * reference(s, "measured_duration_s");
+  const double bound = reference(s, "liftoff_velocity_m_s");
+  if (!(speed < bound)) return {};
+  return fmt::format(
+      "{}: published as {} m/s² over {} s on the robot, which is {} m/s at the end and below the plan's own {} m/s; so "
+      "its acceleration, its duration or where they were taken differ\n",
+      s.name, fixed(reference(s, "measured_acceleration_m_s2"), 1), fixed(reference(s, "measured_duration_s"), 3),
+      fixed(speed, 3), fixed(bound, 1));
+}
+
 std::string reference_table(const std::vector<ComparisonRow>& rows) {
   TextTable table({"published", "v/T base, planned", "here", "v/T com, planned", "here", "T, planned [s]", "here",
                    "v/T, measured"});
   bool any = false;
+  std::string notes;
   for (const ComparisonRow& row : rows) {
     const Summary& s = row.summary;
     if (s.reference.empty()) continue;
     any = true;
+    notes += contradiction(s);
     table.row({s.name, fixed(reference(s, "average_acceleration_m_s2"), 3), fixed(s.average_acceleration, 3),
                fixed(reference(s, "average_acceleration_com_m_s2"), 2), fixed(s.average_acceleration_com, 2),
                fixed(reference(s, "duration_s"), 4), fixed(s.duration, 4),
                fixed(reference(s, "measured_acceleration_m_s2"), 1)});
   }
-  return any ? fmt::format("\n{}", table.text()) : std::string();
+  return any ? fmt::format("\n{}{}", table.text(), notes) : std::string();
 }
 
 }  // namespace

@@ -91,6 +91,7 @@ constexpr std::array kKeys = {
         "v_x of the base at the end over the duration, as planned"},
     Key{"reference", "average_acceleration_com_m_s2", "m/s^2", "none", "the same of the centre of mass"},
     Key{"reference", "measured_acceleration_m_s2", "m/s^2", "none", "on hardware"},
+    Key{"reference", "measured_duration_s", "s", "none", "published beside it"},
     Key{"reference", "duration_s", "s", "none", "of the whole plan"},
     Key{"reference", "first_phase_s", "s", "none", "of the first phase"},
     Key{"reference", "liftoff_velocity_m_s", "m/s", "none", "v_x of the base at the end"},

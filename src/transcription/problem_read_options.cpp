@@ -46,6 +46,7 @@ void reference(Problem& problem, const Node& node) {
   static const std::map<std::string, Dimension> units = {{"average_acceleration_m_s2", dimension::acceleration},
                                                          {"average_acceleration_com_m_s2", dimension::acceleration},
                                                          {"measured_acceleration_m_s2", dimension::acceleration},
+                                                         {"measured_duration_s", dimension::time},
                                                          {"duration_s", dimension::time},
                                                          {"first_phase_s", dimension::time},
                                                          {"liftoff_velocity_m_s", dimension::velocity}};

@@ -13,6 +13,8 @@
 #include "jaculus/testbed/effects.h"
 #include "jaculus/testbed/trials.h"
 #include "support/shared_data.h"
+#include "testbed/commands.h"
+#include "testbed/mjcf.h"
 
 namespace jaculus {
 namespace {
@@ -82,6 +84,33 @@ TEST(Agreement, LeapsOfThreePlansByTorqueAndByDuty) {
       SCOPED_TRACE(plan + " " + quantity);
       const auto robot = kModels / (plan == "notail_V7" ? "minitaur" : "minitaur_tail");
       expect_agreement(testbed::leap(robot, data / "plans" / (plan + ".csv"), quantity), 0.08);
+    }
+  }
+}
+
+/// Contacts that rattle unload one foot of a pair at random, and a leg near its shortest then goes another way than its twin.
+TEST(Testbed, KeepsLeftAndRightLegsTogetherWhateverTheEncodersSay) {
+  if (!testbed::available()) GTEST_SKIP() << "built without MuJoCo";
+  JACULUS_REQUIRE_SHARED_DATA(data);
+  const testbed::RobotFiles files = testbed::read_robot_files(kModels / "minitaur_tail");
+  const Dataset asked = testbed::leap(kModels / "minitaur_tail", data / "plans" / "inactivetail_V7.csv", "torque");
+  testbed::PlanCommands plan = testbed::plan_commands(*asked.plan, files, "torque", "plan.csv");
+  for (const std::string& motor : plan.commands.motors) {
+    plan.commands.kp[motor] = asked.controller.kp.at(motor).range.lower;
+    plan.commands.kd[motor] = asked.controller.kd.at(motor).range.lower;
+  }
+  for (const std::uint64_t seed : {1, 2, 3, 4, 5}) {
+    testbed::PlayOptions options;
+    options.start = plan.start;
+    options.duration = plan.duration;
+    options.level = true;
+    options.sensors = {1e-4, 5e-4, 0.03, seed};
+    const testbed::Recording r = testbed::play(files, {}, plan.commands, options, testbed::Numerics{});
+    ASSERT_FALSE(r.diverged);
+    for (std::size_t i = 1; i < r.motors.size(); ++i) {
+      if (r.motor_of[i] != r.motor_of[i - 1]) continue;
+      const auto right = static_cast<Eigen::Index>(i);
+      EXPECT_LT((r.position.row(right) - r.position.row(right - 1)).cwiseAbs().maxCoeff(), 2e-3) << seed << r.motors[i];
     }
   }
 }

@@ -11,8 +11,8 @@
 //   several       one set of effects has 0.8 or more
 //   ambiguous     else; the effects that take part in models of 95 % of the rest are listed
 // Evidence alone states nothing: a member of `several` must raise the log density of held-out data by 3. Where the effects as a
-// whole do not (by 20 where the held-out gap is below 1.5 noise floors), or the held-out error rises by 2 % (does not fall by 2 %
-// where the gap is below 1.5), the verdict is none (gap below 1.5 noise floors) or unexplained.
+// whole do not raise it by 3 and lower the held-out error by 10 % (by 20 and by 2 % where the gap is below 1.5 noise floors), the
+// verdict is none (gap below 1.5 noise floors) or unexplained.
 
 #include <functional>
 #include <memory>
@@ -87,7 +87,11 @@ struct DiagnoseOptions {
 /// commands, an InputError here; everything numerical is in the verdict.
 Diagnosis diagnose(const std::vector<Dataset>& datasets, const DiagnoseOptions& options = {});
 
-/// The same for any problem, for models that are no plant. The robot-specific parts (where, next, shown parameters) stay empty.
+/// The held-out gap with all of options.effects fitted, whether the data speak for them or not: what a diagnosis could have reached
+/// that knew them. Invalid where they can't be fitted.
+HeldOut held_out_with(const std::vector<Dataset>& datasets, const DiagnoseOptions& options);
+
+/// The same as diagnose for any problem, for models that are no plant. The robot-specific parts (where, next, shown parameters) stay empty.
 Diagnosis diagnose_problem(std::shared_ptr<DiagnosisProblem> problem, const DiagnoseOptions& options = {});
 
 }  // namespace jaculus

@@ -25,10 +25,17 @@ struct Probe {
   long predictions = 0;  ///< sets of simulations that it took
 };
 
+/// How thorough screening is: at the probing step alone; at a small one too; and up the ladder.
+enum class Screening { step, steps, ladder };
+
 /// Probes every candidate that `base` has not freed, in parallel. Order of candidates; freed ones, and those without influence on
-/// these data, stay invalid. `single_strength`: at the probing step alone, without ladder.
+/// these data, stay invalid.
 std::vector<Probe> screen(const DiagnosisProblem& problem, const EvidenceSpace& space, const Fit& base,
-                          bool single_strength = false);
+                          Screening how = Screening::ladder);
+
+/// Where a fit of one more candidate may start: at the linear estimate, on the best rung of the ladder where there is one, at the probing
+/// step. The base model's parameters are `base`, p of all parameters.
+std::vector<Vector> fit_starts(const DiagnosisProblem& problem, const Vector& base, int candidate, const Probe& probe);
 
 /// Energy |.|^2 of a signature that the columns `own`, with prior N(0, I) times `stretch`^2, can't reproduce.
 double unexplained_energy(const Vector& signature, const Matrix& own);

@@ -8,10 +8,11 @@
 // 3. Structure: does what the best models leave hold smooth shapes? z = Q^T r with Q an orthonormal basis of T D (fault modes of
 //    every channel, K = 10), the model's own sensitivities projected out. Against N(0, I): z ~ N(0, (1 + a^2) I), a unknown,
 //        log BF = log mean over a^2 in {1, 3, 10, ... 1e5} of (1 + a^2)^(-k/2) exp(|z|^2 a^2/(2 (1 + a^2))).
-//    No effect on hardware has quite the form that the plant gives it, so structure counts beyond a fifth of the log evidence that the
-//    model gains over none (testbed: effects of the catalogue leave 0 to 0.2 of it, effects from outside 0.25 and more).
+// 4. Form: no effect on hardware has quite the form that the plant gives it. Structure counts beyond 2.5 % of the log evidence that
+//    the model gains over none (testbed: effects of the catalogue leave up to 1.5 %, those from outside 4 % and more), and every effect
+//    beyond the first beyond 1 %.
 // Posterior over all: prior x evidence^temper, prior 0.5 none, 0.38 shared by singles, 0.09 by pairs, 0.02 by triples, each
-// model's with a share of 1e-6 for "and something unknown": what the testbed's none leave now and then beyond the declared faults.
+// model's with a share of 1e-3 for "and something unknown".
 
 #include <functional>
 #include <string>
@@ -50,8 +51,9 @@ struct SelectionOptions {
   std::function<void(const std::string&)> progress;
 };
 
+/// `earlier`: a selection in another space, whose fits of singles are starts here, instead of the screening's ladder.
 Selection select_models(const DiagnosisProblem& problem, const EvidenceSpace& space,
-                        const SelectionOptions& options = {});
+                        const SelectionOptions& options = {}, const Selection* earlier = nullptr);
 
 /// log Bayes factor of smooth unknown structure in what a fit leaves.
 double structure_evidence(const DiagnosisProblem& problem, const EvidenceSpace& space, const Fit& fit);

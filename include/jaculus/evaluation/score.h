@@ -133,8 +133,8 @@ struct ScoreOptions {
 };
 
 /// Diagnoses every case of `folder` (a dataset each in folder/<case_id>) in a process of its own, in a folder that holds a copy
-/// of that dataset and nothing else, with an environment without labels or keys; then, and not before, calls `open_labels`
-/// and scores. Writes score.json and score.txt into options.out. Empty `truths` in the result: interrupted, resume goes on.
+/// of that dataset and nothing else, with an environment without labels or keys; then, and not before, calls `open_labels`,
+/// fits the true effects to see what gap they leave, and scores. Writes score.json and score.txt into options.out. Empty `truths` in the result: interrupted, resume goes on.
 Score score_cases(const std::filesystem::path& folder, const std::vector<std::string>& case_ids,
                   const std::function<std::vector<SealedTruth>()>& open_labels, const ScoreOptions& options);
 

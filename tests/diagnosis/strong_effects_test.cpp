@@ -1,0 +1,139 @@
+// Effects beyond the reach of slopes: screening's ladder, jumps dated by the data, probabilities as stated.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numeric>
+
+#include "diagnosis/calibration.h"
+#include "diagnosis/toy.h"
+#include "jaculus/diagnosis/evidence_space.h"
+#include "jaculus/diagnosis/screen.h"
+
+namespace jaculus::test {
+namespace {
+
+using Shape = std::function<double(int channel, double time, const Vector& p)>;
+
+/// The toy with another shape: data made by it at `truth`, predictions likewise, with impacts at `impact(p)` if given.
+std::shared_ptr<DiagnosisProblem> shaped(const Shape& shape, const Vector& truth,
+                                         const std::function<double(const Vector&)>& impact = {}) {
+  auto problem = toy_problem(truth);
+  std::mt19937 generator(3);
+  std::normal_distribution<double> normal(0.0, 1e-3);
+  for (Run& run : problem->observations.conditions[0].runs)
+    for (std::size_t c = 0; c < 2; ++c)
+      for (Eigen::Index i = 0; i < run.time[c].size(); ++i)
+        run.value[c][i] = shape(static_cast<int>(c), std::max(0.0, run.time[c][i]), truth) + normal(generator);
+  problem->forward = [=](int, int, const Vector& p) {
+    Prediction prediction;
+    prediction.valid = true;
+    prediction.step = 1e-3;
+    prediction.values.resize(2, 531);
+    for (int c = 0; c < 2; ++c)
+      for (int i = 0; i < 531; ++i) prediction.values(c, i) = shape(c, 1e-3 * i, p);
+    if (impact) prediction.impacts = {impact(p)};
+    return prediction;
+  };
+  return problem;
+}
+
+TEST(Ladder, FindsAStrengthWhoseValleyIsNarrow) {
+  // The candidate turns a phase, so that away from the truth a slope leads into the wrong valley.
+  const auto problem = shaped(
+      [](int channel, double t, const Vector& p) { return channel == 0 ? t : 0.05 * std::sin(120.0 * p[1] * t); },
+      toy_truth(0.0, 0.43));
+  const Linearisation about = linearise(*problem, Vector::Zero(4));
+  const EvidenceSpace space = evidence_space(*problem, about);
+  const Fit none = evaluate_model(*problem, space, Vector::Zero(4));
+  const Probe with = screen(*problem, space, none)[1], without = screen(*problem, space, none, Screening::steps)[1];
+  ASSERT_TRUE(with.valid);
+  EXPECT_TRUE(std::isnan(without.rung));
+  EXPECT_NEAR(0.1 * with.rung, 0.4, 0.11);  // the rung beside the truth
+  EXPECT_GT(with.score, without.score);
+  const Fit climbed = fit_model(*problem, space, {1}, fit_starts(*problem, none.p, 1, with));
+  const Fit walked = fit_model(*problem, space, {1}, fit_starts(*problem, none.p, 1, without));
+  EXPECT_NEAR(climbed.p[1], 0.43, 1e-3);
+  EXPECT_GT(std::abs(walked.p[1] - 0.43), 0.02);
+}
+
+TEST(Jump, CountsForLittleBetweenItsPredictedAndItsMeasuredTime) {
+  const auto at = [](const Vector& p) { return 0.25 + 0.02 * p[1]; };
+  const auto problem =
+      shaped([at](int channel, double t, const Vector& p) { return channel == 0 ? t : (t > at(p) ? 1.0 : 0.0); },
+             toy_truth(0.0, 0.75), at);
+  const Linearisation about = linearise(*problem, Vector::Zero(4));
+  const EvidenceSpace space = evidence_space(*problem, about);
+  const ConditionSpace& rows = space.conditions[0];
+  int first = 0;
+  for (const RowSpan& span : rows.spans) {
+    const Vector& time = problem->observations.conditions[0].runs[static_cast<std::size_t>(span.run)].time[0];
+    for (int i = 0; i < span.count && span.channel == 1; ++i) {
+      const double t = time[i];
+      if (t > 0.25 && t < 0.265) {
+        EXPECT_GT(rows.sigma[first + i], 0.4) << t;
+      } else if (t < 0.24 || t > 0.275) {
+        EXPECT_LT(rows.sigma[first + i], 0.01) << t;
+      }
+    }
+    first += span.count;
+  }
+  // Both the nominal time and the true one are thus reached without a wall between them.
+  Vector truth = toy_truth(0.0, 0.75);
+  for (const double share : {0.0, 0.3, 0.6, 1.0})
+    EXPECT_LT(evaluate_model(*problem, space, share * truth).chi2, 3.0 * space.rows) << share;
+}
+
+Diagnosis diagnosis(const std::string& verdict, const std::vector<std::string>& effects) {
+  Diagnosis out;
+  out.verdict = verdict;
+  for (const std::string& name : effects) out.effects.push_back({name, "", 1.0, {}, {}});
+  out.ranking = {{"a + b", 50.0, 1.0, 0.9},
+                 {"a", 45.0, 1.0, 0.1},
+                 {"c", 3.0, 2.0, 0.0},
+                 {"unexplained", 40.0, kNaN, 0.0},
+                 {"none", 0.0, 4.0, 0.0}};
+  return out;
+}
+
+double probability(const Diagnosis& d, const std::string& name) {
+  for (const Ranked& row : d.ranking)
+    if (row.effect == name) return row.probability;
+  return kNaN;
+}
+
+TEST(Calibration, GivesEveryVerdictItsShareAndSumsToOne) {
+  for (const auto& [verdict, effects] : {std::pair<std::string, std::vector<std::string>>{"effect", {"a"}},
+                                         {"several", {"a", "b"}},
+                                         {"none", {}},
+                                         {"unexplained", {}}}) {
+    SCOPED_TRACE(verdict);
+    Diagnosis d = diagnosis(verdict, effects);
+    calibrate(d);
+    double sum = 0.0;
+    for (const Ranked& row : d.ranking) sum += row.probability;
+    EXPECT_NEAR(sum, 1.0, 1e-12);
+    for (std::size_t i = 1; i < d.ranking.size(); ++i)
+      EXPECT_GE(d.ranking[i - 1].probability, d.ranking[i].probability);
+    for (const Ranked& row : d.ranking) EXPECT_GT(row.probability, 0.0) << row.effect;  // nothing is impossible
+    for (const FoundEffect& e : d.effects) EXPECT_LT(e.probability, 1.0);
+  }
+}
+
+TEST(Calibration, LetsAVerdictOfHeldOutDataOverruleThePosterior) {
+  Diagnosis d = diagnosis("none", {});
+  calibrate(d);
+  EXPECT_EQ(d.ranking.front().effect, "none");
+  EXPECT_GT(probability(d, "none"), 0.5);
+  EXPECT_GT(probability(d, "a + b"), probability(d, "a"));
+  EXPECT_GT(probability(d, "a"), probability(d, "c"));
+}
+
+TEST(Calibration, LeavesWhatCouldNotBeJudged) {
+  Diagnosis d = diagnosis("insufficient", {});
+  calibrate(d);
+  EXPECT_EQ(probability(d, "a + b"), 0.9);
+}
+
+}  // namespace
+}  // namespace jaculus::test
