@@ -16,11 +16,11 @@ struct Reliability {
 };
 
 const std::map<std::string, Reliability>& reliabilities() {
-  static const std::map<std::string, Reliability> table = {{"effect", {0.92, 0.5, 0.1, 0.4}},
+  static const std::map<std::string, Reliability> table = {{"effect", {0.95, 0.5, 0.1, 0.4}},
                                                            {"several", {0.75, 0.5, 0.1, 0.4}},
-                                                           {"ambiguous", {0.75, 0.5, 0.1, 0.4}},
+                                                           {"ambiguous", {0.7, 0.5, 0.1, 0.4}},
                                                            {"none", {0.8, 0.4, 0.0, 0.6}},
-                                                           {"unexplained", {0.8, 0.0, 0.2, 0.8}}};
+                                                           {"unexplained", {0.75, 0.0, 0.2, 0.8}}};
   return table;
 }
 

@@ -157,8 +157,7 @@ std::vector<Probe> screen(const DiagnosisProblem& problem, const EvidenceSpace& 
     } else if (probe.valid) {
       probe.small = probe.full;
     }
-    if (probe.valid && how == Screening::ladder)
-      climb(problem, space, base, candidate.parameters.front(), alone, probe);
+    if (probe.valid) climb(problem, space, base, candidate.parameters.front(), alone, probe);
   });
   return probes;
 }

@@ -108,9 +108,7 @@ class Search {
   [[nodiscard]] double left(const ModelFit& model) const { return structure_evidence(problem_, space_, model.fit); }
 
   std::vector<Probe> probe(const ModelFit& base) {
-    const Screening how = !base.candidates.empty() ? Screening::step
-                          : earlier_ != nullptr    ? Screening::steps
-                                                   : Screening::ladder;
+    const Screening how = base.candidates.empty() ? Screening::ladder : Screening::step;
     std::vector<Probe> probes = screen(problem_, space_, base.fit, how);
     for (const Probe& probe : probes) predictions += probe.predictions;
     return probes;

@@ -46,7 +46,7 @@ TEST(Ladder, FindsAStrengthWhoseValleyIsNarrow) {
   const Linearisation about = linearise(*problem, Vector::Zero(4));
   const EvidenceSpace space = evidence_space(*problem, about);
   const Fit none = evaluate_model(*problem, space, Vector::Zero(4));
-  const Probe with = screen(*problem, space, none)[1], without = screen(*problem, space, none, Screening::steps)[1];
+  const Probe with = screen(*problem, space, none)[1], without = screen(*problem, space, none, Screening::step)[1];
   ASSERT_TRUE(with.valid);
   EXPECT_TRUE(std::isnan(without.rung));
   EXPECT_NEAR(0.1 * with.rung, 0.4, 0.11);  // the rung beside the truth

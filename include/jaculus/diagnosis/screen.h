@@ -25,8 +25,8 @@ struct Probe {
   long predictions = 0;  ///< sets of simulations that it took
 };
 
-/// How thorough screening is: at the probing step alone; at a small one too; and up the ladder.
-enum class Screening { step, steps, ladder };
+/// How thorough screening is: at the probing step alone, or at a small one too and up the ladder.
+enum class Screening { step, ladder };
 
 /// Probes every candidate that `base` has not freed, in parallel. Order of candidates; freed ones, and those without influence on
 /// these data, stay invalid.

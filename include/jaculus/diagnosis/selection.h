@@ -51,7 +51,7 @@ struct SelectionOptions {
   std::function<void(const std::string&)> progress;
 };
 
-/// `earlier`: a selection in another space, whose fits of singles are starts here, instead of the screening's ladder.
+/// `earlier`: a selection in another space, whose fits of singles are further starts here.
 Selection select_models(const DiagnosisProblem& problem, const EvidenceSpace& space,
                         const SelectionOptions& options = {}, const Selection* earlier = nullptr);
 
