@@ -9,6 +9,7 @@
 
 #include "diagnosis/findings.h"
 #include "jaculus/diagnosis/forward.h"
+#include "jaculus/diagnosis/next_experiment.h"
 #include "jaculus/simulation/experiment.h"
 
 namespace jaculus {
@@ -165,6 +166,39 @@ Posed pose(const std::vector<Dataset>& datasets, const DiagnoseOptions& options)
   return posed;
 }
 
+/// All of some candidates fitted, one joining the others after another.
+Fit fit_members(const DiagnosisProblem& problem, const EvidenceSpace& space, const Vector& p,
+                const std::vector<int>& members) {
+  std::vector<int> free = problem.hypotheses.nuisances;
+  Fit model = fit_model(problem, space, free, {p});
+  for (const int c : members) {
+    if (!model.valid) return model;
+    const auto& own = problem.hypotheses.candidates[static_cast<std::size_t>(c)].parameters;
+    free.insert(free.end(), own.begin(), own.end());
+    const std::vector<Probe> probes = screen(problem, space, model);
+    model = fit_model(problem, space, free, fit_starts(problem, model.p, c, probes[static_cast<std::size_t>(c)]));
+  }
+  return model;
+}
+
+/// The two most probable models, for what to do next about them.
+std::vector<Rival> rivals_of(const DiagnosisProblem& problem, const std::vector<FittedModel>& rivals) {
+  std::vector<Rival> out;
+  for (const FittedModel& model : rivals) {
+    Rival rival;
+    for (const int c : model.candidates) {
+      const Candidate& candidate = problem.hypotheses.candidates[static_cast<std::size_t>(c)];
+      Vector theta(static_cast<Eigen::Index>(candidate.parameters.size()));
+      for (std::size_t k = 0; k < candidate.parameters.size(); ++k)
+        theta[static_cast<Eigen::Index>(k)] = model.p[candidate.parameters[k]];
+      rival.effects.push_back(candidate.effect);
+      rival.theta.push_back(theta);
+    }
+    out.push_back(rival);
+  }
+  return out;
+}
+
 }  // namespace
 
 Diagnosis diagnose_problem(std::shared_ptr<DiagnosisProblem> problem, const DiagnoseOptions& options) {
@@ -203,7 +237,35 @@ Diagnosis diagnose(const std::vector<Dataset>& datasets, const DiagnoseOptions& 
   tell(options, "where the gap lies");
   const Linearisation about = linearise(*posed.problem, out.p_none);
   if (about.at_p.valid) out.where = localise(*posed.problem, about, *posed.forward);
+  if (out.verdict == "ambiguous" && out.rivals.size() == 2) {
+    tell(options, "what to do next");
+    const std::vector<Rival> rivals = rivals_of(*posed.problem, out.rivals);
+    out.next = next_experiment(datasets.front(), *posed.problem, rivals[0], rivals[1], options);
+  }
   return out;
+}
+
+std::vector<double> log_evidences(const std::vector<Dataset>& datasets,
+                                  const std::vector<std::vector<const Effect*>>& sets, const DiagnoseOptions& options) {
+  DiagnoseOptions all = options;
+  all.effects.clear();
+  for (const auto& set : sets)
+    for (const Effect* effect : set)
+      if (std::find(all.effects.begin(), all.effects.end(), effect) == all.effects.end()) all.effects.push_back(effect);
+  std::vector<double> found(sets.size(), kNaN);
+  const Posed posed = pose(datasets, all);
+  Diagnosis unused;
+  Linearisation about;
+  if (!posed.forward || !prepare(*posed.problem, about, options, unused)) return found;
+  const EvidenceSpace space = compare_in(*posed.problem, about, options);
+  for (std::size_t s = 0; s < sets.size(); ++s) {
+    std::vector<int> members;
+    for (const Effect* effect : sets[s]) members.push_back(posed.problem->hypotheses.candidate(effect->name));
+    std::erase(members, -1);  // nothing of it acts in this experiment
+    const Fit fit = fit_members(*posed.problem, space, about.p, members);
+    if (fit.valid) found[s] = fit.log_evidence;
+  }
+  return found;
 }
 
 HeldOut held_out_with(const std::vector<Dataset>& datasets, const DiagnoseOptions& options) {
@@ -213,14 +275,9 @@ HeldOut held_out_with(const std::vector<Dataset>& datasets, const DiagnoseOption
   Linearisation about;
   if (!posed.forward || !prepare(problem, about, options, unused)) return {};
   EvidenceSpace space = compare_in(problem, about, options);
-  std::vector<int> free = problem.hypotheses.nuisances;
-  Fit model = fit_model(problem, space, free, {about.p});
-  for (std::size_t c = 0; c < problem.hypotheses.candidates.size() && model.valid; ++c) {
-    const auto& own = problem.hypotheses.candidates[c].parameters;
-    free.insert(free.end(), own.begin(), own.end());
-    const std::vector<Probe> probes = screen(problem, space, model);
-    model = fit_model(problem, space, free, fit_starts(problem, model.p, static_cast<int>(c), probes[c]));
-  }
+  std::vector<int> members;
+  for (std::size_t c = 0; c < problem.hypotheses.candidates.size(); ++c) members.push_back(static_cast<int>(c));
+  Fit model = fit_members(problem, space, about.p, members);
   if (!model.valid) return {};
   settle(problem, model, about, space);
   const Fit none = fit_model(problem, space, problem.hypotheses.nuisances, {problem.hypotheses.nominal()});

@@ -234,6 +234,9 @@ void state_findings(const DiagnosisProblem& problem, const Linearisation& about,
   out.log_unknown = chosen->structure;
   out.gap = gaps.of(*chosen);
   demand_prediction(out);
+  for (const ModelFit& model : selection.models)
+    if (out.verdict == "ambiguous" && out.rivals.size() < 2 && !model.candidates.empty() && model.fit.valid)
+      out.rivals.push_back({model.candidates, model.fit.p});
   if (out.verdict == "unexplained" && !chosen->candidates.empty()) {
     out.reasons.push_back("the nearest of the catalogue, which leaves structure beyond noise: " +
                           name_of(problem, chosen->candidates));

@@ -55,6 +55,12 @@ struct NextExperiment {
   double log_bayes_factor = kNaN;  ///< expected
 };
 
+/// A model as it was fitted.
+struct FittedModel {
+  std::vector<int> candidates;
+  Vector p;  ///< of all parameters
+};
+
 struct Diagnosis {
   std::string verdict;
   std::vector<std::string> reasons;  ///< why this verdict, or what to record next time
@@ -65,6 +71,7 @@ struct Diagnosis {
   HeldOut gap;
   std::optional<Localisation> where;
   std::optional<NextExperiment> next;
+  std::vector<FittedModel> rivals;  ///< of an ambiguous verdict: its two most probable models with effects
   std::shared_ptr<DiagnosisProblem>
       problem;              ///< as diagnosed, noise floors and shifts in it; null where nothing could be
   Vector p;                 ///< all parameters of the most probable model

@@ -1,0 +1,30 @@
+#pragma once
+// What to do next where effects can't be told apart: experiments are simulated with each rival in turn, and what the rivals would then
+// make of those data is compared.
+//
+//   expected log Bayes factor of experiment E = mean over rivals r of  log p(D_r | r) - log p(D_r | the other),
+//   D_r: trials of E on the plant with r as fitted, sensors as in the present data; both rivals are fitted to them anew.
+//
+// Experiments: the present one once more; and, for a robot with a tail that has drag and a motor, the tail on a bench (base held,
+// half the battery's voltage to and fro) and a drop (full command on the tail from straight back, legs as now). Those that the robot or
+// the stated controller does not allow are left out.
+
+#include "jaculus/diagnosis/diagnose.h"
+
+namespace jaculus {
+
+/// A rival explanation: effects, and what each was fitted to.
+struct Rival {
+  std::vector<const Effect*> effects;
+  std::vector<Vector> theta;  ///< parameters of each, own units
+};
+
+/// The experiment that is expected to tell `a` and `b` apart best; nothing where none can be simulated.
+std::optional<NextExperiment> next_experiment(const Dataset& present, const DiagnosisProblem& problem, const Rival& a,
+                                              const Rival& b, const DiagnoseOptions& options = {});
+
+/// log evidence of data with each set of effects at work, all fitted, in one space; NaN where a set can't be fitted.
+std::vector<double> log_evidences(const std::vector<Dataset>& datasets,
+                                  const std::vector<std::vector<const Effect*>>& sets, const DiagnoseOptions& options);
+
+}  // namespace jaculus

@@ -1,0 +1,209 @@
+#include "jaculus/diagnosis/next_experiment.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <functional>
+#include <numbers>
+
+#include "jaculus/core/error.h"
+#include "jaculus/simulation/experiment.h"
+
+namespace jaculus {
+namespace {
+
+constexpr int kTrials = 4;
+constexpr double kMocapRate = 240.0, kJointsRate = 1000.0;  // Hz
+// Noise of channels that the present data lack: m, rad of motion capture; rad and rad/s of encoders.
+constexpr double kPlace = 3e-4, kPitch = 0.15 * std::numbers::pi / 180.0, kEncoder = 1e-3, kTachometer = 0.1;
+constexpr double kFall = 1.5;       // m, from which the drop begins
+constexpr double kDropTime = 0.32;  // s, one body length
+
+struct Proposal {
+  std::string name;
+  Experiment experiment;
+};
+
+/// Noise of a channel as the present data show it, else `usual`.
+double noise_of(const DiagnosisProblem& problem, const std::string& channel, double usual) {
+  for (const Condition& condition : problem.observations.conditions)
+    for (const Channel& own : condition.channels)
+      if (own.name == channel) return own.noise_floor;
+  return usual;
+}
+
+SensorStream encoders(const DiagnosisProblem& problem, const std::vector<std::string>& joints) {
+  SensorStream stream;
+  stream.name = "joints";
+  stream.rate_hz = kJointsRate;
+  for (const std::string& joint : joints) {
+    stream.channels.push_back(joint);
+    stream.noise[joint] = noise_of(problem, joint, kEncoder);
+    stream.channels.push_back(joint + "_velocity");
+    stream.noise[joint + "_velocity"] = noise_of(problem, joint + "_velocity", kTachometer);
+  }
+  return stream;
+}
+
+SensorStream motion_capture(const DiagnosisProblem& problem) {
+  SensorStream stream;
+  stream.name = "mocap";
+  stream.rate_hz = kMocapRate;
+  stream.channels = {"x", "z", "pitch"};
+  stream.noise = {{"x", noise_of(problem, "x", kPlace)},
+                  {"z", noise_of(problem, "z", kPlace)},
+                  {"pitch", noise_of(problem, "pitch", kPitch)}};
+  return stream;
+}
+
+std::vector<std::string> motor_joints(const PlanarModel& model) {
+  std::vector<std::string> joints;
+  for (const PlanarMotor& motor : model.motors) joints.push_back(motor.joint);
+  return joints;
+}
+
+/// The motor whose body carries drag; null where there is none.
+const PlanarMotor* tail_motor(const PlanarModel& model) {
+  for (const PlanarMotor& motor : model.motors)
+    for (const PlanarDrag& drag : model.drags)
+      if (drag.body == motor.body && drag.coefficient > 0.0) return &motor;
+  return nullptr;
+}
+
+Experiment begin(const Dataset& present) {
+  Experiment experiment;
+  experiment.setup = present;
+  experiment.setup.trials.clear();
+  experiment.trials = kTrials;
+  experiment.duration = command_duration(present);
+  return experiment;
+}
+
+Proposal again(const Dataset& present, const DiagnosisProblem& problem, const PlanarModel& model) {
+  Proposal proposal{present.experiment + " as now, " + std::to_string(kTrials) + " more trials", begin(present)};
+  if (model.coordinate_index("x") >= 0) proposal.experiment.streams.push_back(motion_capture(problem));
+  proposal.experiment.streams.push_back(encoders(problem, motor_joints(model)));
+  return proposal;
+}
+
+/// Half the battery to and fro on the tail, base held.
+Proposal bench(const Dataset& present, const DiagnosisProblem& problem, const PlanarMotor& tail) {
+  Proposal proposal{"tail_bench: base held, " + tail.joint + " to and fro at half the battery's voltage",
+                    begin(present)};
+  Dataset& setup = proposal.experiment.setup;
+  setup.experiment = "tail_bench";
+  setup.plan.reset();
+  setup.stops.clear();
+  setup.initial = {{tail.joint, 0.0}};
+  InputScript script;
+  script.joints = {tail.joint};
+  script.time = Vector(6);
+  script.time << 0.0, 0.05, 0.15, 0.25, 0.35, 0.4;
+  const double half = 0.5 * tail.voltage;
+  script.values = Matrix(1, 6);
+  script.values << half, -half, half, -half, half, 0.0;
+  setup.script = script;
+  setup.controller = {};
+  setup.controller.kind = setup.controller.quantity = "voltage";
+  setup.controller.bus_voltage = tail.voltage;
+  proposal.experiment.duration = 0.5;
+  proposal.experiment.streams = {encoders(problem, {tail.joint})};
+  return proposal;
+}
+
+/// Full command on the tail from straight back, legs held as the present controller holds them.
+Proposal drop(const Dataset& present, const DiagnosisProblem& problem, const PlanarModel& model,
+              const PlanarMotor& tail) {
+  Proposal proposal{
+      "self_righting: drop from " + std::to_string(kFall).substr(0, 3) + " m, full command on " + tail.joint,
+      begin(present)};
+  Dataset& setup = proposal.experiment.setup;
+  const double back = -0.5 * std::numbers::pi;
+  setup.experiment = "self_righting";
+  setup.script.reset();
+  setup.initial = {{"x", 0.0}, {"z", kFall}, {"pitch", 0.0}};
+  setup.stops = {{tail.joint, {{back, -back}, 0.0}}};
+  setup.controller.quantity = present.controller.quantity;
+  setup.controller.after_end = "repeat";
+  setup.controller.kp[tail.joint] = setup.controller.kd[tail.joint] = {{0.0, 0.0}};
+  const std::string& quantity = setup.controller.quantity;
+  Table plan;
+  plan.columns.push_back({"time", "s"});
+  std::vector<double> pose{0.0};
+  for (const PlanarMotor& motor : model.motors) {
+    const bool is_tail = motor.joint == tail.joint;
+    const int column = present.plan ? present.plan->column(motor.joint) : -1;
+    if (!is_tail && column < 0) throw InputError("the present plan gives no pose for " + motor.joint);
+    const double full =
+        quantity == "torque" ? tail.torque_limit * tail.gear : (quantity == "duty" ? 1.0 : tail.voltage);
+    plan.columns.insert(plan.columns.end(), {{motor.joint, "rad"},
+                                             {motor.joint + "_velocity", "rad/s"},
+                                             {motor.joint + "_" + quantity,
+                                              quantity == "torque" ? "N m" : (quantity == "duty" ? "-" : "V")}});
+    pose.insert(pose.end(), {is_tail ? back : present.plan->values(0, column), 0.0, is_tail ? full : 0.0});
+  }
+  plan.values.resize(2, static_cast<Eigen::Index>(pose.size()));
+  plan.values.row(0) = plan.values.row(1) = Eigen::Map<const Eigen::RowVectorXd>(pose.data(), plan.values.cols());
+  plan.values(1, 0) = kDropTime;
+  setup.plan = plan;
+  proposal.experiment.duration = kDropTime;
+  proposal.experiment.streams = {motion_capture(problem), encoders(problem, motor_joints(model))};
+  return proposal;
+}
+
+/// Trials of an experiment on the plant with a rival's effects.
+Dataset simulated(const Experiment& experiment, const Rival& rival) {
+  const Robot robot = dataset_robot(experiment.setup);
+  Plant plant = dataset_plant(experiment.setup, robot.planar);
+  for (std::size_t i = 0; i < rival.effects.size(); ++i)
+    if (rival.effects[i]->applies(robot.planar)) rival.effects[i]->apply(rival.theta[i], plant);
+  const Controller controller = experiment_controller(experiment, robot.planar);
+  Dataset dataset = experiment.setup;
+  for (int k = 0; k < experiment.trials; ++k) {
+    const TrialRun run = run_trial(experiment, plant, controller, k, 1);
+    if (run.truth.status != SimulationStatus::done) throw InputError("the plant is lost: " + run.truth.message);
+    dataset.trials.push_back(run.trial);
+  }
+  return dataset;
+}
+
+/// Mean over both rivals of the evidence for the one that made the data; NaN where one can't be simulated or fitted.
+double expected_log_bayes_factor(const Experiment& experiment, const Rival& a, const Rival& b,
+                                 const DiagnoseOptions& options) {
+  double sum = 0.0;
+  for (const bool first : {true, false}) {
+    const Rival& truth = first ? a : b;
+    const std::vector<double> evidence =
+        log_evidences({simulated(experiment, truth)}, {truth.effects, (first ? b : a).effects}, options);
+    sum += evidence[0] - evidence[1];
+  }
+  return 0.5 * sum;
+}
+
+}  // namespace
+
+std::optional<NextExperiment> next_experiment(const Dataset& present, const DiagnosisProblem& problem, const Rival& a,
+                                              const Rival& b, const DiagnoseOptions& options) {
+  if (present.controller.kind == "measured" || (!present.plan && !present.script)) return std::nullopt;
+  const PlanarModel model = dataset_robot(present).planar;
+  const PlanarMotor* tail = tail_motor(model);
+  std::vector<std::function<Proposal()>> makers{[&] { return again(present, problem, model); }};
+  if (tail != nullptr) {
+    if (present.experiment != "tail_bench") makers.push_back([&] { return bench(present, problem, *tail); });
+    if (present.experiment != "self_righting" && model.coordinate_index("z") >= 0)
+      makers.push_back([&] { return drop(present, problem, model, *tail); });
+  }
+  std::optional<NextExperiment> best;
+  for (const auto& make : makers) {
+    try {
+      const Proposal proposal = make();
+      const double expected = expected_log_bayes_factor(proposal.experiment, a, b, options);
+      if (std::isfinite(expected) && (!best || expected > best->log_bayes_factor)) best = {{proposal.name, expected}};
+    } catch (const InputError&) {
+      continue;  // the robot or its stated controller does not allow this experiment
+    }
+  }
+  return best;
+}
+
+}  // namespace jaculus

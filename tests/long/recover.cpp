@@ -1,0 +1,111 @@
+// Gives every effect of the catalogue back? For each, in the shipped experiment that excites it: data of the plant at realistic noise
+// with half the probing step of its first parameter, diagnosed against the whole catalogue once, and against it alone in every
+// replicate to see how often the 95 % interval holds the truth. A new entry is walked unasked.
+//   recover [REPLICATES [EFFECT...]]
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <map>
+
+#include "jaculus/core/tasks.h"
+#include "jaculus/diagnosis/diagnose.h"
+#include "jaculus/effects/effect.h"
+#include "jaculus/effects/select.h"
+#include "jaculus/simulation/experiment.h"
+
+namespace jaculus {
+namespace {
+
+const std::map<std::string, std::string> kExperiments = {{"leap", "leap_trials"},
+                                                         {"self_righting", "drop_trials"},
+                                                         {"tail_bench", "bench_trials"},
+                                                         {"pendulum", "pendulum_trials"}};
+
+struct Walk {
+  const Effect* effect;
+  std::string problem;
+};
+
+std::vector<Walk> walks(const std::vector<std::string>& wanted) {
+  std::vector<Walk> list;
+  for (const Effect& effect : effect_catalogue()) {
+    if (!wanted.empty() && std::find(wanted.begin(), wanted.end(), effect.name) == wanted.end()) continue;
+    for (const std::string& by : effect.excited_by) {
+      const std::string file = std::string(JACULUS_SOURCE_DIR) + "/problems/" + kExperiments.at(by) + ".yaml";
+      if (!effect.applies(dataset_robot(read_experiment(file).setup).planar)) continue;
+      list.push_back({&effect, file});
+      break;
+    }
+  }
+  return list;
+}
+
+Vector truth_of(const Effect& effect) {
+  Vector theta = effect.probed();
+  theta[0] = effect.nominal()[0] + 0.5 * (theta[0] - effect.nominal()[0]);
+  return theta;
+}
+
+Dataset data_of(const Walk& walk, int replicate) {
+  const Experiment experiment = read_experiment(walk.problem);
+  const Robot robot = dataset_robot(experiment.setup);
+  Plant plant = dataset_plant(experiment.setup, robot.planar);
+  walk.effect->apply(truth_of(*walk.effect), plant);
+  const Controller controller = experiment_controller(experiment, robot.planar);
+  Dataset dataset = experiment.setup;
+  for (int k = 0; k < experiment.trials; ++k)
+    dataset.trials.push_back(
+        run_trial(experiment, plant, controller, k, static_cast<std::uint64_t>(replicate) + 1).trial);
+  return dataset;
+}
+
+/// Whether the interval of the first parameter holds the truth; nothing where the effect was not stated.
+std::optional<bool> covered(const Walk& walk, const Diagnosis& diagnosis) {
+  for (const FoundEffect& found : diagnosis.effects) {
+    if (found.name != walk.effect->name) continue;
+    const EffectParameter& own = walk.effect->parameters.front();
+    return found.parameters.front().ci95.contains(shown_value(own, truth_of(*walk.effect)[0]));
+  }
+  return std::nullopt;
+}
+
+/// "first", "in its class" (equivalents by the sensitivities named with it, or an ambiguous verdict that holds it), else the verdict.
+std::string standing(const Walk& walk, const Diagnosis& diagnosis) {
+  for (const FoundEffect& found : diagnosis.effects) {
+    if (found.name == walk.effect->name) return &found == &diagnosis.effects.front() ? "first" : "in its class";
+    if (std::find(found.like.begin(), found.like.end(), walk.effect->name) != found.like.end()) return "in its class";
+  }
+  std::string text = diagnosis.verdict;
+  for (const FoundEffect& found : diagnosis.effects) text += " " + found.name;
+  return text;
+}
+
+std::string report(const Walk& walk, int replicates) {
+  const std::string place = standing(walk, diagnose({data_of(walk, 0)}));
+  DiagnoseOptions alone;
+  alone.effects = {walk.effect};
+  int held = 0, stated = 0;
+  for (int r = 0; r < replicates; ++r) {
+    const auto in = covered(walk, diagnose({data_of(walk, r)}, alone));
+    stated += in.has_value() ? 1 : 0;
+    held += in.value_or(false) ? 1 : 0;
+  }
+  return fmt::format("{:<28} {:<34} covered {:>3} of {:>3} stated, {} replicates", walk.effect->name, place, held,
+                     stated, replicates);
+}
+
+}  // namespace
+}  // namespace jaculus
+
+int main(int argc, char** argv) {
+  using namespace jaculus;
+  const int replicates = argc > 1 ? std::atoi(argv[1]) : 20;
+  const std::vector<Walk> list = walks({argv + std::min(argc, 2), argv + argc});
+  TaskOptions options;
+  const auto task = [&](int i) { return report(list[static_cast<std::size_t>(i)], replicates); };
+  for (const TaskResult& result : run_tasks(static_cast<int>(list.size()), task, options))
+    fmt::print("{}\n", result.state == TaskState::done ? result.bytes : "failed: " + result.error);
+  return 0;
+}
