@@ -181,6 +181,19 @@ Fit fit_members(const DiagnosisProblem& problem, const EvidenceSpace& space, con
   return model;
 }
 
+/// A rival's effects as candidates of a problem, its parameters set; effects that don't act there stay away.
+FittedModel start_at(const DiagnosisProblem& problem, const Rival& rival) {
+  FittedModel model{{}, problem.hypotheses.nominal()};
+  for (std::size_t i = 0; i < rival.effects.size(); ++i) {
+    const int c = problem.hypotheses.candidate(rival.effects[i]->name);
+    if (c < 0) continue;
+    model.candidates.push_back(c);
+    const auto& own = problem.hypotheses.candidates[static_cast<std::size_t>(c)].parameters;
+    for (std::size_t k = 0; k < own.size(); ++k) model.p[own[k]] = rival.theta[i][static_cast<Eigen::Index>(k)];
+  }
+  return model;
+}
+
 /// The two most probable models, for what to do next about them.
 std::vector<Rival> rivals_of(const DiagnosisProblem& problem, const std::vector<FittedModel>& rivals) {
   std::vector<Rival> out;
@@ -241,29 +254,38 @@ Diagnosis diagnose(const std::vector<Dataset>& datasets, const DiagnoseOptions& 
     tell(options, "what to do next");
     const std::vector<Rival> rivals = rivals_of(*posed.problem, out.rivals);
     out.next = next_experiment(datasets.front(), *posed.problem, rivals[0], rivals[1], options);
+    if (!out.next)
+      out.reasons.push_back("no experiment that could be simulated is expected to tell the two leading rivals apart");
   }
   return out;
 }
 
-std::vector<double> log_evidences(const std::vector<Dataset>& datasets,
-                                  const std::vector<std::vector<const Effect*>>& sets, const DiagnoseOptions& options) {
+std::vector<double> log_evidences(const std::vector<Dataset>& datasets, const std::vector<Rival>& rivals,
+                                  const DiagnoseOptions& options) {
   DiagnoseOptions all = options;
   all.effects.clear();
-  for (const auto& set : sets)
-    for (const Effect* effect : set)
+  for (const Rival& rival : rivals)
+    for (const Effect* effect : rival.effects)
       if (std::find(all.effects.begin(), all.effects.end(), effect) == all.effects.end()) all.effects.push_back(effect);
-  std::vector<double> found(sets.size(), kNaN);
+  std::vector<double> found(rivals.size(), kNaN);
   const Posed posed = pose(datasets, all);
   Diagnosis unused;
   Linearisation about;
   if (!posed.forward || !prepare(*posed.problem, about, options, unused)) return found;
-  const EvidenceSpace space = compare_in(*posed.problem, about, options);
-  for (std::size_t s = 0; s < sets.size(); ++s) {
-    std::vector<int> members;
-    for (const Effect* effect : sets[s]) members.push_back(posed.problem->hypotheses.candidate(effect->name));
-    std::erase(members, -1);  // nothing of it acts in this experiment
-    const Fit fit = fit_members(*posed.problem, space, about.p, members);
-    if (fit.valid) found[s] = fit.log_evidence;
+  EvidenceSpace space = compare_in(*posed.problem, about, options);
+  Linearisation there = linearise(*posed.problem, start_at(*posed.problem, rivals.front()).p);
+  if (there.at_p.valid) space = evidence_space(*posed.problem, there);
+  for (std::size_t r = 0; r < rivals.size(); ++r) {
+    const FittedModel start = start_at(*posed.problem, rivals[r]);
+    std::vector<int> free = posed.problem->hypotheses.nuisances;
+    for (const int c : start.candidates) {
+      const auto& own = posed.problem->hypotheses.candidates[static_cast<std::size_t>(c)].parameters;
+      free.insert(free.end(), own.begin(), own.end());
+    }
+    const Fit anew = fit_members(*posed.problem, space, about.p, start.candidates);
+    const Fit from = fit_model(*posed.problem, space, free, {start.p});
+    for (const Fit* fit : {&anew, &from})
+      if (fit->valid && !(fit->log_evidence < found[r])) found[r] = fit->log_evidence;
   }
   return found;
 }

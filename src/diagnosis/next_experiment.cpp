@@ -13,6 +13,7 @@ namespace jaculus {
 namespace {
 
 constexpr int kTrials = 4;
+constexpr double kTelling = 1.0;  // expected log Bayes factor from which an experiment is worth naming
 constexpr double kMocapRate = 240.0, kJointsRate = 1000.0;  // Hz
 // Noise of channels that the present data lack: m, rad of motion capture; rad and rad/s of encoders.
 constexpr double kPlace = 3e-4, kPitch = 0.15 * std::numbers::pi / 180.0, kEncoder = 1e-3, kTachometer = 0.1;
@@ -83,6 +84,29 @@ Proposal again(const Dataset& present, const DiagnosisProblem& problem, const Pl
   Proposal proposal{present.experiment + " as now, " + std::to_string(kTrials) + " more trials", begin(present)};
   if (model.coordinate_index("x") >= 0) proposal.experiment.streams.push_back(motion_capture(problem));
   proposal.experiment.streams.push_back(encoders(problem, motor_joints(model)));
+  return proposal;
+}
+
+/// The same plan by the other quantity, gains as the same stiffness at stall.
+Proposal switched(const Dataset& present, const DiagnosisProblem& problem, const PlanarModel& model) {
+  const bool by_torque = present.controller.quantity == "torque";
+  const std::string other = by_torque ? "duty" : "torque";
+  Proposal proposal = again(present, problem, model);
+  proposal.name = present.experiment + " by " + other + " instead of " + present.controller.quantity;
+  StatedController& controller = proposal.experiment.setup.controller;
+  controller.quantity = other;
+  for (const PlanarMotor& motor : model.motors) {
+    if (!present.plan || present.plan->column(motor.joint + "_" + other) < 0)
+      throw InputError("the plan has no " + other + " for " + motor.joint);
+    const double stall = motor.torque_constant * motor.voltage / motor.resistance;
+    for (auto* gains : {&controller.kp, &controller.kd}) {
+      auto found = gains->find(motor.joint);
+      if (found == gains->end() && gains->contains("*")) found = gains->emplace(motor.joint, gains->at("*")).first;
+      if (found == gains->end()) continue;
+      const double factor = by_torque ? 1.0 / stall : stall;
+      found->second.range = {found->second.range.lower * factor, found->second.range.upper * factor};
+    }
+  }
   return proposal;
 }
 
@@ -173,8 +197,7 @@ double expected_log_bayes_factor(const Experiment& experiment, const Rival& a, c
   double sum = 0.0;
   for (const bool first : {true, false}) {
     const Rival& truth = first ? a : b;
-    const std::vector<double> evidence =
-        log_evidences({simulated(experiment, truth)}, {truth.effects, (first ? b : a).effects}, options);
+    const std::vector<double> evidence = log_evidences({simulated(experiment, truth)}, {truth, first ? b : a}, options);
     sum += evidence[0] - evidence[1];
   }
   return 0.5 * sum;
@@ -188,6 +211,7 @@ std::optional<NextExperiment> next_experiment(const Dataset& present, const Diag
   const PlanarModel model = dataset_robot(present).planar;
   const PlanarMotor* tail = tail_motor(model);
   std::vector<std::function<Proposal()>> makers{[&] { return again(present, problem, model); }};
+  if (present.controller.kind == "feedforward_pd") makers.push_back([&] { return switched(present, problem, model); });
   if (tail != nullptr) {
     if (present.experiment != "tail_bench") makers.push_back([&] { return bench(present, problem, *tail); });
     if (present.experiment != "self_righting" && model.coordinate_index("z") >= 0)
@@ -198,7 +222,7 @@ std::optional<NextExperiment> next_experiment(const Dataset& present, const Diag
     try {
       const Proposal proposal = make();
       const double expected = expected_log_bayes_factor(proposal.experiment, a, b, options);
-      if (std::isfinite(expected) && (!best || expected > best->log_bayes_factor)) best = {{proposal.name, expected}};
+      if (expected >= kTelling && (!best || expected > best->log_bayes_factor)) best = {{proposal.name, expected}};
     } catch (const InputError&) {
       continue;  // the robot or its stated controller does not allow this experiment
     }

@@ -5,7 +5,8 @@
 //   expected log Bayes factor of experiment E = mean over rivals r of  log p(D_r | r) - log p(D_r | the other),
 //   D_r: trials of E on the plant with r as fitted, sensors as in the present data; both rivals are fitted to them anew.
 //
-// Experiments: the present one once more; and, for a robot with a tail that has drag and a motor, the tail on a bench (base held,
+// Experiments: the present one once more; the same by duty instead of torque, or the other way round, where the plan has both; and, for
+// a robot with a tail that has drag and a motor, the tail on a bench (base held,
 // half the battery's voltage to and fro) and a drop (full command on the tail from straight back, legs as now). Those that the robot or
 // the stated controller does not allow are left out.
 
@@ -19,12 +20,14 @@ struct Rival {
   std::vector<Vector> theta;  ///< parameters of each, own units
 };
 
-/// The experiment that is expected to tell `a` and `b` apart best; nothing where none can be simulated.
+/// The experiment that is expected to tell `a` and `b` apart best; nothing where none of them is expected to (log Bayes factor below 1) or
+/// can be simulated.
 std::optional<NextExperiment> next_experiment(const Dataset& present, const DiagnosisProblem& problem, const Rival& a,
                                               const Rival& b, const DiagnoseOptions& options = {});
 
-/// log evidence of data with each set of effects at work, all fitted, in one space; NaN where a set can't be fitted.
-std::vector<double> log_evidences(const std::vector<Dataset>& datasets,
-                                  const std::vector<std::vector<const Effect*>>& sets, const DiagnoseOptions& options);
+/// log evidence of data with each rival's effects at work, all fitted anew from where the rival has them, in one space: that about
+/// the first rival, which made the data. NaN where a rival can't be fitted.
+std::vector<double> log_evidences(const std::vector<Dataset>& datasets, const std::vector<Rival>& rivals,
+                                  const DiagnoseOptions& options);
 
 }  // namespace jaculus
