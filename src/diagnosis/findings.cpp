@@ -195,17 +195,27 @@ const ModelFit* prune(const Selection& selection, HeldOutGaps& gaps, const Model
 constexpr double kGap = 1.5;  // noise floors; below it the share of a gap that shrank means nothing
 // Share by which the held-out error must fall; the second where the gap is small.
 constexpr double kLeast = 0.1, kLeastOfLittle = 0.02;
+constexpr double kShrink = 0.75;  // share of the gap that effects must take where they leave more than kGap
+constexpr double kMuch = 3.0;     // noise floors that effects may not leave whatever they take
 
 void demand_prediction(Diagnosis& out) {
   const bool named = out.verdict == "effect" || out.verdict == "several" || out.verdict == "ambiguous";
   const bool small = out.gap.before < kGap;
   if (!out.gap.valid || out.verdict == "none" || (!named && !small)) return;
   const double most = (1.0 - (small ? kLeastOfLittle : kLeast)) * out.gap.before;
-  if (out.gap.log_gain > (small ? kWorthOfLittle : kWorth) && out.gap.after < most) return;
-  out.reasons.push_back(small ? "the fit prefers a model with effects, but it predicts held-out data no better than "
-                                "the nominal one, which is "
-                                "within 1.5 noise floors of them: no gap is claimed"
-                              : "the fitted effects predict held-out data no better than the nominal model does");
+  const bool predicts = out.gap.log_gain > (small ? kWorthOfLittle : kWorth) && out.gap.after < most;
+  const bool leaves =
+      named && out.gap.after > kGap && (out.gap.after > kMuch || out.gap.shrink.value_or(1.0) < kShrink);
+  if (predicts && !leaves) return;
+  if (predicts)
+    out.reasons.push_back(
+        "the fitted effects leave too much of the gap: more than 3 noise floors, or 1.5 and a quarter of it");
+  else if (small)
+    out.reasons.push_back(
+        "the fit prefers a model with effects, but it predicts held-out data no better than the nominal one, which is "
+        "within 1.5 noise floors of them: no gap is claimed");
+  else
+    out.reasons.push_back("the fitted effects predict held-out data no better than the nominal model does");
   out.verdict = small ? "none" : "unexplained";
   out.effects.clear();
 }

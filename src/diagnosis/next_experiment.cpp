@@ -6,6 +6,7 @@
 #include <functional>
 #include <numbers>
 
+#include "diagnosis/posed.h"
 #include "jaculus/core/error.h"
 #include "jaculus/simulation/experiment.h"
 
@@ -191,6 +192,19 @@ Dataset simulated(const Experiment& experiment, const Rival& rival) {
   return dataset;
 }
 
+/// A rival's effects as candidates of a problem, its parameters set; effects that don't act there stay away.
+FittedModel start_at(const DiagnosisProblem& problem, const Rival& rival) {
+  FittedModel model{{}, problem.hypotheses.nominal()};
+  for (std::size_t i = 0; i < rival.effects.size(); ++i) {
+    const int c = problem.hypotheses.candidate(rival.effects[i]->name);
+    if (c < 0) continue;
+    model.candidates.push_back(c);
+    const auto& own = problem.hypotheses.candidates[static_cast<std::size_t>(c)].parameters;
+    for (std::size_t k = 0; k < own.size(); ++k) model.p[own[k]] = rival.theta[i][static_cast<Eigen::Index>(k)];
+  }
+  return model;
+}
+
 /// Mean over both rivals of the evidence for the one that made the data; NaN where one can't be simulated or fitted.
 double expected_log_bayes_factor(const Experiment& experiment, const Rival& a, const Rival& b,
                                  const DiagnoseOptions& options) {
@@ -204,6 +218,36 @@ double expected_log_bayes_factor(const Experiment& experiment, const Rival& a, c
 }
 
 }  // namespace
+
+std::vector<double> log_evidences(const std::vector<Dataset>& datasets, const std::vector<Rival>& rivals,
+                                  const DiagnoseOptions& options) {
+  DiagnoseOptions all = options;
+  all.effects.clear();
+  for (const Rival& rival : rivals)
+    for (const Effect* effect : rival.effects)
+      if (std::find(all.effects.begin(), all.effects.end(), effect) == all.effects.end()) all.effects.push_back(effect);
+  std::vector<double> found(rivals.size(), kNaN);
+  const Posed posed = pose(datasets, all);
+  Diagnosis unused;
+  Linearisation about;
+  if (!posed.forward || !prepare(*posed.problem, about, options, unused)) return found;
+  EvidenceSpace space = compare_in(*posed.problem, about, options);
+  Linearisation there = linearise(*posed.problem, start_at(*posed.problem, rivals.front()).p);
+  if (there.at_p.valid) space = evidence_space(*posed.problem, there);
+  for (std::size_t r = 0; r < rivals.size(); ++r) {
+    const FittedModel start = start_at(*posed.problem, rivals[r]);
+    std::vector<int> free = posed.problem->hypotheses.nuisances;
+    for (const int c : start.candidates) {
+      const auto& own = posed.problem->hypotheses.candidates[static_cast<std::size_t>(c)].parameters;
+      free.insert(free.end(), own.begin(), own.end());
+    }
+    const Fit anew = fit_members(*posed.problem, space, about.p, start.candidates);
+    const Fit from = fit_model(*posed.problem, space, free, {start.p});
+    for (const Fit* fit : {&anew, &from})
+      if (fit->valid && !(fit->log_evidence < found[r])) found[r] = fit->log_evidence;
+  }
+  return found;
+}
 
 std::optional<NextExperiment> next_experiment(const Dataset& present, const DiagnosisProblem& problem, const Rival& a,
                                               const Rival& b, const DiagnoseOptions& options) {

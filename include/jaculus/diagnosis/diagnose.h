@@ -12,7 +12,8 @@
 //   ambiguous     else; the effects that take part in models of 95 % of the rest are listed
 // Evidence alone states nothing: a member of `several` must raise the log density of held-out data by 3. Where the effects as a
 // whole do not raise it by 3 and lower the held-out error by 10 % (by 20 and by 2 % where the gap is below 1.5 noise floors), the
-// verdict is none (gap below 1.5 noise floors) or unexplained.
+// verdict is none (gap below 1.5 noise floors) or unexplained; and unexplained where they leave more than 3 floors, or more than
+// 1.5 and a quarter of the gap.
 
 #include <functional>
 #include <memory>
