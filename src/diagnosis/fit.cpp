@@ -204,6 +204,7 @@ Fit evaluate_model(const DiagnosisProblem& problem, const EvidenceSpace& space, 
   Fit fit;
   fit.p = p;
   Residual residual(problem, space, {}, p);
+  fit.jacobian.resize(space.rows, 0);
   fit.valid = residual.value(Vector(), fit.residual);
   fit.message = residual.message();
   fit.predictions = 1;
