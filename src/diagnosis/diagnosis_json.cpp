@@ -171,9 +171,7 @@ std::string augmented_yaml(const Diagnosis& d) {
   for (const int c : d.chosen) {
     const Candidate& candidate = d.problem->hypotheses.candidates[static_cast<std::size_t>(c)];
     if (candidate.effect == nullptr || !candidate.effect->applies(model)) continue;
-    Vector theta(static_cast<Eigen::Index>(candidate.parameters.size()));
-    for (std::size_t k = 0; k < candidate.parameters.size(); ++k)
-      theta[static_cast<Eigen::Index>(k)] = d.p[candidate.parameters[k]];
+    const Vector theta = candidate.theta(d.p);
     for (const ModelOverride& value : candidate.effect->overrides(theta, model)) {
       std::erase_if(overrides, [&](const ModelOverride& o) { return o.first == value.first; });
       overrides.push_back(value);

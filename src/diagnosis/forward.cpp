@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <memory>
 
+#include "diagnosis/grid_simulation.h"
 #include "diagnosis/starts.h"
 #include "jaculus/simulation/experiment.h"
 
@@ -186,8 +187,7 @@ void add_starts(Model& model) {
 
 void apply_candidates(const Model& model, const PlanarModel& robot, const Vector& p, Plant& plant) {
   for (const Candidate& candidate : model.hypotheses.candidates) {
-    Vector theta(static_cast<Eigen::Index>(candidate.parameters.size()));
-    for (Eigen::Index i = 0; i < theta.size(); ++i) theta[i] = p[candidate.parameters[static_cast<std::size_t>(i)]];
+    const Vector theta = candidate.theta(p);
     if (theta != candidate.effect->nominal() && candidate.effect->applies(robot)) candidate.effect->apply(theta, plant);
   }
 }
@@ -273,7 +273,7 @@ std::vector<double> command_steps(const RunSetup& setup) {
 
 Prediction simulate_run(const Model& model, int c, int r, const Vector& p) {
   const RunSetup setup = setup_of(model, c, r, p);
-  const Simulation simulation = simulate(setup.plant, setup.controller, setup.start, setup.options);
+  const Simulation simulation = simulate_on_grid(setup.plant, setup.controller, setup.start, setup.options);
   Prediction prediction;
   prediction.step = kGrid;
   prediction.message = simulation.message;

@@ -7,6 +7,12 @@
 
 namespace jaculus {
 
+Vector Candidate::theta(const Vector& p) const {
+  Vector own(static_cast<Eigen::Index>(parameters.size()));
+  for (std::size_t k = 0; k < parameters.size(); ++k) own[static_cast<Eigen::Index>(k)] = p[parameters[k]];
+  return own;
+}
+
 Vector Hypotheses::nominal() const {
   Vector p(static_cast<Eigen::Index>(parameters.size()));
   for (std::size_t i = 0; i < parameters.size(); ++i) p[static_cast<Eigen::Index>(i)] = parameters[i].nominal;
@@ -31,6 +37,16 @@ Vector Hypotheses::unscaled(const std::vector<int>& free, const Vector& u, Vecto
         std::clamp(own.nominal + own.scale * u[static_cast<Eigen::Index>(i)], own.bounds.lower, own.bounds.upper);
   }
   return p;
+}
+
+std::vector<int> Hypotheses::freed_by(const std::vector<int>& members) const {
+  std::vector<int> free;
+  for (const int c : members) {
+    const std::vector<int>& own = candidates[static_cast<std::size_t>(c)].parameters;
+    free.insert(free.end(), own.begin(), own.end());
+  }
+  free.insert(free.end(), nuisances.begin(), nuisances.end());
+  return free;
 }
 
 int Hypotheses::candidate(const std::string& name) const {

@@ -32,6 +32,9 @@ struct Candidate {
   Component where = Component::body;
   std::vector<int> parameters;  ///< indices of its parameters
   const Effect* effect = nullptr;
+
+  /// Its own parameters out of all, in its effect's order.
+  [[nodiscard]] Vector theta(const Vector& p) const;
 };
 
 struct Hypotheses {
@@ -45,6 +48,8 @@ struct Hypotheses {
   [[nodiscard]] Vector scaled(const std::vector<int>& free, const Vector& p) const;
   /// p with the parameters `free` set from u, within their bounds.
   [[nodiscard]] Vector unscaled(const std::vector<int>& free, const Vector& u, Vector p) const;
+  /// Indices of the parameters that a model of some candidates frees: theirs, then the nuisances.
+  [[nodiscard]] std::vector<int> freed_by(const std::vector<int>& members) const;
   [[nodiscard]] int candidate(const std::string& name) const;  ///< index, -1 where there is none
 };
 
