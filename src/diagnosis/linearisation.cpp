@@ -59,13 +59,21 @@ void add_column(const Condition& condition, int run, const std::string& name, do
 void add_shifts(const Condition& condition, int r, const Prediction& prediction, RunNuisances& out) {
   if (condition.measured_input) return;
   const Run& run = condition.runs[at(r)];
+  const double period = 1.0 / condition.dataset.controller.rate_hz;
   for (std::size_t s = 0; s < condition.streams.size(); ++s) {
     const auto slope = [&](int channel, double time) {
       if (condition.stream_index(condition.channels[at(channel)].stream) != static_cast<int>(s)) return 0.0;
       const double t = time - run.start - run.shift[s], h = prediction.step;
       return -(prediction.row(run, channel, t + h) - prediction.row(run, channel, t - h)) / (2.0 * h);
     };
+    const auto slope_of_held = [&](int channel, double time) {
+      return condition.channels[at(channel)].held ? slope(channel, time) : 0.0;
+    };
     add_column(condition, r, "shift of " + condition.streams[s], -run.shift[s], shift_scale(condition, s), slope, out);
+    // Where between two steps of the loop its samples lie, nobody says.
+    if (std::isfinite(period) && period > 0.0)
+      add_column(condition, r, "phase of the loop in " + condition.streams[s], 0.0, period / std::sqrt(12.0),
+                 slope_of_held, out);
   }
 }
 
