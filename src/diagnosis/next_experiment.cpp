@@ -1,5 +1,7 @@
 #include "jaculus/diagnosis/next_experiment.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -82,7 +84,7 @@ Experiment begin(const Dataset& present) {
 }
 
 Proposal again(const Dataset& present, const DiagnosisProblem& problem, const PlanarModel& model) {
-  Proposal proposal{present.experiment + " as now, " + std::to_string(kTrials) + " more trials", begin(present)};
+  Proposal proposal{fmt::format("{} as now, {} more trials", present.experiment, kTrials), begin(present)};
   if (model.coordinate_index("x") >= 0) proposal.experiment.streams.push_back(motion_capture(problem));
   proposal.experiment.streams.push_back(encoders(problem, motor_joints(model)));
   return proposal;
@@ -139,9 +141,8 @@ Proposal bench(const Dataset& present, const DiagnosisProblem& problem, const Pl
 /// Full command on the tail from straight back, legs held as the present controller holds them.
 Proposal drop(const Dataset& present, const DiagnosisProblem& problem, const PlanarModel& model,
               const PlanarMotor& tail) {
-  Proposal proposal{
-      "self_righting: drop from " + std::to_string(kFall).substr(0, 3) + " m, full command on " + tail.joint,
-      begin(present)};
+  Proposal proposal{fmt::format("self_righting: drop from {} m, full command on {}", kFall, tail.joint),
+                    begin(present)};
   Dataset& setup = proposal.experiment.setup;
   const double back = -0.5 * std::numbers::pi;
   setup.experiment = "self_righting";
@@ -176,8 +177,8 @@ Proposal drop(const Dataset& present, const DiagnosisProblem& problem, const Pla
   return proposal;
 }
 
-/// Trials of an experiment on the plant with a rival's effects.
-Dataset simulated(const Experiment& experiment, const Rival& rival) {
+/// Trials of an experiment on the plant with a rival's effects; nothing where the plant is lost.
+std::optional<Dataset> simulated(const Experiment& experiment, const Rival& rival) {
   const Robot robot = dataset_robot(experiment.setup);
   Plant plant = dataset_plant(experiment.setup, robot.planar);
   for (std::size_t i = 0; i < rival.effects.size(); ++i)
@@ -186,7 +187,7 @@ Dataset simulated(const Experiment& experiment, const Rival& rival) {
   Dataset dataset = experiment.setup;
   for (int k = 0; k < experiment.trials; ++k) {
     const TrialRun run = run_trial(experiment, plant, controller, k, 1);
-    if (run.truth.status != SimulationStatus::done) throw InputError("the plant is lost: " + run.truth.message);
+    if (run.truth.status != SimulationStatus::done) return std::nullopt;
     dataset.trials.push_back(run.trial);
   }
   return dataset;
@@ -211,7 +212,9 @@ double expected_log_bayes_factor(const Experiment& experiment, const Rival& a, c
   double sum = 0.0;
   for (const bool first : {true, false}) {
     const Rival& truth = first ? a : b;
-    const std::vector<double> evidence = log_evidences({simulated(experiment, truth)}, {truth, first ? b : a}, options);
+    const std::optional<Dataset> data = simulated(experiment, truth);
+    if (!data) return kNaN;
+    const std::vector<double> evidence = log_evidences({*data}, {truth, first ? b : a}, options);
     sum += evidence[0] - evidence[1];
   }
   return 0.5 * sum;
@@ -236,13 +239,8 @@ std::vector<double> log_evidences(const std::vector<Dataset>& datasets, const st
   if (there.at_p.valid) space = evidence_space(*posed.problem, there);
   for (std::size_t r = 0; r < rivals.size(); ++r) {
     const FittedModel start = start_at(*posed.problem, rivals[r]);
-    std::vector<int> free = posed.problem->hypotheses.nuisances;
-    for (const int c : start.candidates) {
-      const auto& own = posed.problem->hypotheses.candidates[static_cast<std::size_t>(c)].parameters;
-      free.insert(free.end(), own.begin(), own.end());
-    }
     const Fit anew = fit_members(*posed.problem, space, about.p, start.candidates);
-    const Fit from = fit_model(*posed.problem, space, free, {start.p});
+    const Fit from = fit_model(*posed.problem, space, posed.problem->hypotheses.freed_by(start.candidates), {start.p});
     for (const Fit* fit : {&anew, &from})
       if (fit->valid && !(fit->log_evidence < found[r])) found[r] = fit->log_evidence;
   }

@@ -6,9 +6,9 @@
 //   D_r: trials of E on the plant with r as fitted, sensors as in the present data; both rivals are fitted to them anew.
 //
 // Experiments: the present one once more; the same by duty instead of torque, or the other way round, where the plan has both; and, for
-// a robot with a tail that has drag and a motor, the tail on a bench (base held,
-// half the battery's voltage to and fro) and a drop (full command on the tail from straight back, legs as now). Those that the robot or
-// the stated controller does not allow are left out.
+// a robot with a tail that has drag and a motor, the tail on a bench (base held, half the battery's voltage to and fro) and a drop (full
+// command on the tail from straight back, legs as now). Those that the robot or the stated controller does not allow, or in which the
+// plant is lost, are left out.
 
 #include "jaculus/diagnosis/diagnose.h"
 
@@ -20,8 +20,8 @@ struct Rival {
   std::vector<Vector> theta;  ///< parameters of each, own units
 };
 
-/// The experiment that is expected to tell `a` and `b` apart best; nothing where none of them is expected to (log Bayes factor below 1) or
-/// can be simulated.
+/// The experiment that is expected to tell `a` and `b` apart best; nothing where none is expected to (log Bayes factor below 1) or can be
+/// simulated.
 std::optional<NextExperiment> next_experiment(const Dataset& present, const DiagnosisProblem& problem, const Rival& a,
                                               const Rival& b, const DiagnoseOptions& options = {});
 
