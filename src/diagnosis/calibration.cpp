@@ -1,7 +1,8 @@
 #include "diagnosis/calibration.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <map>
 #include <numeric>
@@ -15,26 +16,41 @@ struct Reliability {
   double unexplained = 0.0, none = 0.0, others = 0.0;  ///< parts of the rest
 };
 
+constexpr double kPlain = 1.5;  // noise floors: what a gap should be before, and should not be after
+constexpr double kClear = 1.1;  // times what the stated effects leave, which rivals should leave at least
+
 const std::map<std::string, Reliability>& reliabilities() {
-  static const std::map<std::string, Reliability> table = {{"effect", {0.95, 0.5, 0.1, 0.4}},
-                                                           {"several", {0.75, 0.5, 0.1, 0.4}},
-                                                           {"ambiguous", {0.7, 0.5, 0.1, 0.4}},
-                                                           {"none", {0.8, 0.4, 0.0, 0.6}},
-                                                           {"unexplained", {0.75, 0.0, 0.2, 0.8}}};
+  static const std::map<std::string, Reliability> table = {
+      {"effect", {0.97, 0.5, 0.1, 0.4}},  {"contested effect", {0.6, 0.3, 0.1, 0.6}},
+      {"several", {0.75, 0.5, 0.1, 0.4}}, {"ambiguous", {0.7, 0.5, 0.1, 0.4}},
+      {"none", {0.8, 0.4, 0.0, 0.6}},     {"unexplained", {0.75, 0.0, 0.2, 0.8}}};
   return table;
 }
 
-/// Whether a row of the ranking, "a" or "a + b", is made of effects that are stated.
+/// Whether a row of the ranking is made of effects that are stated.
 bool is_stated(const Diagnosis& out, const Ranked& row) {
-  if (row.effect == "none" || row.effect == "unexplained") return row.effect == out.verdict;
-  for (std::size_t from = 0; from < row.effect.size();) {
-    const std::size_t to = std::min(row.effect.find(" + ", from), row.effect.size());
-    const std::string part = row.effect.substr(from, to - from);
-    if (std::none_of(out.effects.begin(), out.effects.end(), [&](const FoundEffect& e) { return e.name == part; }))
-      return false;
-    from = to + 3;
+  if (row.members.empty()) return row.effect == out.verdict;
+  return std::all_of(row.members.begin(), row.members.end(), [&](const std::string& member) {
+    return std::any_of(out.effects.begin(), out.effects.end(), [&](const FoundEffect& e) { return e.name == member; });
+  });
+}
+
+/// Reasons to doubt the one effect that is stated: another predicts held-out data nearly as well, the gap was small from the start, or
+/// not all of it went.
+std::vector<std::string> doubts(const Diagnosis& out) {
+  std::vector<std::string> found;
+  if (out.verdict != "effect") return found;
+  if (out.gap.valid && out.gap.before < kPlain)
+    found.push_back(fmt::format("the gap is small: {:.2g} noise floors", out.gap.before));
+  if (out.gap.valid && out.gap.after > kPlain)
+    found.push_back(fmt::format("{:.2g} noise floors of the gap are left", out.gap.after));
+  const std::string& stated = out.effects.front().name;
+  for (const Ranked& row : out.ranking) {
+    const bool other = std::find(row.members.begin(), row.members.end(), stated) == row.members.end();
+    if (!row.members.empty() && other && row.held_out_error < kClear * out.gap.after)
+      found.push_back(fmt::format("{} predicts held-out data nearly as well", row.effect));
   }
-  return !out.effects.empty();
+  return found;
 }
 
 /// Weights of the rows that are not stated, before they are brought to the sum that is left.
@@ -66,7 +82,8 @@ std::vector<double> rest_weights(const Diagnosis& out, const std::vector<bool>& 
 }  // namespace
 
 void calibrate(Diagnosis& out) {
-  const auto found = reliabilities().find(out.verdict);
+  const std::vector<std::string> doubted = doubts(out);
+  const auto found = reliabilities().find((doubted.empty() ? "" : "contested ") + out.verdict);
   if (found == reliabilities().end() || out.ranking.empty()) return;
   std::vector<bool> stated;
   double claimed = 0.0;
@@ -78,6 +95,7 @@ void calibrate(Diagnosis& out) {
     ++rows;
   }
   if (rows == 0) return;
+  out.reasons.insert(out.reasons.end(), doubted.begin(), doubted.end());
   const std::vector<double> rest = rest_weights(out, stated, found->second);
   const double all_rest = std::accumulate(rest.begin(), rest.end(), 0.0);
   const double right = all_rest > 0.0 ? found->second.right : 1.0;

@@ -1,17 +1,11 @@
 #include "jaculus/diagnosis/diagnose.h"
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
-#include <algorithm>
-#include <cmath>
 #include <cstddef>
 
 #include "diagnosis/findings.h"
 #include "diagnosis/posed.h"
 #include "jaculus/diagnosis/forward.h"
 #include "jaculus/diagnosis/next_experiment.h"
-#include "jaculus/simulation/experiment.h"
 
 namespace jaculus {
 namespace {
@@ -62,11 +56,8 @@ std::vector<Rival> rivals_of(const DiagnosisProblem& problem, const std::vector<
     Rival rival;
     for (const int c : model.candidates) {
       const Candidate& candidate = problem.hypotheses.candidates[static_cast<std::size_t>(c)];
-      Vector theta(static_cast<Eigen::Index>(candidate.parameters.size()));
-      for (std::size_t k = 0; k < candidate.parameters.size(); ++k)
-        theta[static_cast<Eigen::Index>(k)] = model.p[candidate.parameters[k]];
       rival.effects.push_back(candidate.effect);
-      rival.theta.push_back(theta);
+      rival.theta.push_back(candidate.theta(model.p));
     }
     out.push_back(rival);
   }
@@ -87,14 +78,14 @@ Diagnosis diagnose_problem(std::shared_ptr<DiagnosisProblem> problem, const Diag
   EvidenceSpace space = compare_in(*problem, about, options);
   SelectionOptions selecting = options.selection;
   selecting.progress = options.progress;
-  const Selection selection = select_twice(*problem, about, space, selecting);
+  Selection selection = select_twice(*problem, about, space, selecting);
   if (selection.models.empty()) {
     out.reasons.push_back("the nominal model can't be fitted to these data");
     return out;
   }
   out.predictions = selection.predictions;
   tell(options, "held-out gap and intervals");
-  state_findings(*problem, about, space, selection, out);
+  state_findings(*problem, about, space, std::move(selection), out);
   if (one_trial(*problem)) {
     out.verdict = "insufficient";
     out.reasons.push_back(

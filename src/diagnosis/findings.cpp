@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <map>
 
 #include "diagnosis/calibration.h"
+#include "diagnosis/held_out_rules.h"
 #include "jaculus/effects/select.h"
 
 namespace jaculus {
@@ -26,12 +26,6 @@ std::string name_of(const DiagnosisProblem& problem, const std::vector<int>& can
   std::string name;
   for (const int c : candidates) name += (name.empty() ? "" : " + ") + problem.hypotheses.candidates[at(c)].name;
   return name.empty() ? "none" : name;
-}
-
-const ModelFit* find_model(const Selection& selection, const std::vector<int>& candidates) {
-  for (const ModelFit& model : selection.models)
-    if (model.candidates == candidates && model.fit.valid) return &model;
-  return nullptr;
 }
 
 /// Most probable model that frees a candidate.
@@ -115,31 +109,24 @@ std::vector<int> decide(const Selection& selection, std::string& verdict) {
   return listed;
 }
 
-/// Held-out gaps of models, each worked out once.
-class HeldOutGaps {
- public:
-  HeldOutGaps(const DiagnosisProblem& problem, const Linearisation& about, const Fit& none)
-      : problem_(problem), about_(about), none_(none) {}
-
-  const HeldOut& of(const ModelFit& model) {
-    const auto known = gaps_.find(model.candidates);
-    if (known != gaps_.end()) return known->second;
-    return gaps_.emplace(model.candidates, held_out(problem_, about_, none_, model.fit)).first->second;
-  }
-
- private:
-  const DiagnosisProblem& problem_;
-  const Linearisation& about_;
-  const Fit& none_;
-  std::map<std::vector<int>, HeldOut> gaps_;
-};
+/// Of an ambiguous verdict what is sure, where held-out data don't ask for what is not: the others may merely bend to its form.
+void keep_sure(const Selection& selection, HeldOutGaps& gaps, std::vector<int>& stated, std::string& verdict) {
+  std::vector<int> sure = stated;
+  std::erase_if(sure, [&](int c) { return selection.involved[at(c)] < kSure; });
+  std::sort(sure.begin(), sure.end());
+  const ModelFit* alone = sure.empty() ? nullptr : find_model(selection, sure);
+  if (alone == nullptr || asks_for_more(gaps, selection, *alone)) return;
+  stated = sure;
+  verdict = sure.size() == 1 ? "effect" : "several";
+}
 
 void rank(const DiagnosisProblem& problem, const Selection& selection, HeldOutGaps& gaps, Diagnosis& out) {
   const double zero = find_model(selection, {})->fit.log_evidence;
   std::size_t judged = 0;
   for (const ModelFit& model : selection.models) {
     if (!model.fit.valid || (model.candidates.size() > 1 && model.probability < kRanked)) continue;
-    Ranked row{name_of(problem, model.candidates), model.fit.log_evidence - zero, kNaN, model.probability};
+    Ranked row{name_of(problem, model.candidates), model.fit.log_evidence - zero, kNaN, model.probability, {}};
+    for (const int c : model.candidates) row.members.push_back(problem.hypotheses.candidates[at(c)].name);
     if (judged < kHeldOut || model.candidates.empty()) {
       row.held_out_error = gaps.of(model).after;
       ++judged;
@@ -149,7 +136,7 @@ void rank(const DiagnosisProblem& problem, const Selection& selection, HeldOutGa
   double log_unknown = -kInfinity;
   for (const ModelFit& model : selection.models)
     log_unknown = std::max(log_unknown, model.fit.log_evidence - zero + model.structure);
-  out.ranking.push_back({"unexplained", log_unknown, kNaN, selection.unexplained});
+  out.ranking.push_back({"unexplained", log_unknown, kNaN, selection.unexplained, {}});
   std::stable_sort(out.ranking.begin(), out.ranking.end(),
                    [](const Ranked& a, const Ranked& b) { return a.probability > b.probability; });
 }
@@ -162,73 +149,20 @@ const ModelFit* chosen_model(const Selection& selection, const std::vector<int>&
     std::sort(sorted.begin(), sorted.end());
     if (const ModelFit* model = find_model(selection, sorted)) return model;
   }
-  const ModelFit* best = nullptr;
-  for (const ModelFit& model : selection.models)
-    if (model.fit.valid &&
-        (best == nullptr || model.log_prior + model.fit.log_evidence > best->log_prior + best->fit.log_evidence))
-      best = &model;
-  return best;
-}
-
-/// Log density of held-out data that an effect must be worth: less is a fault of the model of noise or start, not an effect.
-constexpr double kWorth = 3.0, kWorthOfLittle = 20.0;  // the second where the gap is small
-
-/// Leaves out members of a set without which held-out data are predicted as well.
-const ModelFit* prune(const Selection& selection, HeldOutGaps& gaps, const ModelFit* model) {
-  for (bool again = true; again && model->candidates.size() > 1;) {
-    again = false;
-    const double full = gaps.of(*model).log_gain;
-    for (std::size_t k = 0; k < model->candidates.size() && !again; ++k) {
-      std::vector<int> rest = model->candidates;
-      rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(k));
-      const ModelFit* less = find_model(selection, rest);
-      if (less == nullptr || full - gaps.of(*less).log_gain > kWorth) continue;
-      model = less;
-      again = true;
-    }
-  }
-  return model;
-}
-
-/// A verdict that names effects must predict: where held-out data are not predicted better than by the nominal model, there is no
-/// gap to explain (below kGap noise floors) or one that the catalogue does not explain.
-constexpr double kGap = 1.5;  // noise floors; below it the share of a gap that shrank means nothing
-// Share by which the held-out error must fall; the second where the gap is small.
-constexpr double kLeast = 0.1, kLeastOfLittle = 0.02;
-constexpr double kShrink = 0.75;  // share of the gap that effects must take where they leave more than kGap
-constexpr double kMuch = 3.0;     // noise floors that effects may not leave whatever they take
-
-void demand_prediction(Diagnosis& out) {
-  const bool named = out.verdict == "effect" || out.verdict == "several" || out.verdict == "ambiguous";
-  const bool small = out.gap.before < kGap;
-  if (!out.gap.valid || out.verdict == "none" || (!named && !small)) return;
-  const double most = (1.0 - (small ? kLeastOfLittle : kLeast)) * out.gap.before;
-  const bool predicts = out.gap.log_gain > (small ? kWorthOfLittle : kWorth) && out.gap.after < most;
-  const bool leaves =
-      named && out.gap.after > kGap && (out.gap.after > kMuch || out.gap.shrink.value_or(1.0) < kShrink);
-  if (predicts && !leaves) return;
-  if (predicts)
-    out.reasons.push_back(
-        "the fitted effects leave too much of the gap: more than 3 noise floors, or 1.5 and a quarter of it");
-  else if (small)
-    out.reasons.push_back(
-        "the fit prefers a model with effects, but it predicts held-out data no better than the nominal one, which is "
-        "within 1.5 noise floors of them: no gap is claimed");
-  else
-    out.reasons.push_back("the fitted effects predict held-out data no better than the nominal model does");
-  out.verdict = small ? "none" : "unexplained";
-  out.effects.clear();
+  return most_evident(selection);
 }
 
 }  // namespace
 
 void state_findings(const DiagnosisProblem& problem, const Linearisation& about, const EvidenceSpace& space,
-                    const Selection& selection, Diagnosis& out) {
+                    Selection selection, Diagnosis& out) {
+  if (find_model(selection, {}) == nullptr) return;
+  HeldOutGaps gaps(problem, about, find_model(selection, {})->fit);
+  heed_held_out(gaps, selection);
   std::vector<int> stated = decide(selection, out.verdict);
+  if (out.verdict == "ambiguous") keep_sure(selection, gaps, stated, out.verdict);
   const ModelFit* none = find_model(selection, {});
   const ModelFit* chosen = chosen_model(selection, stated, out.verdict);
-  if (none == nullptr || chosen == nullptr) return;
-  HeldOutGaps gaps(problem, about, none->fit);
   rank(problem, selection, gaps, out);
   if (out.verdict == "several") {
     chosen = prune(selection, gaps, chosen);

@@ -7,6 +7,6 @@ namespace jaculus {
 
 /// Fills verdict, effects, ranking, gap and the chosen model of `out`.
 void state_findings(const DiagnosisProblem& problem, const Linearisation& about, const EvidenceSpace& space,
-                    const Selection& selection, Diagnosis& out);
+                    Selection selection, Diagnosis& out);
 
 }  // namespace jaculus

@@ -118,14 +118,12 @@ Posed pose(const std::vector<Dataset>& datasets, const DiagnoseOptions& options)
 
 Fit fit_members(const DiagnosisProblem& problem, const EvidenceSpace& space, const Vector& p,
                 const std::vector<int>& members) {
-  std::vector<int> free = problem.hypotheses.nuisances;
-  Fit model = fit_model(problem, space, free, {p});
-  for (const int c : members) {
-    if (!model.valid) return model;
-    const auto& own = problem.hypotheses.candidates[static_cast<std::size_t>(c)].parameters;
-    free.insert(free.end(), own.begin(), own.end());
-    const std::vector<Probe> probes = screen(problem, space, model);
-    model = fit_model(problem, space, free, fit_starts(problem, model.p, c, probes[static_cast<std::size_t>(c)]));
+  Fit model = fit_model(problem, space, problem.hypotheses.nuisances, {p});
+  for (std::size_t k = 0; k < members.size() && model.valid; ++k) {
+    const Probe probe = probe_candidate(problem, space, model, members[k], Screening::ladder);
+    const std::vector<int> joined(members.begin(), members.begin() + static_cast<std::ptrdiff_t>(k) + 1);
+    model =
+        fit_model(problem, space, problem.hypotheses.freed_by(joined), fit_starts(problem, model.p, members[k], probe));
   }
   return model;
 }

@@ -14,12 +14,19 @@ constexpr double kInfluence = 0.1;  // norm of a prior scale's signature below w
 constexpr double kSmall = 0.15;     // of the probing step
 constexpr double kLowest = 0.125, kHighest = 8.0;  // rungs of the ladder, of the probing step
 constexpr int kEven = 16;                          // spaces between rungs over a short range
+constexpr int kHalvings = 6;                       // of the space in which a threshold lies
+constexpr double kHarm = 10.0;             // log evidence by which a rung past a threshold is worse than the one before
+constexpr double kBeyondProportion = 4.0;  // times what a proportional effect would change there
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
+double usual_step(const FreeParameter& parameter) {
+  return std::isnan(parameter.probe) ? parameter.scale : parameter.probe;
+}
+
 /// Probing step of a parameter from where the base model has it; inwards where it would leave the bounds.
 double probe_step(const FreeParameter& parameter, double value, double share) {
-  double step = share * (std::isnan(parameter.probe) ? parameter.scale : parameter.probe);
+  double step = share * usual_step(parameter);
   if (!parameter.bounds.contains(value + step)) step = -step;
   return step;
 }
@@ -108,56 +115,120 @@ std::vector<double> ladder(const FreeParameter& parameter, double value) {
   return rungs;
 }
 
-/// Walks the ladder; a rung that beats the linear score takes its place.
-void climb(const DiagnosisProblem& problem, const EvidenceSpace& space, const Fit& base, int first, double alone,
-           Probe& probe) {
-  const FreeParameter& own = problem.hypotheses.parameters[at(first)];
-  const double standing = alone - 0.5 * base.residual.squaredNorm();
-  double best = 0.0;
-  for (const double u : ladder(own, base.p[first])) {
-    ++probe.predictions;
-    Vector p = base.p;
-    p[first] += u * own.scale;
-    const PredictionSet set = predict_all(problem, p);
-    if (!set.valid) continue;
-    const Vector r = space.residual(rows_of(problem, set));
-    const double there = linear_evidence(-base.jacobian, r).log_evidence - 0.5 * r.squaredNorm() - 0.5 * u * u;
-    const double score = there - standing - 0.5 * std::log1p((r - base.residual).squaredNorm() / (u * u));
-    if (score <= best) continue;
-    best = score;
-    probe.rung = u;
+/// What a step of the first parameter alone, u prior scales, does to the misfit.
+class Climb {
+ public:
+  Climb(const DiagnosisProblem& problem, const EvidenceSpace& space, const Fit& base, int first, double alone)
+      : problem_(problem), space_(space), base_(base), first_(first) {
+    standing_ = alone - 0.5 * base.residual.squaredNorm();
   }
-  probe.score = std::max(probe.score, best);
+
+  struct Rung {
+    double u = 0.0;
+    double score = -kInfinity;     ///< log evidence gained, width of the valley by its slope
+    double influence = kInfinity;  ///< norm of what the step changes; infinite where the simulation fails
+  };
+
+  Rung at_step(double u) {
+    ++predictions;
+    Vector p = base_.p;
+    p[first_] += u * problem_.hypotheses.parameters[at(first_)].scale;
+    const PredictionSet set = predict_all(problem_, p);
+    if (!set.valid) return {u};
+    const Vector r = space_.residual(rows_of(problem_, set));
+    const double there = linear_evidence(-base_.jacobian, r).log_evidence - 0.5 * r.squaredNorm() - 0.5 * u * u;
+    const double influence = (r - base_.residual).norm();
+    return {u, there - standing_ - 0.5 * std::log1p(influence * influence / (u * u)), influence};
+  }
+
+  long predictions = 0;
+
+ private:
+  const DiagnosisProblem& problem_;
+  const EvidenceSpace& space_;
+  const Fit& base_;
+  int first_;
+  double standing_ = 0.0;
+};
+
+/// Whether an effect sets in between two steps: what it changes grows far beyond proportion, and does harm.
+bool sets_in(const Climb::Rung& near, const Climb::Rung& far) {
+  return near.u != 0.0 && far.score < near.score - kHarm &&
+         far.influence * std::abs(near.u) > kBeyondProportion * near.influence * std::abs(far.u);
+}
+
+/// Effects with a threshold (a foot that slips, a limit that is met) do next to nothing up to a strength and soon too much: their valley
+/// lies just past the threshold. Halves the space around it until a step helps.
+void find_threshold(Climb& climb, Climb::Rung near, Climb::Rung far, Climb::Rung& best) {
+  for (int i = 0; i < kHalvings && best.u == 0.0 && sets_in(near, far); ++i) {
+    const Climb::Rung middle = climb.at_step(0.5 * (near.u + far.u));
+    if (middle.score > 0.0)
+      best = middle;
+    else
+      (middle.score < near.score - kHarm ? far : near) = middle;
+  }
+}
+
+/// Walks the ladder; a rung that beats the linear score takes its place.
+void climb_ladder(const DiagnosisProblem& problem, const EvidenceSpace& space, const Fit& base, int first, double alone,
+                  Probe& probe) {
+  Climb climb(problem, space, base, first, alone);
+  std::vector<Climb::Rung> rungs{{0.0, 0.0, 0.0}};
+  for (const double u : ladder(problem.hypotheses.parameters[at(first)], base.p[first]))
+    rungs.push_back(climb.at_step(u));
+  Climb::Rung best =
+      *std::max_element(rungs.begin(), rungs.end(),
+                        [](const Climb::Rung& one, const Climb::Rung& other) { return one.score < other.score; });
+  std::sort(rungs.begin(), rungs.end(),
+            [](const Climb::Rung& one, const Climb::Rung& other) { return one.u < other.u; });
+  for (std::size_t i = 0; i + 1 < rungs.size(); ++i) {
+    const bool below = rungs[i + 1].u <= 0.0;
+    const Climb::Rung &near = rungs[below ? i + 1 : i], &far = rungs[below ? i : i + 1];
+    find_threshold(climb, near, far, best);
+  }
+  probe.predictions += climb.predictions;
+  if (best.u != 0.0) probe.rung = best.u;
+  probe.score = std::max(probe.score, best.score);
 }
 
 }  // namespace
 
-std::vector<Probe> screen(const DiagnosisProblem& problem, const EvidenceSpace& space, const Fit& base, Screening how) {
-  const auto& candidates = problem.hypotheses.candidates;
-  std::vector<Probe> probes(candidates.size());
+Probe probe_candidate(const DiagnosisProblem& problem, const EvidenceSpace& space, const Fit& base, int c,
+                      Screening how) {
+  const Candidate& candidate = problem.hypotheses.candidates[at(c)];
+  Probe probe;
+  if (std::find(base.free.begin(), base.free.end(), candidate.parameters.front()) != base.free.end()) return probe;
   const double alone = linear_evidence(-base.jacobian, base.residual).log_evidence;
-  tbb::parallel_for(std::size_t{0}, candidates.size(), [&](std::size_t i) {
-    const Candidate& candidate = candidates[i];
-    const bool freed = std::find(base.free.begin(), base.free.end(), candidate.parameters.front()) != base.free.end();
-    Probe& probe = probes[i];
-    if (freed) return;
-    probe.predictions = (how == Screening::step ? 1 : 2) * static_cast<long>(candidate.parameters.size());
-    if (columns(problem, space, base, candidate, 1.0, probe.full) && probe.full.norm() > kInfluence) {
-      score(problem, base, candidate, probe.full, alone, probe);
-      probe.valid = true;
-    }
-    if (how == Screening::step) {
-      probe.small = probe.full;
-      return;
-    }
-    if (columns(problem, space, base, candidate, kSmall, probe.small) && probe.small.norm() > kInfluence) {
-      score(problem, base, candidate, probe.small, alone, probe);
-      if (!probe.valid) probe.full = probe.small;
-      probe.valid = true;
-    } else if (probe.valid) {
-      probe.small = probe.full;
-    }
-    if (probe.valid) climb(problem, space, base, candidate.parameters.front(), alone, probe);
+  probe.predictions = (how == Screening::step ? 1 : 2) * static_cast<long>(candidate.parameters.size());
+  if (columns(problem, space, base, candidate, 1.0, probe.full) && probe.full.norm() > kInfluence) {
+    score(problem, base, candidate, probe.full, alone, probe);
+    probe.valid = true;
+  }
+  if (how == Screening::step) {
+    probe.small = probe.full;
+    return probe;
+  }
+  if (columns(problem, space, base, candidate, kSmall, probe.small) && probe.small.norm() > kInfluence) {
+    score(problem, base, candidate, probe.small, alone, probe);
+    if (!probe.valid) probe.full = probe.small;
+    probe.valid = true;
+  } else if (probe.valid) {
+    probe.small = probe.full;
+  }
+  if (how != Screening::ladder) return probe;
+  climb_ladder(problem, space, base, candidate.parameters.front(), alone, probe);
+  if (probe.valid || std::isnan(probe.rung)) return probe;
+  // Without influence up to its threshold: its columns are those of the rung that helps.
+  const FreeParameter& first = problem.hypotheses.parameters[at(candidate.parameters.front())];
+  probe.valid = columns(problem, space, base, candidate, probe.rung * first.scale / usual_step(first), probe.full);
+  probe.small = probe.full;
+  return probe;
+}
+
+std::vector<Probe> screen(const DiagnosisProblem& problem, const EvidenceSpace& space, const Fit& base, Screening how) {
+  std::vector<Probe> probes(problem.hypotheses.candidates.size());
+  tbb::parallel_for(std::size_t{0}, probes.size(), [&](std::size_t c) {
+    probes[c] = probe_candidate(problem, space, base, static_cast<int>(c), how);
   });
   return probes;
 }
@@ -167,7 +238,7 @@ std::vector<Vector> fit_starts(const DiagnosisProblem& problem, const Vector& ba
   Vector estimated = base, probed = base;
   for (std::size_t k = 0; k < parameters.size(); ++k) {
     const FreeParameter& p = problem.hypotheses.parameters[at(parameters[k])];
-    const double step = std::isnan(p.probe) ? p.scale : p.probe;
+    const double step = usual_step(p);
     const double u = probe.estimate.size() > 0 ? probe.estimate[static_cast<Eigen::Index>(k)] : 0.0;
     estimated[parameters[k]] = std::clamp(base[parameters[k]] + u * p.scale, p.bounds.lower, p.bounds.upper);
     // A start at nominal can be a point without slope.

@@ -9,10 +9,11 @@
 #include <numeric>
 #include <set>
 
+#include "diagnosis/posterior.h"
+
 namespace jaculus {
 namespace {
 
-constexpr double kPriorNone = 0.5, kPriorSingle = 0.38, kPriorPair = 0.09, kPriorTriple = 0.02, kPriorUnknown = 1e-3;
 constexpr double kGain = 2.0;  // log posterior odds by which a larger model must lead for its successors to be tried
 constexpr double kLeastScore = -1.5;  // of a candidate that is fitted; none of the prior's mass moves below
 constexpr double kLeastGain = 2.0;    // of one that is added to others: the prior asks for more than that
@@ -21,46 +22,25 @@ constexpr double kLeft =
     -3.0;  // log Bayes factor of structure in what a model leaves, below which no more effects are sought
 constexpr double kHopeless =
     0.5;  // share of it that a pair may leave of what its best member left, for triples to be sought
-constexpr int kMostMates = 6;  // class members fitted beyond those that screening kept
-constexpr int kTested = 6;     // models whose remainder is tested for structure
-// Share of what a model explains that its effects' own form may leave: to something unknown, and to each further effect.
-constexpr double kFormLeft = 0.025, kFormMember = 0.01;
+constexpr std::size_t kMostRoots = 2;  // singles that pairs are sought from
+constexpr int kMostMates = 6;          // class members fitted beyond those that screening kept
+constexpr int kTested = 6;             // models whose remainder is tested for structure
 
 using Members = std::vector<int>;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-double log_prior(std::size_t members, std::size_t candidates) {
-  const auto n = static_cast<double>(candidates);
-  if (members == 0) return std::log(kPriorNone);
-  if (members == 1) return std::log(kPriorSingle / n);
-  if (members == 2) return std::log(kPriorPair / std::max(1.0, n * (n - 1.0) / 2.0));
-  return std::log(kPriorTriple / std::max(1.0, n * (n - 1.0) * (n - 2.0) / 6.0));
-}
-
-double explained(const ModelFit& model, const ModelFit& none) {
-  return std::max(0.0, model.fit.log_evidence - none.fit.log_evidence);
-}
-
-/// log prior x evidence, less what a further effect must be worth beyond the first one's form; temper is the evidence's power.
-double value_of(const ModelFit& model, const ModelFit& none, double temper) {
-  if (!model.fit.valid) return -kInfinity;
-  const double further = model.candidates.empty() ? 0.0 : static_cast<double>(model.candidates.size() - 1);
-  return model.log_prior + temper * (model.fit.log_evidence - kFormMember * further * explained(model, none));
-}
-
 /// All models fitted so far.
 class Search {
  public:
-  Search(const DiagnosisProblem& problem, const EvidenceSpace& space, const SelectionOptions& options,
-         const Selection* earlier)
-      : problem_(problem), space_(space), options_(options), earlier_(earlier) {}
+  Search(const DiagnosisProblem& problem, const EvidenceSpace& space, const Selection* earlier)
+      : problem_(problem), space_(space), earlier_(earlier) {}
 
   std::vector<ModelFit> models;
   long predictions = 0;
 
   [[nodiscard]] double value(const ModelFit& model) const {
-    return value_of(model, models.front(), options_.temper);  // none is fitted first
+    return log_weight(model, models.front().fit.log_evidence);  // none is fitted first
   }
   [[nodiscard]] const ModelFit* find(const Members& members) const {
     const auto found =
@@ -73,6 +53,18 @@ class Search {
       if (model.candidates.size() == size && model.fit.valid && (best == nullptr || value(model) > value(*best)))
         best = &model;
     return best;
+  }
+  /// `from` and the others of its size that its form may hide, best first.
+  [[nodiscard]] std::vector<ModelFit> close_to(const ModelFit& from, std::size_t count) const {
+    const double explained = from.fit.log_evidence - models.front().fit.log_evidence;
+    std::vector<ModelFit> close;
+    for (const ModelFit& model : models)
+      if (model.candidates.size() == from.candidates.size() && value(model) >= value(from) - kFormMember * explained)
+        close.push_back(model);
+    std::stable_sort(close.begin(), close.end(),
+                     [&](const ModelFit& a, const ModelFit& b) { return value(a) > value(b); });
+    close.resize(std::min(close.size(), count));
+    return close;
   }
   void fit_none() { add({ModelJob{{}, {problem_.hypotheses.nominal()}}}); }
 
@@ -108,7 +100,7 @@ class Search {
   [[nodiscard]] double left(const ModelFit& model) const { return structure_evidence(problem_, space_, model.fit); }
 
   std::vector<Probe> probe(const ModelFit& base) {
-    const Screening how = base.candidates.empty() ? Screening::ladder : Screening::step;
+    const Screening how = base.candidates.empty() ? Screening::ladder : Screening::steps;
     std::vector<Probe> probes = screen(problem_, space_, base.fit, how);
     for (const Probe& probe : probes) predictions += probe.predictions;
     return probes;
@@ -134,13 +126,9 @@ class Search {
       ModelFit& model = fits[i];
       model.candidates = jobs[i].members;
       model.log_prior = log_prior(model.candidates.size(), problem_.hypotheses.candidates.size());
-      std::vector<int> free;
-      for (const int c : model.candidates)
-        for (const int p : problem_.hypotheses.candidates[at(c)].parameters) free.push_back(p);
-      free.insert(free.end(), problem_.hypotheses.nuisances.begin(), problem_.hypotheses.nuisances.end());
       FitOptions fitting;
       fitting.enough = jobs[i].enough;
-      model.fit = fit_model(problem_, space_, free, jobs[i].starts, fitting);
+      model.fit = fit_model(problem_, space_, problem_.hypotheses.freed_by(model.candidates), jobs[i].starts, fitting);
     });
     for (ModelFit& fit : fits) {
       predictions += fit.fit.predictions;
@@ -150,7 +138,6 @@ class Search {
 
   const DiagnosisProblem& problem_;
   const EvidenceSpace& space_;
-  const SelectionOptions& options_;
   const Selection* earlier_;
 };
 
@@ -186,6 +173,27 @@ void add_classes(const EvidenceSpace& space, const ModelFit& none, const Search&
   }
 }
 
+/// Backwards from the best set, and one for one: each member dropped, what is left fitted, and extended anew.
+void exchange(Search& search, const ModelFit& best, const Members& from, int kept) {
+  for (const int dropped : best.candidates) {
+    Members rest = best.candidates;
+    std::erase(rest, dropped);
+    if (search.find(rest) == nullptr) {
+      Members rest_of_rest = rest;
+      const int again = rest_of_rest.back();
+      rest_of_rest.pop_back();
+      const ModelFit* root = search.find(rest_of_rest);
+      if (root == nullptr) continue;
+      const ModelFit copy = *root;
+      search.extend(copy, search.probe(copy), std::vector<int>{again});
+    }
+    const ModelFit* smaller = search.find(rest);
+    if (smaller == nullptr || !smaller->fit.valid || rest == from) continue;
+    const ModelFit copy = *smaller;
+    search.extend(copy, search.probe(copy), kept);
+  }
+}
+
 void search_larger(Search& search, const SelectionOptions& options) {
   for (std::size_t size = 2; size <= at(options.largest); ++size) {
     const ModelFit* base = search.best(size - 1);
@@ -197,66 +205,25 @@ void search_larger(Search& search, const SelectionOptions& options) {
     // A set that takes little off what its best member leaves is not on the way to an explanation.
     if (left < kLeft || (size > 2 && left > kHopeless * search.left(*before))) return;
     if (options.progress) options.progress(size == 2 ? "pairs of effects" : "triples of effects");
-    search.extend(from, search.probe(from), options.kept_pairs);
+    // What the form of an effect may hide, a second effect may tell apart.
+    for (const ModelFit& root : search.close_to(from, size == 2 ? kMostRoots : 1))
+      search.extend(root, search.probe(root), options.kept_pairs);
     const ModelFit* reached = search.best(size);
     if (reached == nullptr || search.value(*reached) < search.value(from)) return;
     const ModelFit best = *reached;
-    for (const int dropped : best.candidates) {  // backwards, and one for one
-      Members rest = best.candidates;
-      std::erase(rest, dropped);
-      const ModelFit* smaller = search.find(rest);
-      if (smaller == nullptr) {
-        Members rest_of_rest = rest;
-        const int again = rest_of_rest.back();
-        rest_of_rest.pop_back();
-        const ModelFit* root = search.find(rest_of_rest);
-        if (root == nullptr) continue;
-        const ModelFit copy = *root;
-        const std::vector<Probe> probes = search.probe(copy);
-        search.extend(copy, probes, std::vector<int>{again});
-        smaller = search.find(rest);
-      }
-      if (smaller == nullptr || !smaller->fit.valid || rest == from.candidates) continue;
-      const ModelFit copy = *smaller;
-      search.extend(copy, search.probe(copy), options.kept_pairs);
-    }
+    exchange(search, best, from.candidates, options.kept_pairs);
   }
 }
 
-/// Probabilities from priors, evidence and structure.
-void weigh(const DiagnosisProblem& problem, const EvidenceSpace& space, const SelectionOptions& options,
-           Selection& out) {
-  auto& models = out.models;
-  const ModelFit none = models.front();
-  const auto value = [&](const ModelFit& m) { return value_of(m, none, options.temper); };
+/// Structure in what `none` and the leading models leave.
+void test_structure(const DiagnosisProblem& problem, const EvidenceSpace& space, std::vector<ModelFit>& models) {
+  const double none = models.front().fit.log_evidence;
   std::stable_sort(models.begin(), models.end(),
-                   [&](const ModelFit& a, const ModelFit& b) { return value(a) > value(b); });
+                   [&](const ModelFit& a, const ModelFit& b) { return log_weight(a, none) > log_weight(b, none); });
   const std::size_t tested = std::min(models.size(), at(kTested));
   tbb::parallel_for(std::size_t{0}, models.size(), [&](std::size_t i) {
     if (models[i].fit.valid && (i < tested || models[i].candidates.empty()))
       models[i].structure = structure_evidence(problem, space, models[i].fit);
-  });
-  const auto unknown = [&](const ModelFit& m) {
-    return value(m) + std::log(kPriorUnknown) + options.temper * (m.structure - kFormLeft * explained(m, none));
-  };
-  double largest = -kInfinity;
-  for (const ModelFit& m : models) largest = std::max({largest, value(m), unknown(m)});
-  double sum = 0.0;
-  for (ModelFit& m : models) {
-    m.probability = std::exp(value(m) - largest);
-    m.unknown_probability = std::exp(unknown(m) - largest);
-    sum += m.probability + m.unknown_probability;
-  }
-  out.involved.assign(problem.hypotheses.candidates.size(), 0.0);
-  for (ModelFit& m : models) {
-    m.probability /= sum;
-    m.unknown_probability /= sum;
-    out.unexplained += m.unknown_probability;
-    if (m.candidates.empty()) out.none += m.probability;
-    for (const int c : m.candidates) out.involved[at(c)] += m.probability;
-  }
-  std::stable_sort(models.begin(), models.end(), [](const ModelFit& a, const ModelFit& b) {
-    return std::max(a.probability, a.unknown_probability) > std::max(b.probability, b.unknown_probability);
   });
 }
 
@@ -265,7 +232,7 @@ void weigh(const DiagnosisProblem& problem, const EvidenceSpace& space, const Se
 Selection select_models(const DiagnosisProblem& problem, const EvidenceSpace& space, const SelectionOptions& options,
                         const Selection* earlier) {
   Selection out;
-  Search search(problem, space, options, earlier);
+  Search search(problem, space, earlier);
   search.fit_none();
   if (!search.models.front().fit.valid) return out;
   const ModelFit none = search.models.front();
@@ -286,7 +253,8 @@ Selection select_models(const DiagnosisProblem& problem, const EvidenceSpace& sp
   add_classes(space, none, search, options.equivalence, out);
   out.models = std::move(search.models);
   out.predictions = search.predictions;
-  weigh(problem, space, options, out);
+  test_structure(problem, space, out.models);
+  weigh(out);
   return out;
 }
 

@@ -56,7 +56,7 @@ constexpr double kCopper = 0.0039, kMagnet = 0.001;
 
 Effect actuation_delay() {
   Effect effect = on_actuation("actuation_delay", "commands reach the motors late");
-  effect.parameters = {{"delay", "s", 0.0, {0.0, 0.03}, 0.004, "", "", "", kNaN}};
+  effect.parameters = {{"delay", "s", 0.0, {0.0, 0.03}, 0.004, "", "", "", 0.002}};
   effect.apply = [](const Vector& theta, Plant& plant) { plant.actuation.delay += theta[0]; };
   return effect;
 }
@@ -64,7 +64,7 @@ Effect actuation_delay() {
 Effect late_start() {
   Effect effect = on_actuation("late_start", "the plan as a whole starts late");
   effect.also = {Component::sensing};
-  effect.parameters = {{"time", "s", 0.0, {0.0, 0.05}, 0.008, "", "", "", kNaN}};
+  effect.parameters = {{"time", "s", 0.0, {0.0, 0.05}, 0.008, "", "", "", 0.002}};
   effect.apply = [](const Vector& theta, Plant& plant) { plant.actuation.late_start += theta[0]; };
   return effect;
 }

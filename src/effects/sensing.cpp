@@ -52,7 +52,7 @@ Effect joint_offset(const Group& group) {
 Effect sensor_latency() {
   Effect effect = on_sensing("sensor_latency", "every sensor stamps its samples late");
   effect.also = {Component::actuation};
-  effect.parameters = {{"latency", "s", 0.0, {0.0, 0.05}, 0.008, "", "", "", kNaN}};
+  effect.parameters = {{"latency", "s", 0.0, {0.0, 0.05}, 0.008, "", "", "", 0.002}};
   effect.applies = [](const PlanarModel&) { return true; };
   effect.apply = [](const Vector& theta, Plant& plant) {
     for (const std::string stream : {"mocap", "joints"}) add_to(plant.sensing.latency, stream, theta[0]);

@@ -46,7 +46,8 @@ TEST(Ladder, FindsAStrengthWhoseValleyIsNarrow) {
   const Linearisation about = linearise(*problem, Vector::Zero(4));
   const EvidenceSpace space = evidence_space(*problem, about);
   const Fit none = evaluate_model(*problem, space, Vector::Zero(4));
-  const Probe with = screen(*problem, space, none)[1], without = screen(*problem, space, none, Screening::step)[1];
+  const Probe with = screen(*problem, space, none, Screening::ladder)[1],
+              without = screen(*problem, space, none, Screening::step)[1];
   ASSERT_TRUE(with.valid);
   EXPECT_TRUE(std::isnan(without.rung));
   EXPECT_NEAR(0.1 * with.rung, 0.4, 0.11);  // the rung beside the truth
@@ -55,6 +56,22 @@ TEST(Ladder, FindsAStrengthWhoseValleyIsNarrow) {
   const Fit walked = fit_model(*problem, space, {1}, fit_starts(*problem, none.p, 1, without));
   EXPECT_NEAR(climbed.p[1], 0.43, 1e-3);
   EXPECT_GT(std::abs(walked.p[1] - 0.43), 0.02);
+}
+
+TEST(Ladder, FindsTheValleyJustPastAThreshold) {
+  // Nothing up to 0.3, then soon too much: at the probing step and at most rungs the candidate does nothing, or harm.
+  const auto problem =
+      shaped([](int channel, double t,
+                const Vector& p) { return channel == 0 ? t : 40.0 * std::max(0.0, p[1] - 0.3) * std::sin(9.0 * t); },
+             toy_truth(0.0, 0.31));
+  const Linearisation about = linearise(*problem, Vector::Zero(4));
+  const EvidenceSpace space = evidence_space(*problem, about);
+  const Fit none = evaluate_model(*problem, space, Vector::Zero(4));
+  EXPECT_FALSE(screen(*problem, space, none, Screening::steps)[1].valid);
+  const Probe probe = screen(*problem, space, none, Screening::ladder)[1];
+  ASSERT_TRUE(probe.valid);
+  EXPECT_NEAR(0.1 * probe.rung, 0.31, 0.01);
+  EXPECT_NEAR(fit_model(*problem, space, {1}, fit_starts(*problem, none.p, 1, probe)).p[1], 0.31, 1e-3);
 }
 
 TEST(Jump, CountsForLittleBetweenItsPredictedAndItsMeasuredTime) {
@@ -88,11 +105,14 @@ Diagnosis diagnosis(const std::string& verdict, const std::vector<std::string>& 
   Diagnosis out;
   out.verdict = verdict;
   for (const std::string& name : effects) out.effects.push_back({name, "", 1.0, {}, {}});
-  out.ranking = {{"a + b", 50.0, 1.0, 0.9},
-                 {"a", 45.0, 1.0, 0.1},
-                 {"c", 3.0, 2.0, 0.0},
-                 {"unexplained", 40.0, kNaN, 0.0},
-                 {"none", 0.0, 4.0, 0.0}};
+  out.gap.valid = true;
+  out.gap.before = 4.0;
+  out.gap.after = 1.0;
+  out.ranking = {{"a + b", 50.0, 1.0, 0.9, {"a", "b"}},
+                 {"a", 45.0, 1.0, 0.1, {"a"}},
+                 {"c", 3.0, 2.0, 0.0, {"c"}},
+                 {"unexplained", 40.0, kNaN, 0.0, {}},
+                 {"none", 0.0, 4.0, 0.0, {}}};
   return out;
 }
 
@@ -118,6 +138,23 @@ TEST(Calibration, GivesEveryVerdictItsShareAndSumsToOne) {
     for (const Ranked& row : d.ranking) EXPECT_GT(row.probability, 0.0) << row.effect;  // nothing is impossible
     for (const FoundEffect& e : d.effects) EXPECT_LT(e.probability, 1.0);
   }
+}
+
+TEST(Calibration, DoubtsAnEffectThatHeldOutDataDoNotSetApart) {
+  Diagnosis clear = diagnosis("effect", {"a"}), rivalled = clear, small = clear, left = clear;
+  rivalled.ranking[2].held_out_error = 1.05;  // c leaves hardly more
+  small.gap.before = 1.4;
+  left.gap.after = 1.8;
+  calibrate(clear);
+  EXPECT_GT(probability(clear, "a"), 0.9);
+  for (Diagnosis* d : {&rivalled, &small, &left}) {
+    calibrate(*d);
+    EXPECT_LT(probability(*d, "a"), 0.8);
+    EXPECT_LT(d->effects.front().probability, 0.8);
+    EXPECT_GT(probability(*d, "a"), probability(*d, "c"));
+    EXPECT_EQ(d->reasons.size(), 1u);
+  }
+  EXPECT_NE(rivalled.reasons.front().find("c predicts"), std::string::npos) << rivalled.reasons.front();
 }
 
 TEST(Calibration, LetsAVerdictOfHeldOutDataOverruleThePosterior) {

@@ -7,7 +7,9 @@
 //   of the base model alone:  b^T A^-1 b/2 - log det(A)/2,  A = I + G^T G,  b = G^T r.
 // Strong effects leave the reach of slopes (a tail that rebounds, air that no longer brakes), so the first parameter also walks a
 // ladder, its probing step times 1/8, 1/4, ... 8, both ways, or 16 even spaces where its bounds are closer than that; at a rung u, with
-// the base model's parameters moved linearly, score = log evidence there - u^2/2 - log(1 + |(r(u) - r)/u|^2)/2.
+// the base model's parameters moved linearly, score = log evidence there - u^2/2 - log(1 + |(r(u) - r)/u|^2)/2. Effects with a threshold
+// (slip, limits) do nothing up to it and soon too much: where what a rung changes grows far beyond proportion and does harm, the space
+// before it is halved until a step helps.
 
 #include <vector>
 
@@ -25,13 +27,15 @@ struct Probe {
   long predictions = 0;  ///< sets of simulations that it took
 };
 
-/// How thorough screening is: at the probing step alone, or at a small one too and up the ladder.
-enum class Screening { step, ladder };
+/// How thorough screening is: at the probing step alone, at a small one too, or up the ladder as well.
+enum class Screening { step, steps, ladder };
 
-/// Probes every candidate that `base` has not freed, in parallel. Order of candidates; freed ones, and those without influence on
-/// these data, stay invalid.
+/// Probes one candidate. Invalid where `base` has freed it, or where it has no influence on these data.
+Probe probe_candidate(const DiagnosisProblem& problem, const EvidenceSpace& space, const Fit& base, int candidate,
+                      Screening how);
+/// The same of every candidate, in parallel and in their order.
 std::vector<Probe> screen(const DiagnosisProblem& problem, const EvidenceSpace& space, const Fit& base,
-                          Screening how = Screening::ladder);
+                          Screening how = Screening::steps);
 
 /// Where a fit of one more candidate may start: at the linear estimate, on the best rung of the ladder where there is one, at the probing
 /// step. The base model's parameters are `base`, p of all parameters.
