@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnosis/grid_simulation.h"
+
 namespace jaculus {
 namespace {
 
@@ -75,7 +77,7 @@ bool predict_changed(const DiagnosisProblem& problem, const PlantForward& forwar
   for (int r = 0; r < count; ++r) {
     RunSetup setup = forward.setup(c, r, p);
     change(setup);
-    const Simulation simulation = simulate(setup.plant, setup.controller, setup.start, setup.options);
+    const Simulation simulation = simulate_on_grid(setup.plant, setup.controller, setup.start, setup.options);
     if (simulation.status != SimulationStatus::done || simulation.time.size() < 2) return false;
     predictions.push_back(
         {true, "", simulation.time[1] - simulation.time[0], channels_of(condition, setup.plant, simulation)});

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <random>
 
+#include "diagnosis/grid_simulation.h"
 #include "jaculus/dynamics/rigid_body.h"
 
 namespace jaculus {
@@ -224,7 +225,7 @@ std::vector<SampleError> run_window(const ConditionRows& rows, const std::vector
   const auto points = static_cast<Eigen::Index>(std::ceil((t1 - t0) * 1e3)) + 2;
   window.options.sample_times = Vector::LinSpaced(points, 0.0, 1e-3 * static_cast<double>(points - 1));
   window.options.duration = window.options.sample_times[points - 1];
-  const Simulation restarted = simulate(window.plant, window.controller, window.start, window.options);
+  const Simulation restarted = simulate_on_grid(window.plant, window.controller, window.start, window.options);
   if (restarted.status != SimulationStatus::done || restarted.time.size() != points) return {};
   return errors_of(rows, means, {true, "", 1e-3, channels_of(*rows.condition, window.plant, restarted)}, t0, t1);
 }
