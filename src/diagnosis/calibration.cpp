@@ -40,6 +40,7 @@ bool is_stated(const Diagnosis& out, const Ranked& row) {
 std::vector<std::string> doubts(const Diagnosis& out) {
   std::vector<std::string> found;
   if (out.verdict != "effect") return found;
+  if (!out.gap.valid) found.push_back("its prediction of held-out data could not be judged");
   if (out.gap.valid && out.gap.before < kPlain)
     found.push_back(fmt::format("the gap is small: {:.2g} noise floors", out.gap.before));
   if (out.gap.valid && out.gap.after > kPlain)
@@ -79,6 +80,17 @@ std::vector<double> rest_weights(const Diagnosis& out, const std::vector<bool>& 
   return weights;
 }
 
+/// Probability of the stated rows that an effect is part of.
+double share_of(const Diagnosis& out, const std::vector<bool>& stated, const std::string& effect) {
+  double share = 0.0;
+  for (std::size_t i = 0; i < out.ranking.size(); ++i) {
+    const std::vector<std::string>& members = out.ranking[i].members;
+    if (stated[i] && std::find(members.begin(), members.end(), effect) != members.end())
+      share += out.ranking[i].probability;
+  }
+  return share;
+}
+
 }  // namespace
 
 void calibrate(Diagnosis& out) {
@@ -107,7 +119,7 @@ void calibrate(Diagnosis& out) {
     else
       p = (1.0 - right) * rest[i] / all_rest;
   }
-  for (FoundEffect& effect : out.effects) effect.probability *= right;
+  for (FoundEffect& effect : out.effects) effect.probability = share_of(out, stated, effect.name);
   std::stable_sort(out.ranking.begin(), out.ranking.end(),
                    [](const Ranked& a, const Ranked& b) { return a.probability > b.probability; });
 }

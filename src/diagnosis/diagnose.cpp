@@ -4,6 +4,7 @@
 
 #include "diagnosis/findings.h"
 #include "diagnosis/posed.h"
+#include "diagnosis/posterior.h"
 #include "jaculus/diagnosis/forward.h"
 #include "jaculus/diagnosis/next_experiment.h"
 
@@ -13,14 +14,9 @@ namespace {
 constexpr double kClearLead = 10.0;  // log evidence over none, from which an effect leads clearly
 
 const ModelFit* clear_leader(const Selection& selection) {
-  const ModelFit* none = nullptr;
-  const ModelFit* best = nullptr;
-  for (const ModelFit& m : selection.models) {
-    if (!m.fit.valid) continue;
-    if (m.candidates.empty()) none = &m;
-    if (best == nullptr || m.log_prior + m.fit.log_evidence > best->log_prior + best->fit.log_evidence) best = &m;
-  }
-  const bool leads = best != nullptr && none != nullptr && best->fit.log_evidence > none->fit.log_evidence + kClearLead;
+  const ModelFit* none = find_model(selection, {});
+  const ModelFit* best = most_evident(selection);
+  const bool leads = none != nullptr && best->fit.log_evidence > none->fit.log_evidence + kClearLead;
   return leads ? best : nullptr;
 }
 

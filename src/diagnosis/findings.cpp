@@ -110,14 +110,15 @@ std::vector<int> decide(const Selection& selection, std::string& verdict) {
 }
 
 /// Of an ambiguous verdict what is sure, where held-out data don't ask for what is not: the others may merely bend to its form.
-void keep_sure(const Selection& selection, HeldOutGaps& gaps, std::vector<int>& stated, std::string& verdict) {
+bool keep_sure(const Selection& selection, HeldOutGaps& gaps, std::vector<int>& stated, std::string& verdict) {
   std::vector<int> sure = stated;
   std::erase_if(sure, [&](int c) { return selection.involved[at(c)] < kSure; });
   std::sort(sure.begin(), sure.end());
   const ModelFit* alone = sure.empty() ? nullptr : find_model(selection, sure);
-  if (alone == nullptr || asks_for_more(gaps, selection, *alone)) return;
+  if (alone == nullptr || !gaps.of(*alone).valid || asks_for_more(gaps, selection, *alone)) return false;
   stated = sure;
   verdict = sure.size() == 1 ? "effect" : "several";
+  return true;
 }
 
 void rank(const DiagnosisProblem& problem, const Selection& selection, HeldOutGaps& gaps, Diagnosis& out) {
@@ -141,7 +142,7 @@ void rank(const DiagnosisProblem& problem, const Selection& selection, HeldOutGa
                    [](const Ranked& a, const Ranked& b) { return a.probability > b.probability; });
 }
 
-/// The model whose after-gap is stated: of what the verdict names, else the most probable one.
+/// The model whose after-gap is stated: of what the verdict names, else the most evident one.
 const ModelFit* chosen_model(const Selection& selection, const std::vector<int>& stated, const std::string& verdict) {
   if (verdict == "none") return find_model(selection, {});
   if (verdict == "effect" || verdict == "several") {
@@ -158,14 +159,20 @@ void state_findings(const DiagnosisProblem& problem, const Linearisation& about,
                     Selection selection, Diagnosis& out) {
   if (find_model(selection, {}) == nullptr) return;
   HeldOutGaps gaps(problem, about, find_model(selection, {})->fit);
-  heed_held_out(gaps, selection);
+  if (heed_held_out(gaps, selection))
+    out.reasons.push_back(
+        "held-out data ask for more effects than log evidence, which allows for the form of the first, would");
   std::vector<int> stated = decide(selection, out.verdict);
-  if (out.verdict == "ambiguous") keep_sure(selection, gaps, stated, out.verdict);
+  if (out.verdict == "ambiguous" && keep_sure(selection, gaps, stated, out.verdict))
+    out.reasons.push_back("more effects fit better, but which is not clear, and held-out data don't ask for them");
   const ModelFit* none = find_model(selection, {});
   const ModelFit* chosen = chosen_model(selection, stated, out.verdict);
   rank(problem, selection, gaps, out);
   if (out.verdict == "several") {
+    const std::size_t members = chosen->candidates.size();
     chosen = prune(selection, gaps, chosen);
+    if (chosen->candidates.size() < members)
+      out.reasons.push_back("left out what held-out data are predicted as well without");
     std::erase_if(stated, [&](int c) {
       return std::find(chosen->candidates.begin(), chosen->candidates.end(), c) == chosen->candidates.end();
     });
@@ -175,7 +182,6 @@ void state_findings(const DiagnosisProblem& problem, const Linearisation& about,
   out.p = chosen->fit.p;
   out.p_none = none->fit.p;
   out.chosen = chosen->candidates;
-  out.log_unknown = chosen->structure;
   out.gap = gaps.of(*chosen);
   demand_prediction(out);
   for (const ModelFit& model : selection.models)

@@ -67,7 +67,8 @@ Matrix cell_means(const Matrix& at_holds, const std::vector<Hold>& holds, const 
 Simulation simulate_on_grid(const Plant& plant, const Controller& controller, const StartState& start,
                             const SimulationOptions& options) {
   const Vector& grid = options.sample_times;
-  if (std::isinf(controller.rate_hz) || grid.size() < 2) return simulate(plant, controller, start, options);
+  const bool sampled = controller.rate_hz > 0.0 && std::isfinite(controller.rate_hz);
+  if (!sampled || grid.size() < 2) return simulate(plant, controller, start, options);
   const double cell = grid[1] - grid[0];
   const std::vector<Hold> holds = holds_of(plant, controller, grid[grid.size() - 1], cell);
   SimulationOptions both = options;

@@ -146,11 +146,18 @@ Tangent tangent_of(const DiagnosisProblem& problem, const Fit& fit) {
   for (std::size_t i = 0; i < fit.free.size(); ++i) {
     const FreeParameter& own = problem.hypotheses.parameters[at(fit.free[i])];
     double step = difference_step(fit.jacobian.col(static_cast<Eigen::Index>(i)).norm());
-    Vector moved = fit.p;
-    if (!own.bounds.contains(moved[fit.free[i]] + step * own.scale)) step = -step;
-    moved[fit.free[i]] += step * own.scale;
+    if (!own.bounds.contains(fit.p[fit.free[i]] + step * own.scale)) step = -step;
+    const auto moved = [&] {
+      Vector p = fit.p;
+      p[fit.free[i]] += step * own.scale;
+      return p;
+    };
     std::vector<Vector> there;
-    if (!rows_at(problem, moved, there)) return tangent;
+    if (!rows_at(problem, moved(), there)) {
+      step = -step;
+      if (!own.bounds.contains(fit.p[fit.free[i]] + step * own.scale) || !rows_at(problem, moved(), there))
+        return tangent;
+    }
     for (std::size_t c = 0; c < there.size(); ++c) there[c] = (there[c] - tangent.rows[c]) / step;
     tangent.slopes.push_back(std::move(there));
   }

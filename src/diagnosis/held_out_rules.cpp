@@ -26,21 +26,6 @@ const ModelFit* leading(const Selection& selection) {
 
 }  // namespace
 
-const ModelFit* find_model(const Selection& selection, const std::vector<int>& candidates) {
-  for (const ModelFit& model : selection.models)
-    if (model.candidates == candidates && model.fit.valid) return &model;
-  return nullptr;
-}
-
-const ModelFit* most_evident(const Selection& selection) {
-  const ModelFit* best = nullptr;
-  for (const ModelFit& model : selection.models)
-    if (model.fit.valid &&
-        (best == nullptr || model.log_prior + model.fit.log_evidence > best->log_prior + best->fit.log_evidence))
-      best = &model;
-  return best;
-}
-
 const HeldOut& HeldOutGaps::of(const ModelFit& model) {
   const auto known = gaps_.find(model.candidates);
   if (known != gaps_.end()) return known->second;
@@ -50,27 +35,29 @@ const HeldOut& HeldOutGaps::of(const ModelFit& model) {
 bool asks_for_more(HeldOutGaps& gaps, const Selection& selection, const ModelFit& model) {
   const ModelFit* evident = most_evident(selection);
   if (evident->candidates.size() <= model.candidates.size()) return false;
-  const double left = gaps.of(model).after;
-  return left > kFormGap && gaps.of(*evident).after < kFurther * left;
+  const HeldOut &own = gaps.of(model), &more = gaps.of(*evident);
+  return own.valid && more.valid && own.after > kFormGap && more.after < kFurther * own.after;
 }
 
-void heed_held_out(HeldOutGaps& gaps, Selection& selection) {
+bool heed_held_out(HeldOutGaps& gaps, Selection& selection) {
   const ModelFit* lead = leading(selection);
-  if (lead != nullptr && asks_for_more(gaps, selection, *lead)) weigh(selection, 0.0);
+  if (lead == nullptr || !asks_for_more(gaps, selection, *lead)) return false;
+  weigh(selection, 0.0);
+  return true;
 }
 
 const ModelFit* prune(const Selection& selection, HeldOutGaps& gaps, const ModelFit* model) {
-  for (bool again = true; again && model->candidates.size() > 1;) {
-    again = false;
-    const double full = gaps.of(*model).log_gain;
-    for (std::size_t k = 0; k < model->candidates.size() && !again; ++k) {
+  while (model->candidates.size() > 1 && gaps.of(*model).valid) {
+    const ModelFit* best = nullptr;
+    for (const int dropped : model->candidates) {
       std::vector<int> rest = model->candidates;
-      rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(k));
+      std::erase(rest, dropped);
       const ModelFit* less = find_model(selection, rest);
-      if (less == nullptr || full - gaps.of(*less).log_gain > kWorth) continue;
-      model = less;
-      again = true;
+      if (less == nullptr || !gaps.of(*less).valid) continue;
+      if (best == nullptr || gaps.of(*less).log_gain > gaps.of(*best).log_gain) best = less;
     }
+    if (best == nullptr || gaps.of(*model).log_gain - gaps.of(*best).log_gain > kWorth) break;
+    model = best;
   }
   return model;
 }
@@ -89,8 +76,9 @@ void demand_prediction(Diagnosis& out) {
         "the fitted effects leave too much of the gap: more than 3 noise floors, or 1.5 and a quarter of it");
   else if (small)
     out.reasons.push_back(
-        "the fit prefers a model with effects, but it predicts held-out data no better than the nominal one, which is "
-        "within 1.5 noise floors of them: no gap is claimed");
+        "the fit prefers a model with effects, but the nominal one is within 1.5 noise floors of held-out data, and "
+        "the fit "
+        "is not better by 20 in their log density and 5 % in error: no gap is claimed");
   else
     out.reasons.push_back("the fitted effects predict held-out data no better than the nominal model does");
   out.verdict = small ? "none" : "unexplained";

@@ -11,11 +11,6 @@
 
 namespace jaculus {
 
-const ModelFit* find_model(const Selection& selection, const std::vector<int>& candidates);
-
-/// The valid model of most prior x evidence, form aside; null where there is none.
-const ModelFit* most_evident(const Selection& selection);
-
 /// Held-out gaps of models, each worked out once.
 class HeldOutGaps {
  public:
@@ -36,10 +31,11 @@ class HeldOutGaps {
 bool asks_for_more(HeldOutGaps& gaps, const Selection& selection, const ModelFit& model);
 
 /// Weighs the models anew with every effect beyond the first in full, whatever the form of the first may hide, where held-out data ask for
-/// more than the leading model has.
-void heed_held_out(HeldOutGaps& gaps, Selection& selection);
+/// more than the leading model has. Whether they do.
+bool heed_held_out(HeldOutGaps& gaps, Selection& selection);
 
-/// The model without those members of a set without which held-out data are predicted as well.
+/// The model without those members of a set without which held-out data are predicted as well, the least missed first. Only sets that were
+/// fitted and judged can take its place.
 const ModelFit* prune(const Selection& selection, HeldOutGaps& gaps, const ModelFit* model);
 
 /// A verdict that names effects must predict: where they don't predict held-out data better than the nominal model does, there is no gap to

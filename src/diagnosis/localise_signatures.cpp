@@ -165,8 +165,7 @@ Signatures plan_columns(const Hypotheses& h) {
         const FreeParameter& parameter = h.parameters[static_cast<size_t>(candidate.parameters[k])];
         one.columns.push_back(static_cast<int>(s.columns.size()));
         one.sides.push_back(side_of(parameter));
-        const double step = std::isfinite(parameter.probe) ? parameter.probe : parameter.scale;
-        s.columns.push_back({static_cast<int>(i), static_cast<int>(k), part, split, step});
+        s.columns.push_back({static_cast<int>(i), static_cast<int>(k), part, split, parameter.usual_step()});
       }
       one.parts = {{part, one.columns}};
       all.parts.push_back(one.parts.front());

@@ -12,12 +12,6 @@ constexpr double kFormLeft =
 
 double explained(const ModelFit& model, double none) { return std::max(0.0, model.fit.log_evidence - none); }
 
-double evidence_of_none(const Selection& selection) {
-  const auto none = std::find_if(selection.models.begin(), selection.models.end(),
-                                 [](const ModelFit& m) { return m.candidates.empty(); });
-  return none == selection.models.end() ? 0.0 : none->fit.log_evidence;
-}
-
 }  // namespace
 
 double log_prior(std::size_t members, std::size_t candidates) {
@@ -36,7 +30,8 @@ double log_weight(const ModelFit& model, double none, double form_member) {
 
 void weigh(Selection& selection, double form_member) {
   auto& models = selection.models;
-  const double none = evidence_of_none(selection);
+  const ModelFit* without = find_model(selection, {});
+  const double none = without == nullptr ? 0.0 : without->fit.log_evidence;
   const auto known = [&](const ModelFit& m) { return log_weight(m, none, form_member); };
   const auto unknown = [&](const ModelFit& m) {
     return known(m) + std::log(kPriorUnknown) + m.structure - kFormLeft * explained(m, none);
@@ -61,6 +56,21 @@ void weigh(Selection& selection, double form_member) {
   std::stable_sort(models.begin(), models.end(), [](const ModelFit& a, const ModelFit& b) {
     return std::max(a.probability, a.unknown_probability) > std::max(b.probability, b.unknown_probability);
   });
+}
+
+const ModelFit* find_model(const Selection& selection, const std::vector<int>& candidates) {
+  for (const ModelFit& model : selection.models)
+    if (model.candidates == candidates && model.fit.valid) return &model;
+  return nullptr;
+}
+
+const ModelFit* most_evident(const Selection& selection) {
+  const ModelFit* best = nullptr;
+  for (const ModelFit& model : selection.models)
+    if (model.fit.valid &&
+        (best == nullptr || model.log_prior + model.fit.log_evidence > best->log_prior + best->fit.log_evidence))
+      best = &model;
+  return best;
 }
 
 }  // namespace jaculus

@@ -2,6 +2,7 @@
 // Posterior over fitted models; priors and form as selection.h says.
 
 #include <cstddef>
+#include <vector>
 
 #include "jaculus/diagnosis/selection.h"
 
@@ -16,8 +17,14 @@ double log_prior(std::size_t members, std::size_t candidates);
 /// log prior x evidence less form; -infinity for an invalid fit. `none`: log evidence of the model without effects.
 double log_weight(const ModelFit& model, double none, double form_member = kFormMember);
 
-/// Sets the probabilities of all models, and with them those of the selection; sorts them, most probable first. Structure of the leading
-/// models must be known.
+/// Sets the probabilities of all models, and with them those of the selection; sorts them, most probable first. Structure counts
+/// where it was tested.
 void weigh(Selection& selection, double form_member = kFormMember);
+
+/// The fitted model of some candidates; null where it was not fitted.
+const ModelFit* find_model(const Selection& selection, const std::vector<int>& candidates);
+
+/// The valid model of most prior x evidence, form aside; null where there is none.
+const ModelFit* most_evident(const Selection& selection);
 
 }  // namespace jaculus

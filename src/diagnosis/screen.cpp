@@ -20,13 +20,9 @@ constexpr double kBeyondProportion = 4.0;  // times what a proportional effect w
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-double usual_step(const FreeParameter& parameter) {
-  return std::isnan(parameter.probe) ? parameter.scale : parameter.probe;
-}
-
 /// Probing step of a parameter from where the base model has it; inwards where it would leave the bounds.
 double probe_step(const FreeParameter& parameter, double value, double share) {
-  double step = share * usual_step(parameter);
+  double step = share * parameter.usual_step();
   if (!parameter.bounds.contains(value + step)) step = -step;
   return step;
 }
@@ -42,20 +38,21 @@ bool column(const DiagnosisProblem& problem, const EvidenceSpace& space, const V
   return true;
 }
 
+/// Columns at a share of the probing steps; beyond one it is the first parameter's alone.
 bool columns(const DiagnosisProblem& problem, const EvidenceSpace& space, const Fit& base, const Candidate& candidate,
              double share, Matrix& out) {
   out.resize(space.rows, static_cast<Eigen::Index>(candidate.parameters.size()));
   Vector p = base.p, r = base.residual;
   for (std::size_t k = 0; k < candidate.parameters.size(); ++k) {
     const int i = candidate.parameters[k];
-    const double step = probe_step(problem.hypotheses.parameters[at(i)], p[i], share);
-    if (!column(problem, space, p, r, i, step, out.col(static_cast<Eigen::Index>(k)))) return false;
-    if (k > 0 || candidate.parameters.size() == 1) continue;
+    const FreeParameter& own = problem.hypotheses.parameters[at(i)];
+    const double step = probe_step(own, p[i], k == 0 ? share : std::min(1.0, std::abs(share)));
+    auto slope = out.col(static_cast<Eigen::Index>(k));
+    if (!column(problem, space, p, r, i, step, slope)) return false;
+    if (k > 0) continue;
     // The others may do nothing before the first is switched on.
     p[i] += step;
-    const PredictionSet set = predict_all(problem, p);
-    if (!set.valid) return false;
-    r = space.residual(rows_of(problem, set));
+    r -= slope * (step / own.scale);
   }
   return true;
 }
@@ -199,14 +196,11 @@ Probe probe_candidate(const DiagnosisProblem& problem, const EvidenceSpace& spac
   Probe probe;
   if (std::find(base.free.begin(), base.free.end(), candidate.parameters.front()) != base.free.end()) return probe;
   const double alone = linear_evidence(-base.jacobian, base.residual).log_evidence;
-  probe.predictions = (how == Screening::step ? 1 : 2) * static_cast<long>(candidate.parameters.size());
+  const auto parameters = static_cast<long>(candidate.parameters.size());
+  probe.predictions = 2 * parameters;
   if (columns(problem, space, base, candidate, 1.0, probe.full) && probe.full.norm() > kInfluence) {
     score(problem, base, candidate, probe.full, alone, probe);
     probe.valid = true;
-  }
-  if (how == Screening::step) {
-    probe.small = probe.full;
-    return probe;
   }
   if (columns(problem, space, base, candidate, kSmall, probe.small) && probe.small.norm() > kInfluence) {
     score(problem, base, candidate, probe.small, alone, probe);
@@ -220,8 +214,9 @@ Probe probe_candidate(const DiagnosisProblem& problem, const EvidenceSpace& spac
   if (probe.valid || std::isnan(probe.rung)) return probe;
   // Without influence up to its threshold: its columns are those of the rung that helps.
   const FreeParameter& first = problem.hypotheses.parameters[at(candidate.parameters.front())];
-  probe.valid = columns(problem, space, base, candidate, probe.rung * first.scale / usual_step(first), probe.full);
+  probe.valid = columns(problem, space, base, candidate, probe.rung * first.scale / first.usual_step(), probe.full);
   probe.small = probe.full;
+  probe.predictions += parameters;
   return probe;
 }
 
@@ -238,7 +233,7 @@ std::vector<Vector> fit_starts(const DiagnosisProblem& problem, const Vector& ba
   Vector estimated = base, probed = base;
   for (std::size_t k = 0; k < parameters.size(); ++k) {
     const FreeParameter& p = problem.hypotheses.parameters[at(parameters[k])];
-    const double step = usual_step(p);
+    const double step = p.usual_step();
     const double u = probe.estimate.size() > 0 ? probe.estimate[static_cast<Eigen::Index>(k)] : 0.0;
     estimated[parameters[k]] = std::clamp(base[parameters[k]] + u * p.scale, p.bounds.lower, p.bounds.upper);
     // A start at nominal can be a point without slope.

@@ -1,10 +1,8 @@
 #include "jaculus/diagnosis/selection.h"
 
-#include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <numeric>
 #include <set>
@@ -15,8 +13,7 @@ namespace jaculus {
 namespace {
 
 constexpr double kGain = 2.0;  // log posterior odds by which a larger model must lead for its successors to be tried
-constexpr double kLeastScore = -1.5;  // of a candidate that is fitted; none of the prior's mass moves below
-constexpr double kLeastGain = 2.0;    // of one that is added to others: the prior asks for more than that
+constexpr double kLeastGain = 2.0;  // score of a candidate that is added to others: the prior asks for more than that
 constexpr double kReached = 0.5;  // log evidence by which a fit may stay below its screening before it starts elsewhere
 constexpr double kLeft =
     -3.0;  // log Bayes factor of structure in what a model leaves, below which no more effects are sought
@@ -74,8 +71,9 @@ class Search {
     std::iota(order.begin(), order.end(), 0);
     std::stable_sort(order.begin(), order.end(),
                      [&](int a, int b) { return probes[at(a)].score > probes[at(b)].score; });
-    const double least = base.candidates.empty() ? kLeastScore : kLeastGain;
-    std::erase_if(order, [&](int c) { return !probes[at(c)].valid || probes[at(c)].score < least; });
+    std::erase_if(order, [&](int c) {
+      return !probes[at(c)].valid || (!base.candidates.empty() && probes[at(c)].score < kLeastGain);
+    });
     order.resize(std::min(order.size(), at(count)));
     extend(base, probes, order);
   }
@@ -173,8 +171,8 @@ void add_classes(const EvidenceSpace& space, const ModelFit& none, const Search&
   }
 }
 
-/// Backwards from the best set, and one for one: each member dropped, what is left fitted, and extended anew.
-void exchange(Search& search, const ModelFit& best, const Members& from, int kept) {
+/// Backwards from the best set, and one for one: each member dropped, what is left fitted, and extended anew where it was not.
+void exchange(Search& search, const ModelFit& best, const std::set<Members>& extended, int kept) {
   for (const int dropped : best.candidates) {
     Members rest = best.candidates;
     std::erase(rest, dropped);
@@ -188,7 +186,7 @@ void exchange(Search& search, const ModelFit& best, const Members& from, int kep
       search.extend(copy, search.probe(copy), std::vector<int>{again});
     }
     const ModelFit* smaller = search.find(rest);
-    if (smaller == nullptr || !smaller->fit.valid || rest == from) continue;
+    if (smaller == nullptr || !smaller->fit.valid || extended.contains(rest)) continue;
     const ModelFit copy = *smaller;
     search.extend(copy, search.probe(copy), kept);
   }
@@ -206,24 +204,35 @@ void search_larger(Search& search, const SelectionOptions& options) {
     if (left < kLeft || (size > 2 && left > kHopeless * search.left(*before))) return;
     if (options.progress) options.progress(size == 2 ? "pairs of effects" : "triples of effects");
     // What the form of an effect may hide, a second effect may tell apart.
-    for (const ModelFit& root : search.close_to(from, size == 2 ? kMostRoots : 1))
+    std::set<Members> extended;
+    for (const ModelFit& root : search.close_to(from, size == 2 ? kMostRoots : 1)) {
       search.extend(root, search.probe(root), options.kept_pairs);
+      extended.insert(root.candidates);
+    }
     const ModelFit* reached = search.best(size);
     if (reached == nullptr || search.value(*reached) < search.value(from)) return;
     const ModelFit best = *reached;
-    exchange(search, best, from.candidates, options.kept_pairs);
+    exchange(search, best, extended, options.kept_pairs);
   }
 }
 
-/// Structure in what `none` and the leading models leave.
+/// Structure in what `none` leaves, and the models that lead with or without the form of effects counted.
 void test_structure(const DiagnosisProblem& problem, const EvidenceSpace& space, std::vector<ModelFit>& models) {
   const double none = models.front().fit.log_evidence;
-  std::stable_sort(models.begin(), models.end(),
-                   [&](const ModelFit& a, const ModelFit& b) { return log_weight(a, none) > log_weight(b, none); });
-  const std::size_t tested = std::min(models.size(), at(kTested));
-  tbb::parallel_for(std::size_t{0}, models.size(), [&](std::size_t i) {
-    if (models[i].fit.valid && (i < tested || models[i].candidates.empty()))
-      models[i].structure = structure_evidence(problem, space, models[i].fit);
+  std::vector<std::size_t> order(models.size()), tested;
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  for (const double form : {kFormMember, 0.0}) {
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+      return log_weight(models[a], none, form) > log_weight(models[b], none, form);
+    });
+    for (std::size_t i = 0; i < order.size(); ++i)
+      if (i < at(kTested) || models[order[i]].candidates.empty()) tested.push_back(order[i]);
+  }
+  std::sort(tested.begin(), tested.end());
+  tested.erase(std::unique(tested.begin(), tested.end()), tested.end());
+  tbb::parallel_for(std::size_t{0}, tested.size(), [&](std::size_t i) {
+    ModelFit& model = models[tested[i]];
+    if (model.fit.valid) model.structure = structure_evidence(problem, space, model.fit);
   });
 }
 

@@ -56,6 +56,23 @@ TEST(HeldOutRules, PruneMembersThatPredictNothing) {
   EXPECT_EQ(prune(both.selection, of_both, find_model(both.selection, {0, 1}))->candidates, (std::vector<int>{0, 1}));
 }
 
+TEST(HeldOutRules, JudgeNothingByGapsThatAreNotThere) {
+  Fitted toy(toy_truth(0.5, 0.01));
+  HeldOutGaps gaps(*toy.problem, toy.about, find_model(toy.selection, {})->fit);
+  toy.problem->forward = [](int, int, const Vector&) { return Prediction{}; };  // no simulation succeeds any more
+  ASSERT_FALSE(gaps.of(*find_model(toy.selection, {0, 1})).valid);
+  EXPECT_FALSE(heed_held_out(gaps, toy.selection));
+  EXPECT_EQ(prune(toy.selection, gaps, find_model(toy.selection, {0, 1}))->candidates, (std::vector<int>{0, 1}));
+}
+
+TEST(HeldOutRules, FindSomethingUnknownInASetThatTheyAskFor) {
+  Fitted toy(toy_truth(0.5, 0.01));
+  HeldOutGaps gaps(*toy.problem, toy.about, find_model(toy.selection, {})->fit);
+  for (ModelFit& m : toy.selection.models) m.structure = m.candidates.size() == 2 ? 1e7 : -1e7;
+  heed_held_out(gaps, toy.selection);
+  EXPECT_GT(toy.selection.unexplained, 0.99);
+}
+
 TEST(HeldOutRules, WithdrawEffectsThatPredictNothing) {
   Diagnosis small;
   small.verdict = "effect";

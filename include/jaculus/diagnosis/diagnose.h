@@ -7,9 +7,9 @@
 //   insufficient  the data can't answer (reasons are in `reasons`), or there is one trial and nothing to tell its noise by
 //   none          p(none) is the largest and above 0.5
 //   unexplained   p(unknown structure) above 0.5
-//   effect        one effect alone has 0.8 or more
-//   several       one set of effects has 0.8 or more
-//   ambiguous     else; the effects that take part in models of 95 % of the rest are listed
+//   effect        one effect takes part in models of 0.8 or more, and no other in models of 0.5; or no other is listed
+//   several       the same of several effects
+//   ambiguous     else; the effects that take part in models of 5 % and more of what effects explain are listed
 // Held-out data have a say (held_out_rules.h in src): where a further effect takes the gap from above 1.2 noise floors to below 0.6 of
 // that, it counts in full; of an ambiguous set what is sure stands alone unless they ask for the rest; a member of `several` must raise
 // their log density by 3. Where the effects as a whole do not raise it by 3 and lower the held-out error by 10 % (by 20 and by 5 % where
@@ -77,12 +77,11 @@ struct Diagnosis {
   std::optional<NextExperiment> next;
   std::vector<FittedModel> rivals;  ///< of an ambiguous verdict: its two most probable models with effects
   std::shared_ptr<DiagnosisProblem>
-      problem;              ///< as diagnosed, noise floors and shifts in it; null where nothing could be
-  Vector p;                 ///< all parameters of the most probable model
+      problem;  ///< as diagnosed, noise floors and shifts in it; null where nothing could be
+  Vector p;     ///< all parameters of the model whose gap is stated: what the verdict names, else the most evident one
   Vector p_none;            ///< nominal, condition-wide nuisances fitted
-  std::vector<int> chosen;  ///< candidates of the most probable model
+  std::vector<int> chosen;  ///< its candidates
   long predictions = 0;
-  double log_unknown = kNaN;  ///< log Bayes factor of structure that the best model leaves
 };
 
 struct DiagnoseOptions {

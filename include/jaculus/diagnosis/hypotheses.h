@@ -6,6 +6,7 @@
 // Effects' parameters are zero-cost at nominal. Nuisances with wide priors are fitted along with every candidate. Start offsets
 // are free in every run and enter through their sensitivities at nominal.
 
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,7 @@ struct FreeParameter {
   Bounds bounds;
   double probe = kNaN;  ///< signed step from nominal whose influence is plain; NaN: one scale
 
+  [[nodiscard]] double usual_step() const { return std::isnan(probe) ? scale : probe; }
   /// Nominal is an end of the range, so that the prior is the half of a normal one.
   [[nodiscard]] bool one_sided() const { return nominal <= bounds.lower || nominal >= bounds.upper; }
 };

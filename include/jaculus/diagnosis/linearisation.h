@@ -5,6 +5,8 @@
 // Nuisances of a run k, each a column A_k of d(rows)/d(nuisance) with prior N(m_k, s_k^2):
 //   shift of a stream    -df/dt,  m = -(shift aligned so far),  s^2 = (2 (2 ms)^2 + sum (shift - mean)^2)/(1 + runs): the scatter of
 //                        the shifts tells how far stamps can be trusted, so that a shift that all runs share stays evidence
+//   phase of the loop    -df/dt of a stream's held channels, m = 0, s = period/sqrt(12): where between two steps of a sampled loop its
+//                        samples lie
 //   start offsets        forward differences through simulation, s as hypotheses.h has it
 //   offset of a channel  1; x and pitch of motion capture are relative to rest, hence free
 // Noise: residual r at the point, per channel, on hat functions over time that all runs share and the nuisances of each run; what

@@ -1,5 +1,5 @@
 #pragma once
-// Screening: what each candidate could explain of a residual, from one or two probing simulations and no fit.
+// Screening: what each candidate could explain of a residual, from a few probing simulations and no fit.
 //
 //   columns of a candidate: g_i = T (f(p + h_i) - f(p))/h_i, at a small step and at its probing step, because friction, play and
 //   limits are not linear from nominal on; second parameters (a damping) are probed with the first one set.
@@ -7,9 +7,9 @@
 //   of the base model alone:  b^T A^-1 b/2 - log det(A)/2,  A = I + G^T G,  b = G^T r.
 // Strong effects leave the reach of slopes (a tail that rebounds, air that no longer brakes), so the first parameter also walks a
 // ladder, its probing step times 1/8, 1/4, ... 8, both ways, or 16 even spaces where its bounds are closer than that; at a rung u, with
-// the base model's parameters moved linearly, score = log evidence there - u^2/2 - log(1 + |(r(u) - r)/u|^2)/2. Effects with a threshold
-// (slip, limits) do nothing up to it and soon too much: where what a rung changes grows far beyond proportion and does harm, the space
-// before it is halved until a step helps.
+// the base model's parameters moved linearly, score = log evidence there - u^2/2 - log(1 + |(r(u) - r)/u|^2)/2. Effects with a
+// threshold (slip, limits) do nothing up to it and soon too much: where what a rung changes is far beyond the proportion of the rung
+// before, and does harm, the space between the two is halved until a step helps.
 
 #include <vector>
 
@@ -27,8 +27,8 @@ struct Probe {
   long predictions = 0;  ///< sets of simulations that it took
 };
 
-/// How thorough screening is: at the probing step alone, at a small one too, or up the ladder as well.
-enum class Screening { step, steps, ladder };
+/// How thorough screening is: at the two steps, or up the ladder as well.
+enum class Screening { steps, ladder };
 
 /// Probes one candidate. Invalid where `base` has freed it, or where it has no influence on these data.
 Probe probe_candidate(const DiagnosisProblem& problem, const EvidenceSpace& space, const Fit& base, int candidate,

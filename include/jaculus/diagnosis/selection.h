@@ -3,8 +3,8 @@
 //
 // 1. Screen all candidates on the residual of `none`; fit the best by score and whatever these data can't tell from the best fit.
 // 2. Unless none is best, or nothing smooth is left to explain (3.): screen again on the best single (and on a second one that the
-//    first one's form may hide, see 4.) and fit pairs; exchange each member of the best pair one for one; where the pair gains and takes half off what is left, the same for triples; drop members
-//    backwards. Every model fitted on the way stays in the comparison.
+//    first one's form may hide, see 4.) and fit pairs; exchange each member of the best pair one for one; where the pair gains and takes
+//    half off what is left, the same for triples; drop members backwards. Every model fitted on the way stays in the comparison.
 // 3. Structure: does what the best models leave hold smooth shapes? z = Q^T r with Q an orthonormal basis of T D (fault modes of
 //    every channel, K = 10), the model's own sensitivities projected out. Against N(0, I): z ~ N(0, (1 + a^2) I), a unknown,
 //        log BF = log mean over a^2 in {1, 3, 10, ... 1e5} of (1 + a^2)^(-k/2) exp(|z|^2 a^2/(2 (1 + a^2))).
