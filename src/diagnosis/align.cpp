@@ -91,9 +91,10 @@ double best_shift(const Condition& condition, const std::vector<RowSpan>& spans,
   return shift;
 }
 
-/// Spans of one channel up to the first impact, after which scatter says more of times than of noise; whole where little comes before it.
+/// Spans of one channel up to the first impact, after which scatter says more of times than of noise; whole where less than a third or
+/// `least` rows come before it.
 std::vector<RowSpan> quiet_spans(const Condition& condition, int channel,
-                                 const std::vector<const Prediction*>& predictions) {
+                                 const std::vector<const Prediction*>& predictions, int least) {
   std::vector<RowSpan> spans;
   for (RowSpan span : row_spans(condition)) {
     if (span.channel != channel) continue;
@@ -106,7 +107,7 @@ std::vector<RowSpan> quiet_spans(const Condition& condition, int channel,
       const Vector& time = run.time[at(channel)];
       before = static_cast<int>(std::lower_bound(time.begin(), time.begin() + span.count, end) - time.begin());
     }
-    if (before >= span.count / 3) span.count = before;
+    if (before >= std::max(least, span.count / 3)) span.count = before;
     spans.push_back(span);
   }
   return spans;
@@ -138,7 +139,9 @@ ChannelSystem channel_system(const Condition& condition, int channel, const std:
                              const std::vector<RunNuisances>& nuisances) {
   ChannelSystem system;
   const Vector residual = measured_rows(condition) - predicted_rows(condition, predictions);
-  system.spans = quiet_spans(condition, channel, predictions);
+  Eigen::Index nuisance = 0;
+  for (const RunNuisances& run : nuisances) nuisance = std::max(nuisance, run.columns.cols());
+  system.spans = quiet_spans(condition, channel, predictions, 2 * static_cast<int>(nuisance));
   int rows = 0;
   for (const RowSpan& span : system.spans) rows += span.count;
   const bool shared = !condition.measured_input;
@@ -221,7 +224,7 @@ Vector without_nuisances(const Condition& condition, const std::vector<const Pre
 /// Runs that go smooth ways of their own (a foot slips in one and not in the next): what they do beyond noise and starts in the modes.
 void set_wander(const Condition& condition, const std::vector<const Prediction*>& predictions, const Vector& residual,
                 int c, Channel& channel) {
-  const std::vector<RowSpan> spans = quiet_spans(condition, c, predictions);
+  const std::vector<RowSpan> spans = quiet_spans(condition, c, predictions, 0);
   int rows = 0;
   for (const RowSpan& span : spans) rows += span.count;
   const auto runs = static_cast<double>(spans.size());

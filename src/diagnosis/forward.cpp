@@ -244,19 +244,27 @@ RunSetup setup_of(const Model& model, int c, int r, const Vector& p) {
   return setup;
 }
 
-/// The first parameter of a candidate that adds a stiff hinge or floor (a little play or compliance), with the least value worth simulating;
-/// -1 where there is none. Influence is proportional to play and compliance near zero while the stiffness, and the cost, grow.
-int stiff_parameter(const Model& model, const PlanarModel& robot, const Vector& p, double& least) {
+/// A first parameter that adds a stiff hinge or floor (a little play or compliance), below the least value worth simulating.
+struct Stiff {
+  int parameter = -1;
+  double share = 0.0;  ///< of the way from nominal to that least value
+  double least = 0.0;
+};
+
+/// Those that p has. Influence is proportional to play and compliance near zero while the stiffness, and the cost, grow.
+std::vector<Stiff> stiff_parameters(const Model& model, const PlanarModel& robot, const Vector& p) {
+  std::vector<Stiff> found;
   for (const Candidate& candidate : model.hypotheses.candidates) {
     const int i = candidate.parameters.front();
     const FreeParameter& own = model.hypotheses.parameters[at(i)];
-    least = own.nominal + kLeastHinge * own.scale;
+    const double least = own.nominal + kLeastHinge * own.scale;
     if (p[i] <= own.nominal || p[i] >= least || !own.one_sided() || !candidate.effect->applies(robot)) continue;
     Plant plant = nominal_plant(robot);
     candidate.effect->apply(candidate.effect->probed(), plant);
-    if (!plant.transmissions.empty() || plant.ground.compliance > 0.0) return i;
+    if (plant.transmissions.empty() && plant.ground.compliance <= 0.0) continue;
+    found.push_back({i, (p[i] - own.nominal) / (least - own.nominal), least});
   }
-  return -1;
+  return found;
 }
 
 /// When a script's steps, and the end of any command, arrive at the motors.
@@ -290,19 +298,22 @@ Prediction simulate_run(const Model& model, int c, int r, const Vector& p) {
   return prediction;
 }
 
+/// Simulated without what is stiff, and the share of each one's influence added.
 Prediction predict_run(const Model& model, int c, int r, const Vector& p) {
-  double least = 0.0;
-  const int stiff = stiff_parameter(model, model.observations->conditions[at(c)].model, p, least);
-  if (stiff < 0) return simulate_run(model, c, r, p);
-  const double zero = model.hypotheses.parameters[at(stiff)].nominal, share = (p[stiff] - zero) / (least - zero);
-  Vector there = p;
-  there[stiff] = zero;
-  Prediction without = predict_run(model, c, r, there);
-  there[stiff] = least;
-  const Prediction with = predict_run(model, c, r, there);
-  if (!without.valid || !with.valid) return without.valid ? with : without;
-  without.values += share * (with.values - without.values);
-  return without;
+  const std::vector<Stiff> stiff = stiff_parameters(model, model.observations->conditions[at(c)].model, p);
+  Vector base = p;
+  for (const Stiff& own : stiff) base[own.parameter] = model.hypotheses.parameters[at(own.parameter)].nominal;
+  const Prediction without = simulate_run(model, c, r, base);
+  Prediction sum = without;
+  for (const Stiff& own : stiff) {
+    if (!without.valid) break;
+    Vector there = base;
+    there[own.parameter] = own.least;
+    const Prediction with = simulate_run(model, c, r, there);
+    if (!with.valid) return with;
+    sum.values += own.share * (with.values - without.values);
+  }
+  return sum;
 }
 
 }  // namespace

@@ -21,7 +21,7 @@ double misfit_of_late_second(bool held) {
   condition.channels[1].held = held;
   std::mt19937 generator(7);
   std::normal_distribution<double> normal(0.0, 1e-3);
-  for (Run& run : condition.runs)
+  for (auto& run : condition.runs)
     for (std::size_t c = 0; c < 2; ++c)
       for (Eigen::Index i = 0; i < run.time[c].size(); ++i)
         run.value[c][i] = wave(std::max(0.0, run.time[c][i] - (c == 1 ? 3e-4 : 0.0))) + normal(generator);
@@ -63,6 +63,36 @@ TEST(Linearisation, ChangedByNothingIsUnchanged) {
   ASSERT_TRUE(predict_changed(
       problem, forward, 0, p, [](RunSetup&) {}, changed));
   EXPECT_EQ(changed, rows_of(problem, predict_all(problem, p)).front());
+}
+
+TEST(Linearisation, KeepsRowsEnoughForTheNoiseFloorWhereImpactsComeEarly) {
+  // Twelve rows a run, an impact after four of them; start, shift and offset of every run leave nothing of four.
+  const auto problem = toy_problem(Vector::Zero(4));
+  Condition& condition = problem->observations.conditions[0];
+  condition.channels[0].name = "x";
+  condition.channels[1].name = "z";
+  for (auto& run : condition.runs)
+    for (std::size_t c = 0; c < 2; ++c) {
+      Vector time(12), value(12);
+      for (Eigen::Index i = 0; i < 12; ++i) {
+        time[i] = run.time[c][10 + 8 * i];
+        value[i] = run.value[c][10 + 8 * i];
+      }
+      run.time[c] = time;
+      run.value[c] = value;
+    }
+  const ForwardModel smooth = problem->forward;
+  problem->forward = [smooth](int c, int r, const Vector& p) {
+    Prediction prediction = smooth(c, r, p);
+    prediction.impacts = {0.15};
+    return prediction;
+  };
+  problem->hypotheses.starts = {0, 1};
+  linearise(*problem, Vector::Zero(4));
+  for (const Channel& channel : condition.channels) {
+    EXPECT_GT(channel.noise_floor, 3e-4) << channel.name;
+    EXPECT_LT(channel.noise_floor, 3e-3) << channel.name;
+  }
 }
 
 }  // namespace
