@@ -67,7 +67,7 @@ void add_diagnose(CLI::App& app, Action& chosen) {
       app.add_subcommand("diagnose", "where the gap between model and robot lies, and which effect causes it");
   command->footer(
       "Several datasets of one robot are diagnosed together, an operating condition each.\n"
-      "Example:\n  jaculus diagnose shared/data/pendulum/ak80 --out ak80_diagnosis");
+      "Example:\n  jaculus diagnose ../shared/data/pendulum/ak80 --out ak80_diagnosis");
   command->add_option("datasets", options->datasets, "folders of datasets")->required();
   add_common(*command, options->common, "folder for diagnosis.json, augmented.yaml and report.html");
   add_figures(*command, options->common);
