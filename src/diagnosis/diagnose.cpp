@@ -1,6 +1,7 @@
 #include "jaculus/diagnosis/diagnose.h"
 
 #include <cstddef>
+#include <numeric>
 
 #include "diagnosis/findings.h"
 #include "diagnosis/posed.h"
@@ -115,8 +116,8 @@ HeldOut held_out_with(const std::vector<Dataset>& datasets, const DiagnoseOption
   Linearisation about;
   if (!posed.forward || !prepare(problem, about, options, unused)) return {};
   EvidenceSpace space = compare_in(problem, about, options);
-  std::vector<int> members;
-  for (std::size_t c = 0; c < problem.hypotheses.candidates.size(); ++c) members.push_back(static_cast<int>(c));
+  std::vector<int> members(problem.hypotheses.candidates.size());
+  std::iota(members.begin(), members.end(), 0);
   Fit model = fit_members(problem, space, about.p, members);
   if (!model.valid) return {};
   settle(problem, model, about, space);

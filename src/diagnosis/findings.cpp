@@ -1,5 +1,7 @@
 #include "diagnosis/findings.h"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -11,21 +13,24 @@
 namespace jaculus {
 namespace {
 
-constexpr double kSure = 0.8;     // probability from which an effect is stated
-constexpr double kLikely = 0.5;   // of none or of something unknown, or of a rival that forbids a statement
-constexpr double kListed = 0.05;  // share of the effects' probability from which a rival is listed
-constexpr double kRanked = 1e-3;  // probability of sets worth a line
-constexpr double kFormError =
-    0.02;  // standard deviation of a parameter by its effect's form, of its departure from nominal
+constexpr double kSure = 0.8;        // probability from which an effect is stated
+constexpr double kLikely = 0.5;      // of none or of something unknown, or of a rival that forbids a statement
+constexpr double kListed = 0.05;     // share of the effects' probability from which a rival is listed
+constexpr double kRanked = 1e-3;     // probability of sets worth a line
+constexpr double kFormError = 0.02;  // deviation of a parameter by its effect's form, of its departure from nominal
 constexpr double kNormal95 = 1.96;
 constexpr std::size_t kHeldOut = 4;  // models whose held-out error is computed
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-std::string name_of(const DiagnosisProblem& problem, const std::vector<int>& candidates) {
-  std::string name;
-  for (const int c : candidates) name += (name.empty() ? "" : " + ") + problem.hypotheses.candidates[at(c)].name;
-  return name.empty() ? "none" : name;
+std::vector<std::string> names_of(const DiagnosisProblem& problem, const std::vector<int>& candidates) {
+  std::vector<std::string> names;
+  for (const int c : candidates) names.push_back(problem.hypotheses.candidates[at(c)].name);
+  return names;
+}
+
+std::string joined(const std::vector<std::string>& names) {
+  return names.empty() ? "none" : fmt::format("{}", fmt::join(names, " + "));
 }
 
 /// Most probable model that frees a candidate.
@@ -126,8 +131,8 @@ void rank(const DiagnosisProblem& problem, const Selection& selection, HeldOutGa
   std::size_t judged = 0;
   for (const ModelFit& model : selection.models) {
     if (!model.fit.valid || (model.candidates.size() > 1 && model.probability < kRanked)) continue;
-    Ranked row{name_of(problem, model.candidates), model.fit.log_evidence - zero, kNaN, model.probability, {}};
-    for (const int c : model.candidates) row.members.push_back(problem.hypotheses.candidates[at(c)].name);
+    const std::vector<std::string> members = names_of(problem, model.candidates);
+    Ranked row{joined(members), model.fit.log_evidence - zero, kNaN, model.probability, members};
     if (judged < kHeldOut || model.candidates.empty()) {
       row.held_out_error = gaps.of(model).after;
       ++judged;
@@ -153,6 +158,18 @@ const ModelFit* chosen_model(const Selection& selection, const std::vector<int>&
   return most_evident(selection);
 }
 
+/// Of a set what `prune` keeps, which is then stated.
+const ModelFit* state_pruned(const Selection& selection, HeldOutGaps& gaps, const ModelFit* chosen,
+                             std::vector<int>& stated, Diagnosis& out) {
+  const ModelFit* kept = prune(selection, gaps, chosen);
+  if (kept != chosen) out.reasons.push_back("left out what held-out data are predicted as well without");
+  std::erase_if(stated, [&](int c) {
+    return std::find(kept->candidates.begin(), kept->candidates.end(), c) == kept->candidates.end();
+  });
+  if (stated.size() == 1) out.verdict = "effect";
+  return kept;
+}
+
 }  // namespace
 
 void state_findings(const DiagnosisProblem& problem, const Linearisation& about, const EvidenceSpace& space,
@@ -168,16 +185,7 @@ void state_findings(const DiagnosisProblem& problem, const Linearisation& about,
   const ModelFit* none = find_model(selection, {});
   const ModelFit* chosen = chosen_model(selection, stated, out.verdict);
   rank(problem, selection, gaps, out);
-  if (out.verdict == "several") {
-    const std::size_t members = chosen->candidates.size();
-    chosen = prune(selection, gaps, chosen);
-    if (chosen->candidates.size() < members)
-      out.reasons.push_back("left out what held-out data are predicted as well without");
-    std::erase_if(stated, [&](int c) {
-      return std::find(chosen->candidates.begin(), chosen->candidates.end(), c) == chosen->candidates.end();
-    });
-    if (stated.size() == 1) out.verdict = "effect";
-  }
+  if (out.verdict == "several") chosen = state_pruned(selection, gaps, chosen, stated, out);
   for (const int c : stated) out.effects.push_back(found_effect(problem, space, selection, c));
   out.p = chosen->fit.p;
   out.p_none = none->fit.p;
@@ -189,7 +197,7 @@ void state_findings(const DiagnosisProblem& problem, const Linearisation& about,
       out.rivals.push_back({model.candidates, model.fit.p});
   if (out.verdict == "unexplained" && !chosen->candidates.empty()) {
     out.reasons.push_back("the nearest of the catalogue, which leaves structure beyond noise: " +
-                          name_of(problem, chosen->candidates));
+                          joined(names_of(problem, chosen->candidates)));
   }
   calibrate(out);
 }
