@@ -56,20 +56,14 @@ CaseAnswer answer_by(const Ready& ready, const std::vector<double>& value) {
   return answer;
 }
 
-/// The base model's free parameters and a candidate's.
-std::vector<int> freed(const Ready& ready, const std::vector<int>& more) {
-  std::vector<int> free = ready.problem.hypotheses.nuisances;
-  free.insert(free.end(), more.begin(), more.end());
-  return free;
-}
-
 CaseAnswer lowest_training_error(const Ready& ready) {
   const Hypotheses& hypotheses = ready.problem.hypotheses;
   std::vector<double> value;
-  for (const Candidate& c : hypotheses.candidates) {
+  for (std::size_t i = 0; i < hypotheses.candidates.size(); ++i) {
+    const Candidate& c = hypotheses.candidates[i];
     Vector probed = ready.base.p;
     for (std::size_t k = 0; k < c.parameters.size(); ++k) probed[c.parameters[k]] = c.effect->parameters[k].probed();
-    const Fit fit = fit_model(ready.problem, ready.space, freed(ready, c.parameters), {probed}, {4});
+    const Fit fit = fit_model(ready.problem, ready.space, hypotheses.freed_by({static_cast<int>(i)}), {probed}, {4});
     value.push_back(fit.valid ? -fit.chi2 : kNaN);
   }
   return answer_by(ready, value);
@@ -91,9 +85,9 @@ CaseAnswer correlation(const Ready& ready) {
 
 CaseAnswer tune_everything(const Ready& ready) {
   const Hypotheses& hypotheses = ready.problem.hypotheses;
-  std::vector<int> all;
-  for (const Candidate& c : hypotheses.candidates) all.insert(all.end(), c.parameters.begin(), c.parameters.end());
-  const Fit fit = fit_model(ready.problem, ready.space, freed(ready, all), {ready.base.p}, {6});
+  std::vector<int> all(hypotheses.candidates.size());
+  std::iota(all.begin(), all.end(), 0);
+  const Fit fit = fit_model(ready.problem, ready.space, hypotheses.freed_by(all), {ready.base.p}, {6});
   std::vector<double> value;
   for (const Candidate& c : hypotheses.candidates) {
     double moved = fit.valid ? 0.0 : kNaN;
