@@ -248,9 +248,23 @@ void set_wander(const Condition& condition, const std::vector<const Prediction*>
   channel.wander = square > kWanders * by_noise ? std::sqrt(square - by_noise) : 0.0;
 }
 
+/// The rows by which a span is aligned: all, or those of the prefix where the prediction jumps. Rows between a jump and where it was
+/// predicted would pull the clock by milliseconds, each run's its own way.
+RowSpan aligned_part(const Condition& condition, const RowSpan& span, const Prediction& prediction) {
+  if (prediction.impacts.empty()) return span;
+  const Run& run = condition.runs[at(span.run)];
+  const Vector& time = run.time[at(span.channel)];
+  RowSpan part = span;
+  part.count = static_cast<int>(
+      std::lower_bound(time.begin(), time.begin() + span.count, run.start + condition.prefix_end) - time.begin());
+  return part;
+}
+
 }  // namespace
 
 void align(Condition& condition, const std::vector<const Prediction*>& predictions) {
+  for (std::size_t c = 0; c < condition.channels.size(); ++c)
+    condition.channels[c].late = predictions.front()->late.empty() ? 0.0 : predictions.front()->late[c];
   const Vector unit = misfits(condition, predictions);
   const std::vector<RowSpan> all = row_spans(condition);
   for (std::size_t r = 0; r < condition.runs.size(); ++r) {
@@ -258,7 +272,8 @@ void align(Condition& condition, const std::vector<const Prediction*>& predictio
       std::vector<RowSpan> spans;
       for (const RowSpan& span : all) {
         const Channel& channel = condition.channels[at(span.channel)];
-        if (at(span.run) == r && !channel.held && channel.stream == condition.streams[s]) spans.push_back(span);
+        if (at(span.run) == r && !channel.held && channel.stream == condition.streams[s])
+          spans.push_back(aligned_part(condition, span, *predictions[r]));
       }
       if (spans.empty()) continue;
       condition.runs[r].shift[s] = best_shift(condition, spans, *predictions[r], unit, condition.runs[r].shift[s]);

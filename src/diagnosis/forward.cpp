@@ -238,8 +238,10 @@ RunSetup setup_of(const Model& model, int c, int r, const Vector& p) {
     for (const Vector& time : run.time)
       if (time.size() > 0) end = std::max(end, time[time.size() - 1] - run.start);
   }
+  // The grid goes with the loop's steps, so that a late command is the same motion later and not another rounding of it.
+  const double first = std::fmod(setup.plant.actuation.late_start + setup.plant.actuation.delay, kGrid);
   const auto points = static_cast<Eigen::Index>(std::ceil((end + kBeyond) / kGrid)) + 1;
-  setup.options.sample_times = Vector::LinSpaced(points, 0.0, kGrid * static_cast<double>(points - 1));
+  setup.options.sample_times = Vector::LinSpaced(points, first, first + kGrid * static_cast<double>(points - 1));
   setup.options.duration = setup.options.sample_times[points - 1];
   return setup;
 }
@@ -283,12 +285,10 @@ Prediction simulate_run(const Model& model, int c, int r, const Vector& p) {
   const RunSetup setup = setup_of(model, c, r, p);
   const Simulation simulation = simulate_on_grid(setup.plant, setup.controller, setup.start, setup.options);
   Prediction prediction;
-  prediction.step = kGrid;
   prediction.message = simulation.message;
-  prediction.valid =
-      simulation.status == SimulationStatus::done && simulation.time.size() == setup.options.sample_times.size();
-  if (!prediction.valid) return prediction;
-  prediction.values = channels_of(model.observations->conditions[at(c)], setup.plant, simulation);
+  if (simulation.status != SimulationStatus::done || simulation.time.size() != setup.options.sample_times.size())
+    return prediction;
+  prediction = prediction_of(model.observations->conditions[at(c)], setup.plant, simulation);
   for (const Event& event : simulation.events)
     if (event.time > 0.0 && (event.kind == EventKind::stop || event.kind == EventKind::land))
       prediction.impacts.push_back(event.time);

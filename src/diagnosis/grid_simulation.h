@@ -12,7 +12,7 @@
 
 namespace jaculus {
 
-/// simulate() with evenly spaced options.sample_times from zero on; torque, current, voltage and bus voltage of a sampled loop are the
+/// simulate() with evenly spaced options.sample_times; torque, current, voltage and bus voltage of a sampled loop are the
 /// means above.
 Simulation simulate_on_grid(const Plant& plant, const Controller& controller, const StartState& start,
                             const SimulationOptions& options);

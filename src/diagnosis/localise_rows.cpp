@@ -79,8 +79,7 @@ bool predict_changed(const DiagnosisProblem& problem, const PlantForward& forwar
     change(setup);
     const Simulation simulation = simulate_on_grid(setup.plant, setup.controller, setup.start, setup.options);
     if (simulation.status != SimulationStatus::done || simulation.time.size() < 2) return false;
-    predictions.push_back(
-        {true, "", simulation.time[1] - simulation.time[0], channels_of(condition, setup.plant, simulation)});
+    predictions.push_back(prediction_of(condition, setup.plant, simulation));
   }
   std::vector<const Prediction*> runs;
   for (size_t r = 0; r < condition.runs.size(); ++r) runs.push_back(&predictions[count == 1 ? 0 : r]);

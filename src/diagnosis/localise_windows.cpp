@@ -227,7 +227,7 @@ std::vector<SampleError> run_window(const ConditionRows& rows, const std::vector
   window.options.duration = window.options.sample_times[points - 1];
   const Simulation restarted = simulate_on_grid(window.plant, window.controller, window.start, window.options);
   if (restarted.status != SimulationStatus::done || restarted.time.size() != points) return {};
-  return errors_of(rows, means, {true, "", 1e-3, channels_of(*rows.condition, window.plant, restarted)}, t0, t1);
+  return errors_of(rows, means, prediction_of(*rows.condition, window.plant, restarted), t0, t1);
 }
 
 }  // namespace

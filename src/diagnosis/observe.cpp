@@ -14,7 +14,9 @@
 namespace jaculus {
 namespace {
 
-constexpr int kFewestSamples = 8;    // of a channel in a run, below which it says nothing
+constexpr int kFewestSamples = 8;  // of a channel in a run, below which it says nothing
+constexpr double kCommanded =
+    5e-3;  // s, from which on a current or torque is that of the command; before, of whatever held the robot
 constexpr double kSmoothing = 0.02;  // s, half width of the fit that starts a window
 
 struct Samples {
@@ -60,17 +62,21 @@ bool is_predicted(const PlanarModel& model, const std::string& name, bool& held)
   for (const PlanarMotor& motor : model.motors) {
     if (name == motor.joint || name == motor.joint + "_velocity") return true;
     if (name != motor.joint + "_torque" && (motor.ideal() || !name.starts_with(motor.joint + "_"))) continue;
-    held = ends_with(name, "_torque") || ends_with(name, "_current") || ends_with(name, "_voltage");
+    held = ends_with(name, "_torque") || ends_with(name, "_current") || ends_with(name, "_voltage") ||
+           ends_with(name, "_duty");
     if (held && name.size() == motor.joint.size() + name.substr(name.rfind('_')).size()) return true;
   }
   return false;
 }
 
-/// A command is what was asked for, not what happened: a duty, or the quantity that drove the joint.
+/// A command is what was asked for, not what happened: the quantity that drove the joint. A duty happens only to a driver that was
+/// asked for a torque, and shows by which voltage the windings were brought to it; else it is the command.
 bool is_command(const Dataset& dataset, const std::string& name) {
-  if (ends_with(name, "_duty")) return true;
-  if (dataset.controller.kind == "measured") return ends_with(name, "_" + dataset.controller.input);
-  return dataset.script && ends_with(name, "_" + dataset.script->quantity);
+  const StatedController& controller = dataset.controller;
+  const std::string& asked = dataset.script ? dataset.script->quantity : controller.quantity;
+  if (controller.kind == "measured") return ends_with(name, "_duty") || ends_with(name, "_" + controller.input);
+  if (ends_with(name, "_duty")) return asked != "torque" || !(dataset.script || controller.quantity_stated);
+  return dataset.script && ends_with(name, "_" + asked);
 }
 
 void select_channels(Condition& condition, const std::string& label, std::vector<std::string>& notes) {
@@ -125,7 +131,8 @@ void add_channels(const Condition& condition, const Trial& trial, double from, d
     const Stream* stream = trial.stream(channel.stream);
     const int index = stream != nullptr ? stream->channel(channel.name) : -1;
     Samples samples;
-    if (index >= 0) samples = cut(*stream, index, from, to, most);
+    const double begin = channel.held && !condition.measured_input ? std::max(from, kCommanded) : from;
+    if (index >= 0) samples = cut(*stream, index, begin, to, most);
     if (samples.time.size() < kFewestSamples) samples = {};
     run.time.push_back(samples.time);
     run.value.push_back(samples.value);

@@ -21,6 +21,7 @@ struct Channel {
   std::string unit;           ///< SI
   bool held = false;          ///< follows the loop's hold in steps (torque, current, voltage)
   double spacing = kNaN;      ///< between samples as used, median over runs [s]
+  double late = 0.0;          ///< of the prediction by which runs are aligned (Prediction::late) [s]
   double noise_floor = kNaN;  ///< standard deviation of one trial about the trials' mean after alignment [unit]
   double correlation = 0.0;   ///< of neighbouring samples of that scatter, 0 to 0.98 [-]
   double wander = 0.0;        ///< standard deviation of each smooth mode of a run's own, beyond noise and starts [unit]

@@ -20,10 +20,13 @@ namespace jaculus {
 struct Prediction {
   bool valid = false;
   std::string message;            ///< why not valid: the simulation's own
-  double step = 1e-3;             ///< of the grid, which begins at zero [s]
+  double step = 1e-3;             ///< of the grid [s]
   Matrix values;                  ///< channels x grid points
   std::vector<double> impacts{};  ///< of stops and landing feet, model time [s]
   std::vector<double> steps{};    ///< of a scripted command and the end of any, where they arrive, model time [s]
+  double first = 0.0;             ///< of the grid, model time [s]
+  std::vector<double> stamped{};  ///< a channel each: by which its sensor stamps late [s]; empty: 0
+  std::vector<double> late{};  ///< a channel each: by which its command and its stamps are late together [s]; empty: 0
 
   /// Value of a channel at a model time, linear between grid points, constant beyond the ends.
   [[nodiscard]] double at(int channel, double time) const;
@@ -52,10 +55,13 @@ struct PlantForward {
 };
 PlantForward plant_forward(const Observations& observations, const std::vector<const Effect*>& effects);
 
-/// Channels of a condition as its sensors show them: joints on the motor's side, latency, scale and offset of the plant's sensing.
-Matrix channels_of(const Condition& condition, const Plant& plant, const Simulation& simulation);
+/// Channels of a condition as its sensors show them: joints on the motor's side, scale and offset of the plant's sensing, and by how much
+/// they are late. A logged input that drives the joints comes with its own clock, so that nothing is late there.
+Prediction prediction_of(const Condition& condition, const Plant& plant, const Simulation& simulation);
 
 /// Predictions at the rows of a condition (data.h), given those of its runs. Runs that share a prediction repeat it.
+/// A clock's shift is a nuisance with one slope, f(t - s) = f(t) - s f'(t), good for a part of a millisecond. A prediction that is later
+/// than the one by which the runs were aligned, by d, is therefore unrolled where it is the same motion: f(t + d) - d f'(t + d).
 Vector predicted_rows(const Condition& condition, const std::vector<const Prediction*>& runs);
 
 }  // namespace jaculus
