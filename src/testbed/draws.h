@@ -52,6 +52,8 @@ struct Signatures {
 
 /// The streams that signatures are kept in.
 TrialSpec signature_spec();
+/// Of an effect's first parameter, at which its signature is taken.
+double signature_strength(const std::string& effect);
 /// How many effects have a signature on a stage, and one of them as bytes, for a process of its own; empty where the robot is lost.
 std::vector<std::string> signature_effects(const Stage& stage);
 std::string signature_bytes(const Stage& stage, const std::string& effect);
@@ -61,8 +63,8 @@ Signatures signatures_of(const Stage& stage, const std::vector<std::string>& byt
 double share_beyond_clocks(const Signatures& signatures, const TrialSpec& spec, const Dataset& nominal,
                            const Dataset& changed);
 
-/// Effects of the catalogue whose signature explains `changed` - `nominal` as well as the true one does.
-std::vector<std::string> equivalents(const Signatures& signatures, const TrialSpec& spec, const Dataset& nominal,
-                                     const Dataset& changed, const std::string& truth);
+/// Effects of the catalogue that, at some strength, show what the true one shows.
+std::vector<std::string> equivalents(const Stage& stage, const Signatures& signatures, const TrialSpec& spec,
+                                     const Dataset& like, const Dose& truth);
 
 }  // namespace jaculus::testbed

@@ -100,6 +100,7 @@ std::optional<Made> attempt(Random& random, const std::string& kind, const std::
   const RobotFiles files = read_robot_files(find_robot(stage.asked.robot, fs::current_path() / "robot"));
   Made made;
   Changes changes;
+  std::vector<Dose> doses;
   for (const BenchEffect* effect : effects) {
     const double target = std::exp(std::uniform_real_distribution<double>(0.0, std::log(20.0))(random));
     double reached = 0.0;
@@ -108,6 +109,7 @@ std::optional<Made> attempt(Random& random, const std::string& kind, const std::
     dose->effect->apply(dose->values, changes);
     Changes alone;
     dose->effect->apply(dose->values, alone);
+    doses.push_back(*dose);
     made.label.effects.push_back(effect->name);
     made.label.parameters.push_back(measured_parameters(effect->name, dose->values, files, alone));
   }
@@ -121,7 +123,7 @@ std::optional<Made> attempt(Random& random, const std::string& kind, const std::
   made.label.trials = spec.trials;
   if (kind == "single") {
     made.label.component = bench_component(effects[0]->name);
-    made.label.equivalent = equivalents(signatures[at], spec, *nominal, *changed, effects[0]->name);
+    made.label.equivalent = equivalents(stage, signatures[at], spec, *nominal, doses[0]);
   }
   made.dataset = run_trials(stage.asked, changes, spec);
   made.dataset.provenance = "a sealed case of the MuJoCo testbed";

@@ -1,4 +1,4 @@
-// Which effects the robot itself can't tell apart on a case's streams.
+// How each effect shows on an experiment, at one strength, to compare a case's difference with.
 
 #include <Eigen/QR>
 #include <algorithm>
@@ -77,11 +77,18 @@ double share_beyond_clocks(const Signatures& signatures, const TrialSpec& spec, 
   return rest_after(clock_directions(signatures, nominal, spec.sensors), difference).norm() / difference.norm();
 }
 
+double signature_strength(const std::string& name) {
+  const BenchParameter& p = find_bench_effect(name)->parameters.front();
+  const double end = p.upper > p.usual ? p.upper : p.lower;
+  const bool limit = name == "foot_friction" || name == "current_limit";  // acts only from some strength on
+  return p.usual + (limit ? 0.6 : 0.1) * (end - p.usual);
+}
+
 TrialSpec signature_spec() {
   TrialSpec spec;
   spec.sensors.mocap_rate_hz = 720.0;  // of which 120, 240 and 360 Hz are parts
   spec.sensors.joints_rate_hz = 1000.0;
-  spec.sensors.electric = false;
+  spec.sensors.electric = true;
   spec.sensors.imu = true;
   return spec;
 }
@@ -97,12 +104,9 @@ std::vector<std::string> signature_effects(const Stage& stage) {
 std::string signature_bytes(const Stage& stage, const std::string& name) {
   Changes changes;
   if (const BenchEffect* effect = find_bench_effect(name)) {
-    const BenchParameter& p = effect->parameters.front();
     std::vector<double> values;
-    for (const BenchParameter& each : effect->parameters) values.push_back(each.usual);
-    const double end = p.upper > p.usual ? p.upper : p.lower;
-    const bool limit = name == "foot_friction" || name == "current_limit";  // acts only from some strength on
-    values[0] = p.usual + (limit ? 0.6 : 0.1) * (end - p.usual);
+    for (const BenchParameter& p : effect->parameters) values.push_back(p.usual);
+    values[0] = signature_strength(name);
     effect->apply(values, changes);
   }
   const std::optional<Dataset> run = exact_run(stage, changes, signature_spec());
@@ -133,25 +137,6 @@ Signatures signatures_of(const Stage& stage, const std::vector<std::string>& byt
     out.runs.push_back(std::move(run));
   }
   return out;
-}
-
-std::vector<std::string> equivalents(const Signatures& signatures, const TrialSpec& spec, const Dataset& nominal,
-                                     const Dataset& changed, const std::string& truth) {
-  std::vector<std::string> found;
-  const Vector still = stacked(nominal, spec.sensors);
-  const Vector difference = stacked(changed, spec.sensors) - still;
-  const Matrix clocks = clock_directions(signatures, nominal, spec.sensors);
-  Matrix directions(difference.size(), clocks.cols() + 1);
-  directions.leftCols(clocks.cols()) = clocks;
-  for (std::size_t i = 0; i < signatures.effects.size(); ++i) {
-    if (signatures.effects[i] == truth) continue;
-    const Vector signature = stacked(thinned(signatures.runs[i], nominal), spec.sensors) - still;
-    if (signature.norm() < 1.0) continue;
-    directions.rightCols(1) = signature;
-    const Vector rest = rest_after(directions, difference);
-    if (0.5 * static_cast<double>(spec.trials) * rest.squaredNorm() < 3.0) found.push_back(signatures.effects[i]);
-  }
-  return found;
 }
 
 }  // namespace jaculus::testbed
