@@ -126,14 +126,17 @@ bool keep_sure(const Selection& selection, HeldOutGaps& gaps, std::vector<int>& 
   return true;
 }
 
-void rank(const DiagnosisProblem& problem, const Selection& selection, HeldOutGaps& gaps, Diagnosis& out) {
+/// Every model worth a row, `chosen` however improbable: what is stated stands in the ranking.
+void rank(const DiagnosisProblem& problem, const Selection& selection, const ModelFit* chosen, HeldOutGaps& gaps,
+          Diagnosis& out) {
   const double zero = find_model(selection, {})->fit.log_evidence;
   std::size_t judged = 0;
   for (const ModelFit& model : selection.models) {
-    if (!model.fit.valid || (model.candidates.size() > 1 && model.probability < kRanked)) continue;
+    const bool improbable = model.candidates.size() > 1 && model.probability < kRanked && &model != chosen;
+    if (!model.fit.valid || improbable) continue;
     const std::vector<std::string> members = names_of(problem, model.candidates);
     Ranked row{joined(members), model.fit.log_evidence - zero, kNaN, model.probability, members};
-    if (judged < kHeldOut || model.candidates.empty()) {
+    if (judged < kHeldOut || model.candidates.empty() || &model == chosen) {
       row.held_out_error = gaps.of(model).after;
       ++judged;
     }
@@ -184,8 +187,8 @@ void state_findings(const DiagnosisProblem& problem, const Linearisation& about,
     out.reasons.push_back("more effects fit better, but which is not clear, and held-out data don't ask for them");
   const ModelFit* none = find_model(selection, {});
   const ModelFit* chosen = chosen_model(selection, stated, out.verdict);
-  rank(problem, selection, gaps, out);
   if (out.verdict == "several") chosen = state_pruned(selection, gaps, chosen, stated, out);
+  rank(problem, selection, chosen, gaps, out);
   for (const int c : stated) out.effects.push_back(found_effect(problem, space, selection, c));
   out.p = chosen->fit.p;
   out.p_none = none->fit.p;
