@@ -17,6 +17,7 @@ constexpr double kRidge = 0.01;      // s, weak prior of a shift while aligning
 constexpr int kHats = 40;            // of the mean over runs
 constexpr double kMostCorrelation = 0.98;
 constexpr double kRidgeOfModes = 0.02;  // of their square mean
+constexpr int kLeastAligned = 8;        // rows of a prefix by which a span may be aligned
 constexpr double kBeforeImpact = 3e-3;  // s, that an impact may come sooner than predicted
 constexpr double kWanders = 3.0;  // times what noise alone leaves in the modes, from which runs have ways of their own
 
@@ -248,15 +249,16 @@ void set_wander(const Condition& condition, const std::vector<const Prediction*>
   channel.wander = square > kWanders * by_noise ? std::sqrt(square - by_noise) : 0.0;
 }
 
-/// The rows by which a span is aligned: all, or those of the prefix where the prediction jumps. Rows between a jump and where it was
-/// predicted would pull the clock by milliseconds, each run's its own way.
+/// The rows by which a span is aligned: all, or those of the prefix where the prediction jumps, if it has any to speak of. Rows between a
+/// jump and where it was predicted would pull the clock by milliseconds, each run's its own way.
 RowSpan aligned_part(const Condition& condition, const RowSpan& span, const Prediction& prediction) {
   if (prediction.impacts.empty()) return span;
   const Run& run = condition.runs[at(span.run)];
   const Vector& time = run.time[at(span.channel)];
   RowSpan part = span;
-  part.count = static_cast<int>(
+  const auto before = static_cast<int>(
       std::lower_bound(time.begin(), time.begin() + span.count, run.start + condition.prefix_end) - time.begin());
+  if (before >= kLeastAligned) part.count = before;
   return part;
 }
 

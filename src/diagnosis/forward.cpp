@@ -239,8 +239,9 @@ RunSetup setup_of(const Model& model, int c, int r, const Vector& p) {
       if (time.size() > 0) end = std::max(end, time[time.size() - 1] - run.start);
   }
   // The grid goes with the loop's steps, so that a late command is the same motion later and not another rounding of it.
-  const double first = std::fmod(setup.plant.actuation.late_start + setup.plant.actuation.delay, kGrid);
-  const auto points = static_cast<Eigen::Index>(std::ceil((end + kBeyond) / kGrid)) + 1;
+  const double late = condition.measured_input ? 0.0 : setup.plant.actuation.late_start + setup.plant.actuation.delay;
+  const double first = std::fmod(late, kGrid);
+  const auto points = static_cast<Eigen::Index>(std::ceil((end + kBeyond + late) / kGrid)) + 1;
   setup.options.sample_times = Vector::LinSpaced(points, first, first + kGrid * static_cast<double>(points - 1));
   setup.options.duration = setup.options.sample_times[points - 1];
   return setup;

@@ -211,8 +211,8 @@ double rms(const std::vector<SampleError>& errors, double SampleError::*field) {
 /// Runs one window; its errors are empty where it can't be run.
 std::vector<SampleError> run_window(const ConditionRows& rows, const std::vector<DepartureChannel>& means,
                                     const RunSetup& setup, const Simulation& model_run, double t1, double& t0) {
-  const auto k =
-      std::min<Eigen::Index>(model_run.time.size() - 1, std::lround(t0 / (model_run.time[1] - model_run.time[0])));
+  const double step = model_run.time[1] - model_run.time[0];
+  const auto k = std::clamp<Eigen::Index>(std::lround((t0 - model_run.time[0]) / step), 0, model_run.time.size() - 1);
   t0 = model_run.time[k];
   RunSetup window = setup;
   window.start = {model_run.q.col(k), model_run.v.col(k)};

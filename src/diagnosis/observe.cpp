@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kFewestSamples = 8;  // of a channel in a run, below which it says nothing
 constexpr double kCommanded =
-    5e-3;  // s, from which on a current or torque is that of the command; before, of whatever held the robot
+    5e-3;  // s, from which on what follows the loop is the command's; before, of whatever held the robot
 constexpr double kSmoothing = 0.02;  // s, half width of the fit that starts a window
 
 struct Samples {

@@ -106,7 +106,7 @@ Matrix slopes(const Ready& ready, const std::vector<Probe>& probes, const std::v
   return J;
 }
 
-/// Most probable u of every parameter at once, from the base model on: Levenberg-Marquardt within bounds on |r|^2 + |u|^2, whose slopes
+/// A local optimum of the probability of u, every parameter at once, from the base model on: Levenberg-Marquardt within bounds on |r|^2 + |u|^2, whose slopes
 /// follow by Broyden's update; sixty differences a step with all effects on at once would take minutes.
 Vector tuned(const Ready& ready, const std::vector<Probe>& probes, const std::vector<int>& free) {
   const Hypotheses& hypotheses = ready.problem.hypotheses;

@@ -40,7 +40,7 @@ Vector seen(const Dataset& fine, const Dataset& like, const Vector& late, const 
             std::clamp((t - streams[s].time[0] - late[static_cast<Eigen::Index>(s)]) * from.rate_hz, 0.0, last);
         const auto k = std::min(static_cast<Eigen::Index>(at), from.values.cols() - 2);
         const double part = at - static_cast<double>(k);
-        out.push_back((1.0 - part) * from.values(row, k) + part * from.values(row, k + 1));
+        out.push_back(row < 0 ? 0.0 : (1.0 - part) * from.values(row, k) + part * from.values(row, k + 1));
       }
     }
   }
@@ -94,6 +94,20 @@ Matrix clock_columns(const Dataset& fine, const Dataset& like, const Vector& lat
     out.col(s) = (seen(fine, like, later, floor) - seen(fine, like, sooner, floor)) / (2.0 * kClock);
   }
   return out;
+}
+
+/// Least log Bayes factor of `trials` trials that a shift of the clocks alone leaves of `truth` beside `nominal`.
+double clocks_alone(const Dataset& nominal, const Dataset& truth, const Dataset& like, const Vector& floor,
+                    int trials) {
+  Vector late = Vector::Zero(static_cast<Eigen::Index>(like.trials.front().streams.size()));
+  const Vector target = seen(truth, like, late, floor);
+  double least = kInfinity;
+  for (int k = 0; k < kSteps; ++k) {
+    const Vector rest = target - seen(nominal, like, late, floor);
+    least = std::min(least, 0.5 * trials * rest.squaredNorm());
+    late += clock_columns(nominal, like, late, floor).colPivHouseholderQr().solve(rest);
+  }
+  return least;
 }
 
 /// How near an effect's signature comes to a difference, at the strength that comes nearest.
@@ -229,8 +243,9 @@ std::vector<std::string> equivalents(const Stage& stage, const Signatures& signa
   truth.effect->apply(truth.values, changes);
   const std::optional<Dataset> run = exact_run(stage, changes, signature_spec());
   std::vector<std::string> found;
-  if (!run) return found;
+  if (!run || signatures.effects.empty()) return found;
   const Vector floor = floors(*run, like, spec.sensors, true);
+  if (clocks_alone(signatures.nominal, *run, like, floor, spec.trials) < kSame) return found;  // no effect shows at all
   int tried = 0;
   for (const Likeness& near : likenesses(signatures, like, *run, floors(*run, like, spec.sensors, false))) {
     if (near.effect == truth.effect->name || ++tried > kMostRivals) continue;

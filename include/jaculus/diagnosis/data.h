@@ -14,12 +14,12 @@
 
 namespace jaculus {
 
-/// One measured quantity of a condition that counts as evidence. Commands (duty, or the logged input) are none.
+/// One measured quantity of a condition that counts as evidence. Commands (a duty that was asked for, the logged input) are none.
 struct Channel {
   std::string stream;         ///< "mocap", "joints"
   std::string name;           ///< "x", "pitch", "front_a", "tail_velocity", ...
   std::string unit;           ///< SI
-  bool held = false;          ///< follows the loop's hold in steps (torque, current, voltage)
+  bool held = false;          ///< follows the loop's hold in steps (torque, current, voltage, duty)
   double spacing = kNaN;      ///< between samples as used, median over runs [s]
   double late = 0.0;          ///< of the prediction by which runs are aligned (Prediction::late) [s]
   double noise_floor = kNaN;  ///< standard deviation of one trial about the trials' mean after alignment [unit]
