@@ -266,7 +266,7 @@ RowSpan aligned_part(const Condition& condition, const RowSpan& span, const Pred
 
 void align(Condition& condition, const std::vector<const Prediction*>& predictions) {
   for (std::size_t c = 0; c < condition.channels.size(); ++c)
-    condition.channels[c].late = predictions.front()->late.empty() ? 0.0 : predictions.front()->late[c];
+    condition.channels[c].late = predictions.front()->lateness(c);
   const Vector unit = misfits(condition, predictions);
   const std::vector<RowSpan> all = row_spans(condition);
   for (std::size_t r = 0; r < condition.runs.size(); ++r) {

@@ -48,8 +48,7 @@ Vector predicted_rows(const Condition& condition, const std::vector<const Predic
     const int stream = condition.stream_index(channel.stream);
     const double shift = run.start + run.shift[static_cast<std::size_t>(stream)];
     const Vector& time = run.time[static_cast<std::size_t>(span.channel)];
-    const double later =
-        prediction.late.empty() ? 0.0 : prediction.late[static_cast<std::size_t>(span.channel)] - channel.late;
+    const double later = prediction.lateness(static_cast<std::size_t>(span.channel)) - channel.late;
     const auto value = [&](double t) { return prediction.row(run, span.channel, t); };
     for (int i = 0; i < span.count; ++i) {
       const double t = time[i] - shift + later, h = prediction.step;

@@ -21,8 +21,7 @@ Value one_of(Random& random, const std::vector<Value>& values) {
 
 /// Numbers beside the strength, and the side of a strength that may go both ways.
 Dose draw_dose(const BenchEffect& effect, Random& random, double& end) {
-  Dose dose{&effect, {}};
-  for (const BenchParameter& p : effect.parameters) dose.values.push_back(p.usual);
+  Dose dose{&effect, usual_values(effect)};
   const BenchParameter& first = effect.parameters.front();
   const bool both = first.lower < first.usual && first.usual < first.upper;
   const bool up = both ? uniform(random, 0.0, 1.0) < 0.5 : first.upper > first.usual;

@@ -243,6 +243,12 @@ const BenchEffect* find_bench_effect(const std::string& name) {
   return nullptr;
 }
 
+std::vector<double> usual_values(const BenchEffect& effect) {
+  std::vector<double> values;
+  for (const BenchParameter& p : effect.parameters) values.push_back(p.usual);
+  return values;
+}
+
 std::string bench_component(const std::string& effect) {
   const BenchEffect* found = find_bench_effect(effect);
   if (found == nullptr || found->outside || effect.starts_with("leg_")) return "";
@@ -267,11 +273,8 @@ void apply_effect(const std::string& given, Changes& changes) {
     refuse(given, fmt::format("unknown effect '{}'", name), name, names);
   }
   std::vector<std::string> names;
-  Values values;
-  for (const BenchParameter& p : effect->parameters) {
-    names.push_back(p.name);
-    values.push_back(p.usual);
-  }
+  Values values = usual_values(*effect);
+  for (const BenchParameter& p : effect->parameters) names.push_back(p.name);
   std::vector<bool> seen(values.size(), false);
   std::string rest = colon == std::string::npos ? "" : given.substr(colon + 1);
   while (!rest.empty()) {

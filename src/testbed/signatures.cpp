@@ -104,8 +104,7 @@ std::vector<std::string> signature_effects(const Stage& stage) {
 std::string signature_bytes(const Stage& stage, const std::string& name) {
   Changes changes;
   if (const BenchEffect* effect = find_bench_effect(name)) {
-    std::vector<double> values;
-    for (const BenchParameter& p : effect->parameters) values.push_back(p.usual);
+    std::vector<double> values = usual_values(*effect);
     values[0] = signature_strength(name);
     effect->apply(values, changes);
   }

@@ -255,22 +255,24 @@ double channel_floor(const std::string& channel, const std::string& unit, const 
   return kNaN;  // currents and the like are inputs of the motion rather than the motion
 }
 
+Vector bends(const Vector& y) {
+  const Eigen::Index n = y.size();
+  Vector own = Vector::Zero(n), most = own;
+  if (n > 2) own.segment(1, n - 2) = (y.tail(n - 2) - 2.0 * y.segment(1, n - 2) + y.head(n - 2)).cwiseAbs();
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const Eigen::Index from = std::max<Eigen::Index>(0, k - 1), to = std::min(k + 1, n - 1);
+    most[k] = own.segment(from, to - from + 1).maxCoeff();
+  }
+  return most;
+}
+
 namespace {
 
-/// Mean square of a difference in noise floors. Where a run jumps (a stop, a foot that lands) a sample beside the jump says when rather
-/// than how much: its floor is half of what the run bends there.
+/// Mean square of a difference in noise floors. A sample beside a jump says when rather than how much: its floor is half of what the run
+/// bends there.
 double mean_square(const Vector& was, const Vector& is, double floor) {
-  double sum = 0.0;
-  const auto bend = [](const Vector& y, Eigen::Index k) {
-    return k > 0 && k + 1 < y.size() ? std::abs(y[k + 1] - 2.0 * y[k] + y[k - 1]) : 0.0;
-  };
-  for (Eigen::Index k = 0; k < was.size(); ++k) {
-    double most = 0.0;
-    for (Eigen::Index i = std::max<Eigen::Index>(0, k - 1); i <= std::min(k + 1, was.size() - 1); ++i)
-      most = std::max({most, bend(was, i), bend(is, i)});
-    sum += std::pow(is[k] - was[k], 2) / (floor * floor + 0.25 * most * most);
-  }
-  return sum / static_cast<double>(was.size());
+  const Vector most = bends(was).cwiseMax(bends(is));
+  return ((is - was).array().square() / (floor * floor + 0.25 * most.array().square())).mean();
 }
 
 }  // namespace

@@ -91,16 +91,14 @@ std::string standing(const Walk& walk, const Diagnosis& diagnosis) {
 std::string report(Walk walk, int replicates) {
   DiagnoseOptions alone;
   alone.effects = {walk.effect};
-  const auto lost = [&] {
-    const Posed posed = pose({data_of(walk, 0)}, alone);
-    return diagnose_problem(posed.problem, alone).verdict == "none";
+  const auto by_itself = [&](int replicate) {  // without where the gap lies, which takes longest
+    return diagnose_problem(pose({data_of(walk, replicate)}, alone).problem, alone);
   };
-  while (walk.share < 4.0 && lost()) walk.share *= 2.0;
+  while (walk.share < 4.0 && by_itself(0).verdict == "none") walk.share *= 2.0;
   const std::string place = standing(walk, diagnose({data_of(walk, 0)}));
   int held = 0, stated = 0;
   for (int r = 0; r < replicates; ++r) {
-    const Posed posed = pose({data_of(walk, r)}, alone);  // without where the gap lies, which takes longest
-    const auto in = covered(walk, diagnose_problem(posed.problem, alone));
+    const auto in = covered(walk, by_itself(r));
     stated += in.has_value() ? 1 : 0;
     held += in.value_or(false) ? 1 : 0;
   }

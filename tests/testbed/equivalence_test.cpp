@@ -36,8 +36,7 @@ std::vector<std::string> passing_for(const Bench& on, const std::string& effect,
   TrialSpec spec;
   spec.sensors.electric = electric;
   const BenchEffect& truth = *find_bench_effect(effect);
-  Dose dose{&truth, {}};
-  for (const BenchParameter& p : truth.parameters) dose.values.push_back(p.usual);
+  Dose dose{&truth, usual_values(truth)};
   dose.values[0] = strength;
   return equivalents(on.stage, on.signatures, spec, *exact_run(on.stage, Changes{}, spec), dose);
 }

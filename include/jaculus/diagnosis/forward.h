@@ -28,6 +28,8 @@ struct Prediction {
   std::vector<double> stamped{};  ///< a channel each: by which its sensor stamps late [s]; empty: 0
   std::vector<double> late{};  ///< a channel each: by which its command and its stamps are late together [s]; empty: 0
 
+  /// By which a channel is late [s].
+  [[nodiscard]] double lateness(std::size_t channel) const { return late.empty() ? 0.0 : late[channel]; }
   /// Value of a channel at a model time, linear between grid points, constant beyond the ends.
   [[nodiscard]] double at(int channel, double time) const;
   /// Mean over the samples that a run averages into a row whose mean time, in the model, is `time`.

@@ -30,6 +30,9 @@ struct BenchEffect {
 const std::vector<BenchEffect>& bench_effects();
 const BenchEffect* find_bench_effect(const std::string& name);  ///< null where there is none
 
+/// What an effect's parameters are where none is given.
+std::vector<double> usual_values(const BenchEffect& effect);
+
 /// The part of the robot where it acts, by the names that a diagnosis uses; empty where that is several parts or none of them.
 std::string bench_component(const std::string& effect);
 
