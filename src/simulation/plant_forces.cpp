@@ -200,9 +200,10 @@ bool PlantEquations::hold(double t, const double* y) {
     response.col(m) = (with - free) / kProbe;
     hold_[static_cast<size_t>(m)].value = 0.0;
   }
-  Eigen::CompleteOrthogonalDecomposition<Matrix> solver(response);
-  solver.setThreshold(
-      1e-7);  // feet that stand leave one combination of torques without effect: none of it is asked for
+  Eigen::CompleteOrthogonalDecomposition<Matrix> solver(response.rows(), response.cols());
+  // Feet that stand leave one combination of torques without effect: none of it is asked for. The rank is settled as it is factorised.
+  solver.setThreshold(1e-7);
+  solver.compute(response);
   const Vector torque = solver.solve(-free);
   for (Eigen::Index m = 0; m < motors; ++m) hold_[static_cast<size_t>(m)].value = torque[m];
   return true;

@@ -136,6 +136,22 @@ TEST(Components, DelayShiftsARobotThatStandsStill) {
   EXPECT_NEAR(late.q(1, 3), p.start.q[1], 1e-8);  // 15 ms: nothing has moved
 }
 
+TEST(Components, HeldWhileItWaitsFromWhateverStart) {
+  // Feet that stand leave one combination of torques without effect, and none of it may be asked for: the rank decides, start by start.
+  for (int k = 0; k < 60; ++k) {
+    Push p = push_off();
+    for (Eigen::Index m = 0; m < 4; ++m)
+      p.controller.reference.initial[p.controller.reference.motors[static_cast<size_t>(m)]] +=
+          0.004 * std::sin(1.0 + 7.3 * k + 2.1 * static_cast<double>(m));
+    p.start = reference_start(p.plant, p.controller.reference);
+    level_feet(p.plant, p.start.q);
+    p.plant.actuation.late_start = 0.02;
+    const Simulation s = run(p, 0.015);
+    EXPECT_LT(s.v.cwiseAbs().maxCoeff(), 1e-6) << k;
+    EXPECT_LT(s.torque.cwiseAbs().maxCoeff(), 2.0) << k;
+  }
+}
+
 /// An arm held still by its stop, driven by one motor.
 Plant stalled_arm() {
   PlanarModel model = test_support::on_fixed_base({link("arm", 0, Vec2::Zero(), 1.0, Vec2::Zero(), 0.02)}, {"arm"});
