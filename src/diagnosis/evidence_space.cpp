@@ -13,8 +13,12 @@ constexpr int kFaultModes = 6;
 constexpr double kLeastEnergy = 1e-5;  // s^2 below which a direction shrinks by less than its rounding
 constexpr double kJitter = 3e-4;       // s, by which steps of a held quantity may be off between log and prediction
 constexpr double kTick = 2.5e-4;       // s, by which a loop's answer to an impact may be off: some of its period
-constexpr double kJump = 0.5;          // of a jump, by which a row beside it may be off
-constexpr double kSought = 0.03;       // s, within which a predicted jump is sought in the data
+constexpr double kBounce =
+    0.02;                      // of the time since the first impact, by which later ones may be off: a rebound's form
+constexpr double kJump = 0.5;  // of a jump, by which a row beside it may be off
+constexpr double kClock =
+    2e-3;  // s, by which a run's clock may be off while its jumps are dated: the prior scatter of stamps
+constexpr double kSought = 0.03;  // s, within which a predicted jump is sought in the data
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
@@ -57,13 +61,20 @@ std::vector<JumpWindow> jump_windows(const Condition& condition, const RowSpan& 
   return windows;
 }
 
+/// By how much what follows the last impact before t may come sooner or later than predicted [s].
+double late_impact(const Prediction& prediction, double t) {
+  const auto next = std::upper_bound(prediction.impacts.begin(), prediction.impacts.end(), t);
+  return kTick + kBounce * (*std::prev(next) - prediction.impacts.front());
+}
+
 /// What timing alone may do to a row at model time t [unit]: a held quantity steps; an impact jumps, and a sampled loop answers it a
 /// part of its period sooner or later than predicted.
 double timing_error(const Prediction& prediction, const std::vector<JumpWindow>& windows, bool held, int c, double t) {
   const double step = prediction.step;
   const double slope = std::abs(prediction.at(c, t + step) - prediction.at(c, t - step)) / (2.0 * step);
   double error = held ? kJitter * slope : 0.0;
-  if (!prediction.impacts.empty() && t > prediction.impacts.front()) error = std::max(error, kTick * slope);
+  if (!prediction.impacts.empty() && t > prediction.impacts.front())
+    error = std::max(error, late_impact(prediction, t) * slope);
   for (const JumpWindow& window : windows)
     if (t >= window.from && t <= window.to) error = std::max(error, kJump * window.size);
   return error;
@@ -77,7 +88,7 @@ Vector deviations(const Condition& condition, const RowSpan& span, const Predict
   if (!channel.held && prediction.impacts.empty()) return sigma;
   const double half_block = 0.5 * (run.block[at(span.channel)] - 1) * run.spacing[at(span.channel)];
   const double shift = run.start + run.shift[at(condition.stream_index(channel.stream))];
-  const auto windows = jump_windows(condition, span, prediction, shift, half_block + prediction.step);
+  const auto windows = jump_windows(condition, span, prediction, shift, half_block + prediction.step + kClock);
   for (int i = 0; i < span.count; ++i) {
     const double t = run.time[at(span.channel)][i] - shift;
     sigma[i] = std::hypot(sigma[i], timing_error(prediction, windows, channel.held, span.channel, t));

@@ -17,7 +17,10 @@ constexpr double kFirstStep = 0.01;  // in u, of differences until the sensitivi
 constexpr double kLeastStep = 1e-3, kMostStep = 0.05;
 constexpr double kQuantile = 1.959964;             // of the normal, 95 % two-sided
 constexpr double kCurvatureTolerance = 1.0 / 3.0;  // of the cost's rise over the interval's half
-constexpr double kFailed = 1e100;                  // cost where the simulation fails
+constexpr double kAround[] = {0.75, 0.85, 0.92, 0.96,
+                              1.04, 1.08, 1.17, 1.33};  // of a departure from nominal, tried for a lower valley
+constexpr double kWorthwhile = 0.5;                     // of the cost, by which one must be lower
+constexpr double kFailed = 1e100;                       // cost where the simulation fails
 
 std::size_t at(Eigen::Index i) { return static_cast<std::size_t>(i); }
 
@@ -236,6 +239,29 @@ Fit fit_model(const DiagnosisProblem& problem, const EvidenceSpace& space, const
   }
   best.predictions = predictions;
   return best;
+}
+
+Fit fit_around(const DiagnosisProblem& problem, const EvidenceSpace& space, Fit fit, const FitOptions& options) {
+  if (!fit.valid || fit.free.empty()) return fit;
+  const int first = fit.free.front();
+  const FreeParameter& own = problem.hypotheses.parameters[static_cast<std::size_t>(first)];
+  Vector best;
+  double least = fit.cost - kWorthwhile;
+  for (const double factor : kAround) {
+    Vector p = fit.p;
+    p[first] = std::clamp(own.nominal + factor * (fit.p[first] - own.nominal), own.bounds.lower, own.bounds.upper);
+    const Fit there = evaluate_model(problem, space, p);
+    ++fit.predictions;
+    if (!there.valid) continue;
+    const double cost = there.cost + 0.5 * problem.hypotheses.scaled(fit.free, p).squaredNorm();
+    if (cost >= least) continue;
+    least = cost;
+    best = p;
+  }
+  if (best.size() == 0) return fit;
+  Fit next = fit_model(problem, space, fit.free, {best}, options);
+  next.predictions += fit.predictions;
+  return next.valid && next.cost < fit.cost ? next : fit;
 }
 
 Bounds interval95(const DiagnosisProblem& problem, const EvidenceSpace& space, const Fit& fit, int parameter) {

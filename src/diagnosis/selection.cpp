@@ -127,6 +127,7 @@ class Search {
       FitOptions fitting;
       fitting.enough = jobs[i].enough;
       model.fit = fit_model(problem_, space_, problem_.hypotheses.freed_by(model.candidates), jobs[i].starts, fitting);
+      if (model.candidates.size() == 1) model.fit = fit_around(problem_, space_, model.fit, fitting);
     });
     for (ModelFit& fit : fits) {
       predictions += fit.fit.predictions;

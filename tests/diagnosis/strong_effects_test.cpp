@@ -8,6 +8,7 @@
 #include "diagnosis/calibration.h"
 #include "diagnosis/toy.h"
 #include "jaculus/diagnosis/evidence_space.h"
+#include "jaculus/diagnosis/fit.h"
 #include "jaculus/diagnosis/screen.h"
 
 namespace jaculus::test {
@@ -97,6 +98,48 @@ TEST(Jump, CountsForLittleBetweenItsPredictedAndItsMeasuredTime) {
   Vector truth = toy_truth(0.0, 0.75);
   for (const double share : {0.0, 0.3, 0.6, 1.0})
     EXPECT_LT(evaluate_model(*problem, space, share * truth).chi2, 3.0 * space.rows) << share;
+}
+
+TEST(Jump, MayComeTheLaterTheMoreReboundsCameBefore) {
+  // Rebounds at 0.1 and 0.3 s; both channels rise at the same rate throughout.
+  const auto problem = shaped([](int channel, double t, const Vector&) { return (channel + 1) * t; }, Vector::Zero(4));
+  const ForwardModel bare = problem->forward;
+  problem->forward = [bare](int c, int r, const Vector& p) {
+    Prediction prediction = bare(c, r, p);
+    prediction.impacts = {0.1, 0.3};
+    return prediction;
+  };
+  const Linearisation about = linearise(*problem, Vector::Zero(4));
+  const EvidenceSpace space = evidence_space(*problem, about);
+  const Condition& condition = problem->observations.conditions[0];
+  const RowSpan span = space.conditions[0].spans[0];
+  const Vector& time = condition.runs[0].time[0];
+  double before = 0.0, between = 0.0, after = 0.0;
+  for (int i = 0; i < span.count; ++i) {
+    const double sigma = space.conditions[0].sigma[i];
+    if (time[i] < 0.08) before = std::max(before, sigma);
+    if (time[i] > 0.12 && time[i] < 0.28) between = std::max(between, sigma);
+    if (time[i] > 0.32) after = std::max(after, sigma);
+  }
+  EXPECT_LT(between, 1.1 * before);
+  EXPECT_GT(after, 3.0 * between);  // 2 % of the 0.2 s between them, at 1/s
+}
+
+TEST(Fit, LooksAroundForALowerValley) {
+  // A wave over a bowl: its valleys are 0.05 apart, the true one at 0.43.
+  const auto problem = shaped(
+      [](int channel, double t, const Vector& p) { return channel == 0 ? t : 0.05 * std::sin(240.0 * p[1] * t); },
+      toy_truth(0.0, 0.43));
+  const Linearisation about = linearise(*problem, Vector::Zero(4));
+  const EvidenceSpace space = evidence_space(*problem, about);
+  Vector start = Vector::Zero(4);
+  for (start[1] = 0.34; start[1] < 0.41; start[1] += 0.005) {
+    const Fit beside = fit_model(*problem, space, {1}, {start});
+    if (!beside.valid || beside.p[1] < 0.36 || beside.p[1] > 0.4) continue;
+    EXPECT_NEAR(fit_around(*problem, space, beside).p[1], 0.43, 1e-3);
+    return;
+  }
+  FAIL() << "no valley beside the true one";
 }
 
 Diagnosis diagnosis(const std::string& verdict, const std::vector<std::string>& effects) {

@@ -45,6 +45,10 @@ Fit fit_model(const DiagnosisProblem& problem, const EvidenceSpace& space, const
 /// Fixed parameters: r and log evidence alone.
 Fit evaluate_model(const DiagnosisProblem& problem, const EvidenceSpace& space, const Vector& p);
 
+/// The same fit, or the one that starts where the first free parameter's departure from nominal is some percent smaller or larger if the
+/// cost there is less: where a prediction jumps, an impact that crosses a row makes valleys of its own.
+Fit fit_around(const DiagnosisProblem& problem, const EvidenceSpace& space, Fit fit, const FitOptions& options = {});
+
 /// 95 % interval of one free parameter: +-1.96 standard deviations, cut at the bounds, where the cost there rises as the curvature
 /// says within a third; else ends where the profile (others refitted) has risen by 1.92.
 Bounds interval95(const DiagnosisProblem& problem, const EvidenceSpace& space, const Fit& fit, int parameter);
