@@ -45,8 +45,8 @@ bool may_have_gear(const Group& group, const PlanarModel& model) {
   });
 }
 
-/// Damping ratio of the link on a flank alone.
-constexpr double kFlankDamping = 0.7;
+/// Damping ratio of the link on a flank alone: teeth hit one another without much rebound, how much nobody knows.
+constexpr double kFlankDamping = 0.5;
 
 }  // namespace
 
@@ -67,15 +67,15 @@ Effect compliance(const Group& group) {
 
 Effect backlash(const Group& group) {
   Effect effect = on_group(group, "backlash", "play in the gear of");
-  effect.parameters = {{"play", "rad", 0.0, {0.0, 0.06}, 0.01, "", "", "", kNaN}};
+  effect.parameters = {{"play", "rad", 0.0, {0.0, 0.06}, 0.01, "", "", "", kNaN},
+                       {"flank_damping_ratio", "-", kFlankDamping, {0.1, 1.0}, 0.2, "", "", "", kNaN}};
   effect.applies = [&group](const PlanarModel& model) { return may_have_gear(group, model); };
   effect.apply = [&group](const Vector& theta, Plant& plant) {
     if (theta[0] == 0.0) return;
     for (const std::string& joint : joints_of(group, plant.model)) {
       Transmission& transmission = entry_of(plant.transmissions, joint);
       transmission.play = theta[0];
-      // Flanks of teeth hit one another without much rebound.
-      if (transmission.compliance == 0.0) transmission.damping_ratio = kFlankDamping;
+      if (transmission.compliance == 0.0) transmission.damping_ratio = theta[1];
     }
   };
   return effect;
