@@ -202,6 +202,7 @@ SealedTruth truth_of(const testbed::CaseLabel& label) {
   truth.effects = label.effects;
   truth.parameters = label.parameters;
   truth.strength_in_noise_floors = label.strength_in_noise_floors;
+  truth.parted = label.parted;
   truth.equivalent = label.equivalent;
   truth.component = label.component;
   return truth;

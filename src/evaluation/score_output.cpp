@@ -65,6 +65,7 @@ json case_json(const SealedTruth& truth, const Score& score, std::size_t i) {
                 {"truth", evaluation::truth_label(truth)},
                 {"equivalent", truth.equivalent},
                 {"strength_noise_floors", number(truth.strength_in_noise_floors)},
+                {"parted", truth.parted},
                 {"stated", mark.stated},
                 {"confidence", mark.confidence},
                 {"right", mark.right},
@@ -131,6 +132,11 @@ std::string score_text(const Score& score) {
   std::string text = fmt::format("{} cases; a gap is plain from {} noise floors on; intervals are at 95 %\n",
                                  score.truths.size(), evaluation::kPlainGap);
   if (!score.provenance.empty()) text += score.provenance + "\n";
+  int parted = 0;
+  for (const SealedTruth& truth : score.truths) parted += truth.parted;
+  if (parted > 0)
+    text +=
+        fmt::format("{} draws were left out: left and right legs part, which no model in the plane holds\n", parted);
   text += "\ngoals\n";
   for (const evaluation::Goal& goal : evaluation::goals()) {
     const ScoreEstimate& e = sheet.by.at(goal.key);

@@ -47,8 +47,12 @@ std::optional<Dose> find_dose(const BenchEffect& effect, const Stage& stage, con
 struct Signatures {
   Dataset nominal;  ///< without any
   std::vector<std::string> effects;
-  std::vector<Dataset> runs;  ///< an effect each
+  std::vector<Dataset> runs;    ///< an effect each
+  std::vector<Dataset> starts;  ///< a joint each, which starts kStartStep from where it should
 };
+
+/// By which a joint's start is moved for its signature [rad].
+inline constexpr double kStartStep = 2e-3;
 
 /// The streams that signatures are kept in.
 TrialSpec signature_spec();
@@ -59,9 +63,9 @@ std::vector<std::string> signature_effects(const Stage& stage);
 std::string signature_bytes(const Stage& stage, const std::string& effect);
 Signatures signatures_of(const Stage& stage, const std::vector<std::string>& bytes);
 
-/// Share of `changed` - `nominal` that no shift of the streams' clocks explains [0, 1].
-double share_beyond_clocks(const Signatures& signatures, const TrialSpec& spec, const Dataset& nominal,
-                           const Dataset& changed);
+/// Share of `changed` - `nominal` that neither shifts of the streams' clocks nor other starts of the joints explain [0, 1].
+double share_beyond_nuisances(const Signatures& signatures, const TrialSpec& spec, const Dataset& nominal,
+                              const Dataset& changed);
 
 /// Effects of the catalogue that, at some strength, show what the true one shows.
 std::vector<std::string> equivalents(const Stage& stage, const Signatures& signatures, const TrialSpec& spec,

@@ -21,7 +21,8 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
-constexpr int kAttempts = 40;  ///< draws until a case comes out that shows
+constexpr int kAttempts = 40;    ///< draws until a case comes out that shows
+constexpr double kApart = 0.02;  ///< rad, from which left and right legs no longer go together
 
 double number(const Json& value) { return value.is_null() ? kNaN : value.get<double>(); }
 
@@ -37,6 +38,7 @@ Json to_json(const CaseLabel& label) {
           {"effects", label.effects},
           {"parameters", parameters},
           {"strength_in_noise_floors", json_number(label.strength_in_noise_floors)},
+          {"parted", label.parted},
           {"equivalent", label.equivalent},
           {"component", label.component},
           {"experiment", label.experiment},
@@ -53,6 +55,7 @@ CaseLabel label_of(const Json& json) {
     for (const Json& value : row) label.parameters.back().push_back(number(value));
   }
   label.strength_in_noise_floors = number(json.at("strength_in_noise_floors"));
+  label.parted = json.value("parted", 0);
   label.equivalent = json.at("equivalent").get<std::vector<std::string>>();
   label.component = json.at("component");
   label.experiment = json.at("experiment");
@@ -83,9 +86,10 @@ struct Made {
   Dataset dataset;
 };
 
-/// One attempt; nothing where an effect doesn't show on the stage that was drawn.
+/// One attempt; nothing where an effect doesn't show on the stage that was drawn, or where left and right legs part, so that there is more
+/// than the effects that were drawn: that is counted. (A leg of the robot that is bent parts them by itself.)
 std::optional<Made> attempt(Random& random, const std::string& kind, const std::vector<const BenchEffect*>& effects,
-                            const std::vector<Stage>& stages, const std::vector<Signatures>& signatures) {
+                            const std::vector<Stage>& stages, const std::vector<Signatures>& signatures, int& parted) {
   std::vector<std::size_t> fitting;
   for (std::size_t i = 0; i < stages.size(); ++i) {
     const auto acts = [&](const BenchEffect* effect) { return can_act(*effect, stages[i]); };
@@ -116,7 +120,7 @@ std::optional<Made> attempt(Random& random, const std::string& kind, const std::
   const std::optional<Dataset> changed = exact_run(stage, changes, spec);
   if (!changed) return std::nullopt;
   made.label.strength_in_noise_floors =
-      gap(*nominal, *changed, spec.sensors) * share_beyond_clocks(signatures[at], spec, *nominal, *changed);
+      gap(*nominal, *changed, spec.sensors) * share_beyond_nuisances(signatures[at], spec, *nominal, *changed);
   if (!effects.empty() && made.label.strength_in_noise_floors < 0.7) return std::nullopt;
   made.label.kind = kind;
   made.label.experiment = stage.name;
@@ -125,7 +129,12 @@ std::optional<Made> attempt(Random& random, const std::string& kind, const std::
     made.label.component = bench_component(effects[0]->name);
     made.label.equivalent = equivalents(stage, signatures[at], spec, *nominal, doses[0]);
   }
-  made.dataset = run_trials(stage.asked, changes, spec);
+  double apart = 0.0;
+  made.dataset = run_trials(stage.asked, changes, spec, &apart);
+  if (apart > kApart && kind != "outside") {
+    ++parted;
+    return std::nullopt;
+  }
   made.dataset.provenance = "a sealed case of the MuJoCo testbed";
   return made;
 }
@@ -133,12 +142,14 @@ std::optional<Made> attempt(Random& random, const std::string& kind, const std::
 std::string make_case(const SealSpec& spec, const std::string& id, const std::string& kind, std::uint64_t seed,
                       const std::vector<Stage>& stages, const std::vector<Signatures>& signatures) {
   Random random(seed);
+  int parted = 0;
   for (int i = 0; i < kAttempts; ++i) {
     const auto effects = draw_effects(random, kind);
     try {
-      std::optional<Made> made = attempt(random, kind, effects, stages, signatures);
+      std::optional<Made> made = attempt(random, kind, effects, stages, signatures, parted);
       if (!made) continue;
       made->label.case_id = id;
+      made->label.parted = parted;
       write_dataset(made->dataset, spec.out / id);
       return to_json(made->label).dump();
     } catch (const InputError&) {

@@ -5,7 +5,9 @@
 #include <cmath>
 #include <cstring>
 
+#include "jaculus/model/robot.h"
 #include "testbed/draws.h"
+#include "testbed/robot_files.h"
 
 namespace jaculus::testbed {
 namespace {
@@ -70,11 +72,17 @@ Vector rest_after(const Matrix& directions, const Vector& difference) {
 
 }  // namespace
 
-double share_beyond_clocks(const Signatures& signatures, const TrialSpec& spec, const Dataset& nominal,
-                           const Dataset& changed) {
-  const Vector difference = stacked(changed, spec.sensors) - stacked(nominal, spec.sensors);
+double share_beyond_nuisances(const Signatures& signatures, const TrialSpec& spec, const Dataset& nominal,
+                              const Dataset& changed) {
+  const Vector was = stacked(nominal, spec.sensors), difference = stacked(changed, spec.sensors) - was;
   if (difference.norm() == 0.0) return 0.0;
-  return rest_after(clock_directions(signatures, nominal, spec.sensors), difference).norm() / difference.norm();
+  const Matrix clocks = clock_directions(signatures, nominal, spec.sensors);
+  Matrix directions(difference.size(), clocks.cols() + static_cast<Eigen::Index>(signatures.starts.size()));
+  directions.leftCols(clocks.cols()) = clocks;
+  for (std::size_t i = 0; i < signatures.starts.size(); ++i)
+    directions.col(clocks.cols() + static_cast<Eigen::Index>(i)) =
+        stacked(thinned(signatures.starts[i], nominal), spec.sensors) - was;
+  return rest_after(directions, difference).norm() / difference.norm();
 }
 
 double signature_strength(const std::string& name) {
@@ -122,6 +130,11 @@ Signatures signatures_of(const Stage& stage, const std::vector<std::string>& byt
   Signatures out;
   const std::optional<Dataset> layout = exact_run(stage, Changes{}, signature_spec());
   if (layout) out.nominal = *layout;
+  for (const std::string& joint : read_robot_files(find_robot(stage.asked.robot, stage.asked.folder)).planar_motors) {
+    TrialSpec moved = signature_spec();
+    moved.start_offset[joint] = kStartStep;
+    if (const std::optional<Dataset> run = exact_run(stage, Changes{}, moved)) out.starts.push_back(*run);
+  }
   const std::vector<std::string> names = signature_effects(stage);
   for (std::size_t i = 0; i < names.size() && i < bytes.size(); ++i) {
     if (bytes[i].empty() || !layout) continue;

@@ -202,17 +202,24 @@ class Observer {
   Random& random_;
 };
 
-Trial one_trial(const Dataset& asked, const RobotFiles& files, const PlanCommands& plan, const Changes& changes,
-                const TrialSpec& spec, int index) {
-  Random random(task_seed(spec.seed, static_cast<std::uint64_t>(index)));
+bool base_fixed(const Dataset& asked, const RobotFiles& files) {
+  return asked.experiment == "tail_bench" || !files.floating;
+}
+
+/// Plays a trial, from whose generator the observer then draws.
+Recording play_trial(const Dataset& asked, const RobotFiles& files, const PlanCommands& plan, const Changes& changes,
+                     const TrialSpec& spec, Random& random) {
   std::normal_distribution<double> normal;
   PlayOptions options;
   options.floor = asked.experiment == "leap";
-  options.base_fixed = asked.experiment == "tail_bench" || !files.floating;
+  options.base_fixed = base_fixed(asked, files);
   options.stops = !asked.stops.empty();
   options.start = plan.start;
-  const double end = plan.duration + spec.after;
-  options.duration = end + 0.01;
+  options.duration = plan.duration + spec.after + 0.01;
+  for (const auto& [joint, offset] : spec.start_offset) {
+    options.start[joint] += offset;
+    options.level = options.floor;
+  }
   if (!spec.exact) {
     for (const std::string& motor : files.planar_motors) options.start[motor] += spec.pose_scatter * normal(random);
     // Nobody sets a joint beyond its stop.
@@ -221,26 +228,48 @@ Trial one_trial(const Dataset& asked, const RobotFiles& files, const PlanCommand
     options.level = options.floor;
     options.sensors = {spec.sensors.encoder_step, spec.sensors.encoder, spec.sensors.tachometer, random()};
   }
-  const Recording recording = play(files, changes, plan.commands, options, Numerics{});
+  Recording recording = play(files, changes, plan.commands, options, Numerics{});
   if (recording.diverged) {
     throw std::runtime_error(fmt::format("the MuJoCo robot was lost at {:.4f} s", recording.end_time));
   }
+  return recording;
+}
+
+double most_apart(const Recording& r) {
+  double most = 0.0;
+  for (Eigen::Index i = 1; i < r.position.rows(); ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    if (r.motor_of[at] == r.motor_of[at - 1])
+      most = std::max(most, (r.position.row(i) - r.position.row(i - 1)).cwiseAbs().maxCoeff());
+  }
+  return most;
+}
+
+Trial one_trial(const Dataset& asked, const RobotFiles& files, const PlanCommands& plan, const Changes& changes,
+                const TrialSpec& spec, int index, double& legs_apart) {
+  Random random(task_seed(spec.seed, static_cast<std::uint64_t>(index)));
+  const Recording recording = play_trial(asked, files, plan, changes, spec, random);
+  legs_apart = std::max(legs_apart, most_apart(recording));
+  const double end = plan.duration + spec.after;
   Observer observer(recording, changes, spec, end, random);
   Trial trial;
   trial.name = fmt::format("trial_{:02}", index + 1);
-  if (spec.sensors.mocap && !options.base_fixed) trial.streams.push_back(observer.mocap());
-  if (spec.sensors.joints || options.base_fixed) trial.streams.push_back(observer.joints());
+  const bool held = base_fixed(asked, files);
+  if (spec.sensors.mocap && !held) trial.streams.push_back(observer.mocap());
+  if (spec.sensors.joints || held) trial.streams.push_back(observer.joints());
   return trial;
 }
 
 }  // namespace
 
-Dataset run_trials(const Dataset& asked, const Changes& changes, const TrialSpec& spec) {
+Dataset run_trials(const Dataset& asked, const Changes& changes, const TrialSpec& spec, double* legs_apart) {
   const RobotFiles files = read_robot_files(find_robot(asked.robot, asked.folder));
   const PlanCommands plan = commands_of(asked, files);
   Dataset out = asked;
   out.trials.clear();
-  for (int i = 0; i < spec.trials; ++i) out.trials.push_back(one_trial(asked, files, plan, changes, spec, i));
+  double apart = 0.0;
+  for (int i = 0; i < spec.trials; ++i) out.trials.push_back(one_trial(asked, files, plan, changes, spec, i, apart));
+  if (legs_apart != nullptr) *legs_apart = apart;
   return out;
 }
 

@@ -14,6 +14,7 @@
 #include "jaculus/testbed/trials.h"
 #include "support/shared_data.h"
 #include "testbed/commands.h"
+#include "testbed/draws.h"
 #include "testbed/mjcf.h"
 
 namespace jaculus {
@@ -113,6 +114,35 @@ TEST(Testbed, KeepsLeftAndRightLegsTogetherWhateverTheEncodersSay) {
       EXPECT_LT((r.position.row(right) - r.position.row(right - 1)).cwiseAbs().maxCoeff(), 2e-3) << seed << r.motors[i];
     }
   }
+}
+
+TEST(Testbed, SaysWhereSlippingFeetPartLeftAndRightLegs) {
+  if (!testbed::available()) GTEST_SKIP() << "built without MuJoCo";
+  JACULUS_REQUIRE_SHARED_DATA(data);
+  const Dataset asked = testbed::leap(kModels / "minitaur_tail", data / "plans" / "inactivetail_V7.csv", "duty");
+  testbed::TrialSpec spec;
+  spec.trials = 2;
+  double apart = 0.0;
+  testbed::run_trials(asked, {}, spec, &apart);
+  EXPECT_LT(apart, 5e-3);
+  testbed::Changes slippery;
+  slippery.floor_friction_scale = 0.43;
+  testbed::run_trials(asked, slippery, spec, &apart);
+  EXPECT_GT(apart, 0.1);
+}
+
+TEST(Testbed, StrengthLeavesOutWhatAnotherStartWouldDo) {
+  if (!testbed::available()) GTEST_SKIP() << "built without MuJoCo";
+  const testbed::Stage stage{"self_righting", testbed::self_righting(kModels / "minitaur_tail"), true};
+  const testbed::Signatures signatures = testbed::signatures_of(stage, {});
+  testbed::TrialSpec spec, moved;
+  moved.start_offset["tail"] = 1e-3;
+  const Dataset nominal = *testbed::exact_run(stage, {}, spec);
+  EXPECT_LT(testbed::share_beyond_nuisances(signatures, spec, nominal, *testbed::exact_run(stage, {}, moved)), 0.1);
+  testbed::Changes friction;
+  friction.tail_friction.coulomb = 0.3;
+  EXPECT_GT(testbed::share_beyond_nuisances(signatures, spec, nominal, *testbed::exact_run(stage, friction, spec)),
+            0.5);
 }
 
 TEST(Agreement, SelfRightingDropThroughTheStop) {

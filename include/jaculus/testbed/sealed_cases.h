@@ -28,7 +28,8 @@ struct CaseLabel {
   std::string kind;  ///< "single", "pair", "none", "outside"
   std::vector<std::string> effects;
   std::vector<std::vector<double>> parameters;  ///< an effect each, as measured; NaN: has no counterpart
-  double strength_in_noise_floors = 0.0;        ///< as measured
+  double strength_in_noise_floors = 0.0;        ///< beyond what clocks and starts may do, as measured
+  int parted = 0;  ///< draws before it that were left out because left and right legs part (trials.h)
   std::vector<std::string> equivalent;
   std::string component;
   std::string experiment;  ///< "leap aerotail_V7.csv duty"

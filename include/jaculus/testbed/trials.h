@@ -7,6 +7,8 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
+#include <string>
 
 #include "jaculus/testbed/changes.h"
 #include "jaculus/trajectory/dataset.h"
@@ -39,16 +41,19 @@ struct SensorSpec {
 struct TrialSpec {
   int trials = 6;
   std::uint64_t seed = 1;
-  bool exact = false;           ///< no noise, scatter or rounding: for measurements on the robot itself
-  double after = 0.08;          ///< recorded beyond the commands' end [s]
-  double pose_scatter = 2e-3;   ///< of every joint at the start [rad]
-  double clock_scatter = 2e-3;  ///< of each stream's zero [s]
+  bool exact = false;                          ///< no noise, scatter or rounding: for measurements on the robot itself
+  double after = 0.08;                         ///< recorded beyond the commands' end [s]
+  double pose_scatter = 2e-3;                  ///< of every joint at the start [rad]
+  double clock_scatter = 2e-3;                 ///< of each stream's zero [s]
+  std::map<std::string, double> start_offset;  ///< of joints at the start, by their planar names [rad]
   SensorSpec sensors;
 };
 
 /// Plays the trials of `asked` (its own are replaced). Streams are cut to the experiment's duration. InputError for a robot or
-/// commands that do not fit; std::runtime_error where the simulation is lost.
-Dataset run_trials(const Dataset& asked, const Changes& changes, const TrialSpec& spec);
+/// commands that do not fit; std::runtime_error where the simulation is lost. `legs_apart`, if asked for: by how much the left and the right
+/// motor of a pair part at most [rad]. Nothing couples them but base and floor: on the inactive plan, where the rear legs are near their
+/// shortest, and on feet that slip, their common way is unstable, and no robot in the plane shows what they do then.
+Dataset run_trials(const Dataset& asked, const Changes& changes, const TrialSpec& spec, double* legs_apart = nullptr);
 
 /// A leap: a plan of the robot, replayed with feed-forward and PD. `quantity` torque or duty; for duty the plan's torques and
 /// rates are turned into fractions of the robot's bus voltage by the motors as believed, whatever its duty columns say.
