@@ -18,6 +18,8 @@ constexpr double kBounce =
 constexpr double kJump = 0.5;  // of a jump, by which a row beside it may be off
 constexpr double kClock =
     2e-3;  // s, by which a run's clock may be off while its jumps are dated: the prior scatter of stamps
+constexpr double kMuch = 3.0;     // times the next row's deviation, from which a row says nothing of its noise
+constexpr double kUntold = 1e6;   // times its deviation, of a row that tells nothing
 constexpr double kSought = 0.03;  // s, within which a predicted jump is sought in the data
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
@@ -89,9 +91,11 @@ Vector deviations(const Condition& condition, const RowSpan& span, const Predict
   const double half_block = 0.5 * (run.block[at(span.channel)] - 1) * run.spacing[at(span.channel)];
   const double shift = run.start + run.shift[at(condition.stream_index(channel.stream))];
   const auto windows = jump_windows(condition, span, prediction, shift, half_block + prediction.step + kClock);
+  const bool commanded = channel.held && !condition.measured_input;
   for (int i = 0; i < span.count; ++i) {
     const double t = run.time[at(span.channel)][i] - shift;
     sigma[i] = std::hypot(sigma[i], timing_error(prediction, windows, channel.held, span.channel, t));
+    if (commanded && t < prediction.lateness(at(span.channel)) + kCommanded) sigma[i] *= kUntold;
   }
   return sigma;
 }
@@ -103,7 +107,8 @@ void add_span(const Condition& condition, const RowSpan& span, const Prediction&
   const Vector sigma = deviations(condition, span, prediction);
   for (int i = 0; i < span.count; ++i) {
     double rho = 0.0;
-    if (i > 0 && channel.correlation > 0.0) {
+    const bool tells = i > 0 && sigma[i - 1] < kMuch * sigma[i];  // a row that may be off says nothing of the next
+    if (tells && channel.correlation > 0.0) {
       rho = std::pow(channel.correlation, std::max(1.0, (time[i] - time[i - 1]) / channel.spacing));
     }
     space.previous[first + i] = i > 0 ? rho * sigma[i] / sigma[i - 1] : 0.0;

@@ -30,6 +30,14 @@ double log_normal_cdf(double x) {
   return -0.5 * x * x - std::log(-x) - 0.5 * std::log(2.0 * std::numbers::pi);
 }
 
+/// log of the probability that a normal of this mean and deviation has within a range, also where that is far in a tail.
+double log_normal_mass(const Bounds& range, double mean, double deviation) {
+  double low = (range.lower - mean) / deviation, high = (range.upper - mean) / deviation;
+  if (low > 0.0) std::swap(low = -low, high = -high);  // by the lower tail, where logarithms are exact
+  const double above = log_normal_cdf(low), all = log_normal_cdf(high);
+  return std::isinf(low) ? all : all + std::log1p(-std::exp(above - all));
+}
+
 /// The residual as a function of u, with differences.
 class Residual {
  public:
@@ -154,10 +162,9 @@ void complete(const Residual& residual, const Vector& u, Fit& fit) {
   const Vector towards = fit.covariance * g;
   fit.log_evidence += 0.5 * g.dot(towards) - llt.matrixLLT().diagonal().array().log().sum();
   for (Eigen::Index i = 0; i < d; ++i) {
-    const FreeParameter& p = residual.parameter(i);
-    if (!p.one_sided()) continue;
-    const double side = p.nominal <= p.bounds.lower ? 1.0 : -1.0;
-    fit.log_evidence += std::log(2.0) + log_normal_cdf(side * (u[i] - towards[i]) / std::sqrt(fit.covariance(i, i)));
+    const Bounds range = residual.range(i);
+    fit.log_evidence += log_normal_mass(range, u[i] - towards[i], std::sqrt(fit.covariance(i, i)));
+    fit.log_evidence -= log_normal_mass(range, 0.0, 1.0);
   }
 }
 
@@ -250,6 +257,7 @@ Fit fit_around(const DiagnosisProblem& problem, const EvidenceSpace& space, Fit 
   for (const double factor : kAround) {
     Vector p = fit.p;
     p[first] = std::clamp(own.nominal + factor * (fit.p[first] - own.nominal), own.bounds.lower, own.bounds.upper);
+    if (p[first] == fit.p[first]) continue;
     const Fit there = evaluate_model(problem, space, p);
     ++fit.predictions;
     if (!there.valid) continue;
@@ -261,6 +269,7 @@ Fit fit_around(const DiagnosisProblem& problem, const EvidenceSpace& space, Fit 
   if (best.size() == 0) return fit;
   Fit next = fit_model(problem, space, fit.free, {best}, options);
   next.predictions += fit.predictions;
+  fit.predictions = next.predictions;
   return next.valid && next.cost < fit.cost ? next : fit;
 }
 

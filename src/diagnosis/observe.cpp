@@ -14,9 +14,7 @@
 namespace jaculus {
 namespace {
 
-constexpr int kFewestSamples = 8;  // of a channel in a run, below which it says nothing
-constexpr double kCommanded =
-    5e-3;  // s, from which on what follows the loop is the command's; before, of whatever held the robot
+constexpr int kFewestSamples = 8;    // of a channel in a run, below which it says nothing
 constexpr double kSmoothing = 0.02;  // s, half width of the fit that starts a window
 
 struct Samples {

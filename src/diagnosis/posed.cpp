@@ -124,6 +124,7 @@ Fit fit_members(const DiagnosisProblem& problem, const EvidenceSpace& space, con
     const std::vector<int> joined(members.begin(), members.begin() + static_cast<std::ptrdiff_t>(k) + 1);
     model =
         fit_model(problem, space, problem.hypotheses.freed_by(joined), fit_starts(problem, model.p, members[k], probe));
+    if (k == 0) model = fit_around(problem, space, model);
   }
   return model;
 }

@@ -46,7 +46,7 @@ bool may_have_gear(const Group& group, const PlanarModel& model) {
 }
 
 /// Damping ratio of the link on a flank alone: teeth hit one another without much rebound, how much nobody knows.
-constexpr double kFlankDamping = 0.5;
+constexpr double kFlankDamping = 0.7;
 
 }  // namespace
 
@@ -68,7 +68,7 @@ Effect compliance(const Group& group) {
 Effect backlash(const Group& group) {
   Effect effect = on_group(group, "backlash", "play in the gear of");
   effect.parameters = {{"play", "rad", 0.0, {0.0, 0.06}, 0.01, "", "", "", kNaN},
-                       {"flank_damping_ratio", "-", kFlankDamping, {0.1, 1.0}, 0.2, "", "", "", kNaN}};
+                       {"flank_damping_ratio", "-", kFlankDamping, {0.1, 1.0}, 0.3, "", "", "", kNaN}};
   effect.applies = [&group](const PlanarModel& model) { return may_have_gear(group, model); };
   effect.apply = [&group](const Vector& theta, Plant& plant) {
     if (theta[0] == 0.0) return;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "evaluation/mark.h"
@@ -110,6 +111,19 @@ std::string reliability_text(const ScoreSheet& sheet) {
   return text + fmt::format("  mean distance {:.3f}\n", sheet.calibration_error);
 }
 
+/// Draws that were left out, by what they held.
+std::string parted_text(const std::vector<SealedTruth>& truths) {
+  std::map<std::string, int> counts;
+  int all = 0;
+  for (const SealedTruth& truth : truths)
+    for (const std::string& draw : truth.parted) ++counts[draw], ++all;
+  if (all == 0) return "";
+  std::string text =
+      fmt::format("\n{} draws were left out: left and right legs part, which no model in the plane holds\n", all);
+  for (const auto& [draw, count] : counts) text += fmt::format("  {:<72} {}\n", draw, count);
+  return text;
+}
+
 }  // namespace
 
 std::string score_json(const Score& score) {
@@ -132,11 +146,7 @@ std::string score_text(const Score& score) {
   std::string text = fmt::format("{} cases; a gap is plain from {} noise floors on; intervals are at 95 %\n",
                                  score.truths.size(), evaluation::kPlainGap);
   if (!score.provenance.empty()) text += score.provenance + "\n";
-  int parted = 0;
-  for (const SealedTruth& truth : score.truths) parted += truth.parted;
-  if (parted > 0)
-    text +=
-        fmt::format("{} draws were left out: left and right legs part, which no model in the plane holds\n", parted);
+  text += parted_text(score.truths);
   text += "\ngoals\n";
   for (const evaluation::Goal& goal : evaluation::goals()) {
     const ScoreEstimate& e = sheet.by.at(goal.key);

@@ -48,11 +48,14 @@ struct Signatures {
   Dataset nominal;  ///< without any
   std::vector<std::string> effects;
   std::vector<Dataset> runs;    ///< an effect each
-  std::vector<Dataset> starts;  ///< a joint each, which starts kStartStep from where it should
+  Dataset level;                ///< without any, from where the robot stands on both feet
+  std::vector<Dataset> starts;  ///< a joint each, which starts kStartStep from there
 };
 
 /// By which a joint's start is moved for its signature [rad].
 inline constexpr double kStartStep = 2e-3;
+/// By which people and motors set a joint's start, standard deviation: what a diagnosis grants [rad].
+inline constexpr double kStartSpread = 0.01;
 
 /// The streams that signatures are kept in.
 TrialSpec signature_spec();

@@ -74,15 +74,22 @@ Vector rest_after(const Matrix& directions, const Vector& difference) {
 
 double share_beyond_nuisances(const Signatures& signatures, const TrialSpec& spec, const Dataset& nominal,
                               const Dataset& changed) {
-  const Vector was = stacked(nominal, spec.sensors), difference = stacked(changed, spec.sensors) - was;
+  const Vector difference = stacked(changed, spec.sensors) - stacked(nominal, spec.sensors);
   if (difference.norm() == 0.0) return 0.0;
   const Matrix clocks = clock_directions(signatures, nominal, spec.sensors);
-  Matrix directions(difference.size(), clocks.cols() + static_cast<Eigen::Index>(signatures.starts.size()));
-  directions.leftCols(clocks.cols()) = clocks;
-  for (std::size_t i = 0; i < signatures.starts.size(); ++i)
-    directions.col(clocks.cols() + static_cast<Eigen::Index>(i)) =
-        stacked(thinned(signatures.starts[i], nominal), spec.sensors) - was;
-  return rest_after(directions, difference).norm() / difference.norm();
+  const Eigen::Index rows = difference.size(), starts = static_cast<Eigen::Index>(signatures.starts.size());
+  // Rows below hold the starts to kStartSpread; without them what hardly shows could be as large as it likes.
+  Matrix directions = Matrix::Zero(rows + starts, clocks.cols() + starts);
+  directions.topLeftCorner(rows, clocks.cols()) = clocks;
+  for (Eigen::Index i = 0; i < starts; ++i) {
+    const Dataset& moved = signatures.starts[static_cast<std::size_t>(i)];
+    directions.col(clocks.cols() + i).head(rows) =
+        stacked(thinned(moved, nominal), spec.sensors) - stacked(thinned(signatures.level, nominal), spec.sensors);
+    directions(rows + i, clocks.cols() + i) = kStartStep / kStartSpread;
+  }
+  Vector padded = Vector::Zero(rows + starts);
+  padded.head(rows) = difference;
+  return rest_after(directions, padded).norm() / difference.norm();
 }
 
 double signature_strength(const std::string& name) {
@@ -132,6 +139,8 @@ Signatures signatures_of(const Stage& stage, const std::vector<std::string>& byt
   if (layout) out.nominal = *layout;
   for (const std::string& joint : read_robot_files(find_robot(stage.asked.robot, stage.asked.folder)).planar_motors) {
     TrialSpec moved = signature_spec();
+    moved.start_offset[joint] = 0.0;
+    if (const std::optional<Dataset> run = exact_run(stage, Changes{}, moved)) out.level = *run;
     moved.start_offset[joint] = kStartStep;
     if (const std::optional<Dataset> run = exact_run(stage, Changes{}, moved)) out.starts.push_back(*run);
   }

@@ -235,12 +235,14 @@ Recording play_trial(const Dataset& asked, const RobotFiles& files, const PlanCo
   return recording;
 }
 
-double most_apart(const Recording& r) {
+/// By how much motors of one planar joint part, until the commands end.
+double most_apart(const Recording& r, double end) {
+  const auto count = std::upper_bound(r.time.begin(), r.time.end(), end) - r.time.begin();
   double most = 0.0;
   for (Eigen::Index i = 1; i < r.position.rows(); ++i) {
     const auto at = static_cast<std::size_t>(i);
     if (r.motor_of[at] == r.motor_of[at - 1])
-      most = std::max(most, (r.position.row(i) - r.position.row(i - 1)).cwiseAbs().maxCoeff());
+      most = std::max(most, (r.position.row(i) - r.position.row(i - 1)).head(count).cwiseAbs().maxCoeff());
   }
   return most;
 }
@@ -249,7 +251,7 @@ Trial one_trial(const Dataset& asked, const RobotFiles& files, const PlanCommand
                 const TrialSpec& spec, int index, double& legs_apart) {
   Random random(task_seed(spec.seed, static_cast<std::uint64_t>(index)));
   const Recording recording = play_trial(asked, files, plan, changes, spec, random);
-  legs_apart = std::max(legs_apart, most_apart(recording));
+  legs_apart = std::max(legs_apart, most_apart(recording, plan.duration));
   const double end = plan.duration + spec.after;
   Observer observer(recording, changes, spec, end, random);
   Trial trial;

@@ -14,6 +14,9 @@
 
 namespace jaculus {
 
+/// From this time after the first command on, what follows the loop is the command's; before, of whatever held the robot [s].
+inline constexpr double kCommanded = 5e-3;
+
 /// One measured quantity of a condition that counts as evidence. Commands (a duty that was asked for, the logged input) are none.
 struct Channel {
   std::string stream;         ///< "mocap", "joints"

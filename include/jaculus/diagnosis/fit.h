@@ -45,8 +45,8 @@ Fit fit_model(const DiagnosisProblem& problem, const EvidenceSpace& space, const
 /// Fixed parameters: r and log evidence alone.
 Fit evaluate_model(const DiagnosisProblem& problem, const EvidenceSpace& space, const Vector& p);
 
-/// The same fit, or the one that starts where the first free parameter's departure from nominal is some percent smaller or larger if the
-/// cost there is less: where a prediction jumps, an impact that crosses a row makes valleys of its own.
+/// The same fit, or the one that starts where the first free parameter's departure from nominal is 4 to 33 % smaller or larger, the others
+/// as they are, if the cost there is less by 0.5 or more: where a prediction jumps, an impact that crosses a row makes valleys of its own.
 Fit fit_around(const DiagnosisProblem& problem, const EvidenceSpace& space, Fit fit, const FitOptions& options = {});
 
 /// 95 % interval of one free parameter: +-1.96 standard deviations, cut at the bounds, where the cost there rises as the curvature

@@ -28,8 +28,8 @@ struct SealedTruth {
   std::string kind;                             ///< "single", "pair", "none", "outside"
   std::vector<std::string> effects;             ///< names in the catalogue; of outside the generator's own names
   std::vector<std::vector<double>> parameters;  ///< an effect each, in the catalogue's order and terms; NaN: not known
-  double strength_in_noise_floors = 0.0;        ///< rms of the gap over all channels [noise floors]
-  int parted = 0;                               ///< draws before it that were left out because left and right legs part
+  double strength_in_noise_floors = 0.0;  ///< rms of the gap over all channels, beyond clocks and starts [noise floors]
+  std::vector<std::string> parted;        ///< draws before it that were left out because left and right legs part
   std::vector<std::string> equivalent;  ///< effects that the generator can't tell from the true ones in this experiment
   std::string component;                ///< where it acts, by component_name; empty: not scored
   double possible_after_gap = kNaN;     ///< what the true effect with fitted parameters leaves [noise floors]

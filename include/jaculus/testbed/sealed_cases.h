@@ -29,7 +29,7 @@ struct CaseLabel {
   std::vector<std::string> effects;
   std::vector<std::vector<double>> parameters;  ///< an effect each, as measured; NaN: has no counterpart
   double strength_in_noise_floors = 0.0;        ///< beyond what clocks and starts may do, as measured
-  int parted = 0;  ///< draws before it that were left out because left and right legs part (trials.h)
+  std::vector<std::string> parted;  ///< draws before it that were left out because left and right legs part (trials.h)
   std::vector<std::string> equivalent;
   std::string component;
   std::string experiment;  ///< "leap aerotail_V7.csv duty"
