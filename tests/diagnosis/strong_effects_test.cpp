@@ -125,6 +125,50 @@ TEST(Jump, MayComeTheLaterTheMoreReboundsCameBefore) {
   EXPECT_GT(after, 3.0 * between);  // 2 % of the 0.2 s between them, at 1/s
 }
 
+TEST(Fit, EvidenceAtABoundCountsWhatLiesWithinIt) {
+  // The truth is far beyond the bound. No average over what is allowed exceeds the likelihood of the best of it.
+  const auto problem = toy_problem(toy_truth(0.0, 0.8));
+  FreeParameter& own = problem->hypotheses.parameters[1];
+  own.bounds = {-0.2, 0.25};
+  const Linearisation about = linearise(*problem, Vector::Zero(4));
+  const EvidenceSpace space = evidence_space(*problem, about);
+  const Fit walled = fit_model(*problem, space, {1}, {Vector::Zero(4)});
+  ASSERT_TRUE(walled.valid);
+  EXPECT_NEAR(walled.p[1], 0.25, 1e-6);
+  EXPECT_LT(walled.log_evidence, -0.5 * walled.chi2);
+  // With room on both sides it is what it was without bounds, and the share of the prior that they leave.
+  own.bounds = {-1.0, 1.0};
+  const Fit open = fit_model(*problem, space, {1}, {Vector::Zero(4)});
+  own.bounds = {-kInfinity, kInfinity};
+  EXPECT_NEAR(open.log_evidence, fit_model(*problem, space, {1}, {Vector::Zero(4)}).log_evidence, 1e-3);
+}
+
+TEST(Space, HeldRowsTellNothingBeforeALateCommandArrives) {
+  const auto problem = toy_problem(Vector::Zero(4));
+  problem->observations.conditions[0].channels[1].held = true;
+  const ForwardModel bare = problem->forward;
+  problem->forward = [bare](int c, int r, const Vector& p) {
+    Prediction prediction = bare(c, r, p);
+    prediction.late = {0.02, 0.02};
+    return prediction;
+  };
+  const Linearisation about = linearise(*problem, Vector::Zero(4));
+  const EvidenceSpace space = evidence_space(*problem, about);
+  const Condition& condition = problem->observations.conditions[0];
+  int first = 0;
+  for (const RowSpan& span : space.conditions[0].spans) {
+    const auto& run = condition.runs[static_cast<std::size_t>(span.run)];
+    const Vector& time = run.time[static_cast<std::size_t>(span.channel)];
+    const double floor = condition.channels[static_cast<std::size_t>(span.channel)].noise_floor;
+    for (int i = 0; i < span.count; ++i) {
+      const double t = time[i] - run.shift[0];
+      const bool told = span.channel == 0 || t > 0.02 + kCommanded;
+      EXPECT_EQ(space.conditions[0].sigma[first + i] < 10.0 * floor, told) << span.channel << " " << t;
+    }
+    first += span.count;
+  }
+}
+
 TEST(Fit, LooksAroundForALowerValley) {
   // A wave over a bowl: its valleys are 0.05 apart, the true one at 0.43.
   const auto problem = shaped(

@@ -185,12 +185,15 @@ TEST(Score, BaselinesGetTheirOwnAccuracyAsConfidence) {
 
 TEST(Score, JsonAndText) {
   const Batch b = batch();
-  const Score score = score_answers(b.truths, b.answers);
+  Score score = score_answers(b.truths, b.answers);
   const auto json = nlohmann::json::parse(score_json(score));
   EXPECT_EQ(json.at("format"), "jaculus-score/1");
   EXPECT_EQ(json.at("cases").size(), 70u);
   EXPECT_FALSE(json.at("goals")[0].at("met").get<bool>());
+  EXPECT_EQ(score_text(score).find("left out"), std::string::npos);
+  score.truths[0].parted = {"foot_friction on leap", "foot_friction on leap"};
   const std::string text = score_text(score);
+  EXPECT_NE(text.find("2 draws were left out"), std::string::npos);
   EXPECT_NE(text.find("credit of singles, plain gap"), std::string::npos);
   EXPECT_NE(text.find("missed"), std::string::npos);
   EXPECT_NE(text.find("lowest training error"), std::string::npos);

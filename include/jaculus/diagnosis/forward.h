@@ -22,7 +22,7 @@ struct Prediction {
   std::string message;            ///< why not valid: the simulation's own
   double step = 1e-3;             ///< of the grid [s]
   Matrix values;                  ///< channels x grid points
-  std::vector<double> impacts{};  ///< of stops and landing feet, model time [s]
+  std::vector<double> impacts{};  ///< of stops and landing feet, in order, model time [s]
   std::vector<double> steps{};    ///< of a scripted command and the end of any, where they arrive, model time [s]
   double first = 0.0;             ///< of the grid, model time [s]
   std::vector<double> stamped{};  ///< a channel each: by which its sensor stamps late [s]; empty: 0

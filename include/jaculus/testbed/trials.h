@@ -50,9 +50,8 @@ struct TrialSpec {
 };
 
 /// Plays the trials of `asked` (its own are replaced). Streams are cut to the experiment's duration. InputError for a robot or
-/// commands that do not fit; std::runtime_error where the simulation is lost. `legs_apart`, if asked for: by how much the left and the right
-/// motor of a pair part at most [rad]. Nothing couples them but base and floor: on the inactive plan, where the rear legs are near their
-/// shortest, and on feet that slip, their common way is unstable, and no robot in the plane shows what they do then.
+/// commands that do not fit; std::runtime_error where the simulation is lost. `legs_apart`, if asked for: by how much the left and the
+/// right motor of a pair part at most until the commands end [rad]; nothing couples them but base and floor.
 Dataset run_trials(const Dataset& asked, const Changes& changes, const TrialSpec& spec, double* legs_apart = nullptr);
 
 /// A leap: a plan of the robot, replayed with feed-forward and PD. `quantity` torque or duty; for duty the plan's torques and
