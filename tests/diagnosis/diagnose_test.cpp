@@ -89,6 +89,20 @@ TEST(Diagnose, PushInOneTrialIsCutAndNotExplained) {
   EXPECT_EQ(d.verdict, "none") << diagnosis_text(d);
 }
 
+TEST(Diagnose, StampsThatAreAllLateAreSaidAndNotCounted) {
+  for (const double late : {0.002, 0.008}) {
+    auto problem = toy_problem(Vector::Zero(4));
+    for (auto& run : problem->observations.conditions[0].runs)
+      for (Vector& time : run.time) time.array() += late;
+    const Diagnosis d = diagnose_problem(problem, {});
+    EXPECT_EQ(d.verdict, "none") << late;
+    const bool said = std::any_of(d.notes.begin(), d.notes.end(), [](const std::string& note) {
+      return note.find("8.0 ms later") != std::string::npos;
+    });
+    EXPECT_EQ(said, late > 0.004);
+  }
+}
+
 TEST(Diagnose, OneTrialIsNeverAStatement) {
   ToyData data;
   data.runs = 1;

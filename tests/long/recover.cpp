@@ -94,7 +94,7 @@ std::string report(Walk walk, int replicates) {
   const auto by_itself = [&](int replicate) {  // without where the gap lies, which takes longest
     return diagnose_problem(pose({data_of(walk, replicate)}, alone).problem, alone);
   };
-  while (walk.share < 4.0 && by_itself(0).verdict == "none") walk.share *= 2.0;
+  while (walk.share < 4.0 && !covered(walk, by_itself(0))) walk.share *= 2.0;
   const std::string place = standing(walk, diagnose({data_of(walk, 0)}));
   int held = 0, stated = 0;
   for (int r = 0; r < replicates; ++r) {
