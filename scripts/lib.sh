@@ -1,4 +1,5 @@
-# Shared by the scripts beside it: what jaculus needs on Debian, and how it is built. Sourced by POSIX sh; sets `root`.
+# Shared by the scripts beside it: what jaculus needs on Debian, and how it is built. Sourced by
+# POSIX sh; sets `root`.
 
 root=$(CDPATH='' cd -- "$(dirname -- "$0")/.." && pwd)
 
@@ -42,7 +43,8 @@ benchmark_packages='
 libbenchmark-dev - the benchmarks
 '
 
-# Charts of reports come from npm. Node's own packages bring npm along, Debian's don't, so programs are asked for, not packages.
+# Charts of reports come from npm. Node's own packages bring npm along, Debian's don't, so programs
+# are asked for, not packages.
 web_packages='
 nodejs - runs the bundler of reports
 npm - fetches the charts of reports
@@ -51,7 +53,8 @@ npm - fetches the charts of reports
 say() { printf '%s\n' "$*" >&2; }
 fail() { say "$*"; exit 1; }
 
-# ensure_packages TABLE...: installs what is missing of the tables, having said what and why; one quick query where nothing is.
+# ensure_packages TABLE...: installs what is missing of the tables, having said what and why; one
+# quick query where nothing is.
 ensure_packages() {
   table=$(printf '%s\n' "$@" | sed '/^$/d')
   wanted=$(printf '%s\n' "$table" | sed 's/ - .*//')
@@ -89,12 +92,22 @@ install_packages() {
   $apt install -y --no-install-recommends "$@" >&2 || fail "apt-get could not install: $*"
 }
 
-# build FOLDER [CMAKE_OPTION...]: configures and builds everything into FOLDER with ninja.
-build() {
-  folder=$1
-  shift
-  cmake -S "$root" -B "$folder" -G Ninja "$@" >"$folder.log" 2>&1 || { cat "$folder.log" >&2; fail "the configuration failed"; }
-  ninja -C "$folder" >&2 || fail "the build failed"
+# configure PRESET [CMAKE_OPTION...]: sets up the build folder of CMakePresets.json.
+configure() {
+  mkdir -p "$root/build"
+  log=$root/build/configure_$1.log
+  (cd "$root" && cmake --preset "$@") >"$log" 2>&1 && return 0
+  cat "$log" >&2
+  fail "the configuration failed"
+}
+
+# build_release [CMAKE_OPTION...]: the one build of users and tests, in build/; $targets says what,
+# everything by default. A new folder is set up without tests. Once they are on they stay, for CMake
+# deletes what it no longer builds.
+build_release() {
+  [ -e "$root/build/CMakeCache.txt" ] || set -- -DJACULUS_TESTS=OFF "$@"
+  configure release -DJACULUS_WERROR="${JACULUS_WERROR:-OFF}" "$@"
+  ninja -C "$root/build" ${targets:-} >&2 || fail "the build failed"
 }
 
 cores() { nproc 2>/dev/null || echo 1; }

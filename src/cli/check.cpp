@@ -8,9 +8,9 @@
 #include "cli/check_dataset.h"
 #include "cli/command.h"
 #include "jaculus/core/error.h"
-#include "jaculus/report/summary.h"
 #include "jaculus/studies/study.h"
-#include "jaculus/transcription/programme.h"
+#include "jaculus/transcription/describe.h"
+#include "jaculus/transcription/nonlinear_program.h"
 
 namespace jaculus::cli {
 namespace {
@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-struct Options {
+struct CheckOptions {
   Common common;
   std::vector<std::string> files;
   bool explain = false;
@@ -27,26 +27,32 @@ struct Options {
 /// A folder with a robot.yaml, or a name that no file has: robots are looked up by name.
 bool names_robot(const fs::path& path) {
   if (path.filename() == "robot.yaml" || path.filename() == "robot.urdf") return true;
-  return fs::is_directory(path) || (!fs::exists(path) && !path.has_extension() && !path.has_parent_path());
+  return fs::is_directory(path) ||
+         (!fs::exists(path) && !path.has_extension() && !path.has_parent_path());
 }
 
 Json check_robot(const fs::path& path, std::string& text) {
   const bool file = path.filename() == "robot.yaml" || path.filename() == "robot.urdf";
   fs::path folder = file ? path.parent_path() : path;
   if (folder.empty()) folder = ".";
-  if (!fs::is_directory(folder)) folder = find_robot(path.string(), fs::current_path() / "robot");
-  const Robot robot = read_robot(folder);
-  const PlanarModel& m = robot.planar;
-  const std::vector<std::string> paths = override_paths(folder);
-  text += fmt::format("{}: {} planar bodies, {:.4g} kg, {} coordinates, {} motors, {} loops\n", robot.name,
-                      m.bodies.size(), m.total_mass(), m.size(), m.motors.size(), m.loops.size());
+  if (!fs::is_directory(folder))
+    folder = model::find_robot(path.string(), fs::current_path() / "robot");
+  const model::Robot robot = model::read_robot(folder);
+  const model::PlanarModel& m = robot.planar;
+  const std::vector<std::string> paths = model::override_paths(folder);
+  text += fmt::format("{}: {} planar bodies, {:.4g} kg, {} coordinates, {} motors, {} loops\n",
+                      robot.name, m.bodies.size(), m.total_mass(), m.size(), m.motors.size(),
+                      m.loops.size());
+
   for (const std::string& note : robot.notes) text += "  " + note + "\n";
   text += "values that a problem may override\n";
   for (const std::string& line : paths) text += "  " + line + "\n";
   Json json = {{"robot", robot.name}, {"mass_kg", m.total_mass()}, {"coordinates", Json::array()}};
-  for (const Coordinate& coordinate : m.coordinates) json["coordinates"].push_back(coordinate.name);
+  for (const model::Coordinate& coordinate : m.coordinates)
+    json["coordinates"].push_back(coordinate.name);
   json["notes"] = robot.notes;
   json["override_paths"] = paths;
+
   return json;
 }
 
@@ -60,40 +66,47 @@ bool names_study(const fs::path& path) {
 }
 
 Json check_study_file(const fs::path& file, std::string& text) {
-  const std::string understood = check_study(file);
+  const std::string understood = studies::check_study(file);
   text += understood + "\n";
   return {{"study", understood}};
 }
 
 Json check_problem_file(const fs::path& file, const Common& common, std::string& text) {
   const Loaded loaded = load(file, common);
-  const PlanarModel model = planning_model(loaded.problem, loaded.robot.planar);
-  text += describe_problem_text(loaded.problem, loaded.robot);
+  const model::PlanarModel model =
+      transcription::planning_model(loaded.problem, loaded.robot.planar);
+  text += transcription::describe_problem_text(loaded.problem, loaded.robot);
+
   // Laid out in full: what the terms refuse is bad input as well.
-  const Programme programme(loaded.problem, model);
-  const int jacobian = programme.jacobian_sparsity().size();
-  const int hessian = programme.hessian_sparsity().size();
+  const transcription::NonlinearProgram program(loaded.problem, model);
+  const int jacobian = program.jacobian_sparsity().size();
+  const int hessian = program.hessian_sparsity().size();
   text += fmt::format("  size          {} variables, {} rows, {} Jacobian and {} Hessian entries\n",
-                      programme.variables(), programme.rows(), jacobian, hessian);
-  for (const std::string& note : programme.notes()) text += "  layout: " + note + "\n";
+                      program.variables(), program.rows(), jacobian, hessian);
+  for (const std::string& note : program.notes()) text += "  layout: " + note + "\n";
   for (const std::string& note : loaded.robot.notes) text += "  robot: " + note + "\n";
-  Json json = describe_problem(loaded.problem);
+  Json json = transcription::describe_problem(loaded.problem);
   json["robot_notes"] = loaded.robot.notes;
-  json["layout_notes"] = programme.notes();
-  json["size"] = {{"variables", programme.variables()},
-                  {"constraints", programme.rows()},
+  json["layout_notes"] = program.notes();
+  json["size"] = {{"variables", program.variables()},
+                  {"constraints", program.rows()},
                   {"jacobian_nonzeros", jacobian},
                   {"hessian_nonzeros", hessian}};
+
   return json;
 }
 
-int run(const Options& options) {
+int run_check(const CheckOptions& options) {
   if (options.explain) {
-    print(options.common.json ? Json{{"explanation", explain_problem()}}.dump(1) + "\n" : explain_problem());
+    print(options.common.json
+              ? Json{{"explanation", transcription::explain_problem()}}.dump(1) + "\n"
+              : transcription::explain_problem());
     if (options.files.empty()) return kDone;
   }
+
   if (options.files.empty())
-    throw InputError("check: no file given; allowed: problem files, study files and robots, or --explain");
+    throw InputError(
+        "check: no file given; allowed: problem files, study files and robots, or --explain");
   Json json = Json::array();
   std::string text;
   for (const std::string& file : options.files) {
@@ -103,6 +116,7 @@ int run(const Options& options) {
                                        : check_problem_file(file, options.common, text));
     json.back()["file"] = file;
   }
+
   if (options.common.json) {
     print(json.dump(1) + "\n");
   } else if (!options.common.quiet) {
@@ -114,16 +128,18 @@ int run(const Options& options) {
 }  // namespace
 
 void add_check(CLI::App& app, Action& chosen) {
-  auto options = std::make_shared<Options>();
-  CLI::App* command =
-      app.add_subcommand("check", "Validates problems, studies and robots; prints what was understood, with sizes.");
+  auto options = std::make_shared<CheckOptions>();
+  CLI::App* command = app.add_subcommand(
+      "check", "Validates problems, studies and robots; prints what was understood, with sizes.");
   command->footer("Example:\n  jaculus check problems/leap_tail.yaml minitaur_tail");
-  command->add_option("files", options->files, "problem or study files, robot folders or robot names");
+  command->add_option("files", options->files,
+                      "problem or study files, robot folders or robot names");
   command->add_flag("--explain", options->explain,
                     "print every key of a problem file with its meaning, unit and default");
-  command->add_flag("--json", options->common.json, "machine-readable result on standard output, nothing else there");
+  command->add_flag("--json", options->common.json,
+                    "machine-readable result on standard output, nothing else there");
   command->add_flag("--quiet", options->common.quiet, "print nothing but errors");
-  command->callback([options, &chosen] { chosen = [options] { return run(*options); }; });
+  command->callback([options, &chosen] { chosen = [options] { return run_check(*options); }; });
 }
 
 }  // namespace jaculus::cli

@@ -7,10 +7,12 @@
 
 namespace jaculus::cli {
 
-/// Whether a path is a dataset's folder, or a file whose `format` is that of a dataset or an experiment.
+/// Whether a path is a dataset's folder, or a file whose `format` is that of a dataset or an
+/// experiment.
 bool names_dataset(const std::filesystem::path& path);
 
-/// Reads it with its robot and adds what was understood to `text`. InputError where something is wrong with it, the robot or the plan.
+/// Reads it with its robot and adds what was understood to `text`. InputError where something is
+/// wrong with it, the robot or the plan.
 nlohmann::ordered_json check_dataset(const std::filesystem::path& path, std::string& text);
 
 }  // namespace jaculus::cli

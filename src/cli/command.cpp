@@ -13,7 +13,7 @@
 #include "jaculus/core/error.h"
 #include "jaculus/core/yaml.h"
 #include "jaculus/trajectory/csv.h"
-#include "jaculus/transcription/programme.h"
+#include "jaculus/transcription/nonlinear_program.h"
 
 namespace jaculus::cli {
 
@@ -21,7 +21,8 @@ CLI::Validator one_of(const std::vector<std::string>& names) {
   const auto check = [names](std::string& given) -> std::string {
     if (std::find(names.begin(), names.end(), given) != names.end()) return {};
     const auto nearest = yaml::nearest_name(given, names);
-    return fmt::format("'{}' given{}; allowed: {}", given, nearest ? fmt::format(", did you mean '{}'?", *nearest) : "",
+    return fmt::format("'{}' given{}; allowed: {}", given,
+                       nearest ? fmt::format(", did you mean '{}'?", *nearest) : "",
                        fmt::join(names, ", "));
   };
   return CLI::Validator(check, fmt::format("{}", fmt::join(names, "|")), "one of");
@@ -31,7 +32,9 @@ CLI::Validator whole_number(int lower, int upper) {
   const auto check = [lower, upper](std::string& given) -> std::string {
     int value = 0;
     const auto [end, code] = std::from_chars(given.data(), given.data() + given.size(), value);
-    if (code == std::errc() && end == given.data() + given.size() && value >= lower && value <= upper) return {};
+    if (code == std::errc() && end == given.data() + given.size() && value >= lower &&
+        value <= upper)
+      return {};
     return fmt::format("'{}' given; allowed: a whole number from {} to {}", given, lower, upper);
   };
   return CLI::Validator(check, fmt::format("{}..{}", lower, upper), "whole number");
@@ -43,17 +46,19 @@ void add_common(CLI::App& command, Common& common, const std::string& out_help) 
       ->check(whole_number(0, 2147483647));
   command.add_option("--jobs", common.jobs, "processes at a time")->check(whole_number(1, 1024));
   command.add_flag("--quiet", common.quiet, "print nothing but errors");
-  command.add_flag("--json", common.json, "machine-readable result on standard output, nothing else there");
+  command.add_flag("--json", common.json,
+                   "machine-readable result on standard output, nothing else there");
 }
 
 Loaded load(const std::filesystem::path& file, const Common& common) {
   Loaded loaded;
-  loaded.problem = read_problem(file);
+  loaded.problem = transcription::read_problem(file);
   if (common.seed) loaded.problem.solver.seed = *common.seed;
-  loaded.robot = read_robot(loaded.problem.robot_folder, loaded.problem.overrides);
-  check_problem(loaded.problem, loaded.robot.planar);
+  loaded.robot = model::read_robot(loaded.problem.robot_folder, loaded.problem.overrides);
+  transcription::check_problem(loaded.problem, loaded.robot.planar);
   // Laid out once before any folder is made: what the terms refuse is bad input as well.
-  static_cast<void>(Programme(loaded.problem, planning_model(loaded.problem, loaded.robot.planar)));
+  static_cast<void>(transcription::NonlinearProgram(
+      loaded.problem, transcription::planning_model(loaded.problem, loaded.robot.planar)));
   return loaded;
 }
 
@@ -64,11 +69,13 @@ void prepare_folder(const std::filesystem::path& folder) {
   }
   std::filesystem::create_directories(folder, code);
   if (code) {
-    throw InputError(fmt::format("--out {}: can't be made ({}); allowed: a folder that can be written", folder.string(),
-                                 code.message()));
+    throw InputError(
+        fmt::format("--out {}: can't be made ({}); allowed: a folder that can be written",
+                    folder.string(), code.message()));
   }
   if (::access(folder.c_str(), W_OK | X_OK) != 0) {
-    throw InputError(fmt::format("--out {}: can't be written; allowed: a folder that can be written", folder.string()));
+    throw InputError(fmt::format(
+        "--out {}: can't be written; allowed: a folder that can be written", folder.string()));
   }
 }
 

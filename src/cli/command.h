@@ -12,7 +12,7 @@
 
 namespace jaculus::cli {
 
-// Exit codes, see INTERFACES in the README.
+// Exit codes, see docs/commands.md.
 inline constexpr int kDone = 0;
 inline constexpr int kNotSolved = 1;
 inline constexpr int kBadInput = 2;
@@ -46,11 +46,12 @@ void add_simulate(CLI::App& app, Action& chosen);
 void add_import(CLI::App& app, Action& chosen);
 void add_diagnose(CLI::App& app, Action& chosen);
 void add_testbed(CLI::App& app, Action& chosen);
+void add_evaluate(CLI::App& app, Action& chosen);
 
 /// A problem with its robot, everything checked that can be checked before a solve.
 struct Loaded {
-  Problem problem;
-  Robot robot;  ///< overrides applied, nothing locked
+  transcription::Problem problem;
+  model::Robot robot;  ///< overrides applied, nothing locked
 };
 Loaded load(const std::filesystem::path& file, const Common& common);
 

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <fstream>
 #include <memory>
 #include <set>
 
@@ -13,7 +12,10 @@
 #include "jaculus/core/error.h"
 #include "jaculus/core/interrupt.h"
 #include "jaculus/core/tasks.h"
+#include "jaculus/report/compare_report.h"
+#include "jaculus/studies/comparison.h"
 #include "jaculus/trajectory/csv.h"
+#include "jaculus/transcription/describe.h"
 
 namespace jaculus::cli {
 namespace {
@@ -21,21 +23,22 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-struct Options {
+struct CompareOptions {
   Common common;
   std::vector<std::string> problems;
   bool resume = false;
 };
 
-std::vector<Loaded> load_all(const Options& options) {
+std::vector<Loaded> load_all(const CompareOptions& options) {
   std::vector<Loaded> all;
   std::set<std::string> names;
   for (const std::string& file : options.problems) {
     all.push_back(load(file, options.common));
-    const Problem& problem = all.back().problem;
+    const transcription::Problem& problem = all.back().problem;
     if (!names.insert(problem.name).second) {
       throw problem.node.at("name").error(
-          fmt::format("'{}' names another of these problems already; allowed: unique names, since they name folders",
+          fmt::format("'{}' names another of these problems already; allowed: unique names, since "
+                      "they name folders",
                       problem.name));
     }
   }
@@ -43,36 +46,34 @@ std::vector<Loaded> load_all(const Options& options) {
 }
 
 /// An earlier run's summary of the same problem with the same seed, where it converged.
-std::optional<Summary> finished(const fs::path& folder, const Problem& problem) {
-  const fs::path file = folder / "summary.json";
-  std::ifstream stream(file);
-  if (!stream) return std::nullopt;
-  const Json json = Json::parse(stream, nullptr, false);
-  if (json.is_discarded()) return std::nullopt;  // not ours or damaged: solved again and replaced
+std::optional<solver::Summary> finished(const fs::path& folder,
+                                        const transcription::Problem& problem) {
   try {
-    Summary summary = summary_from_json(json, file.string());
-    if (summary.converged && summary.problem == describe_problem(problem)) return summary;
+    solver::Summary summary = solver::read_summary(folder / "summary.json");
+    if (summary.converged() && summary.problem == transcription::describe_problem(problem))
+      return summary;
   } catch (const InputError&) {
-    return std::nullopt;
+    return std::nullopt;  // absent, not ours or damaged: solved again and replaced
   }
   return std::nullopt;
 }
 
 /// Solves one problem and writes its folder.
-Summary solve_one(const Loaded& loaded, const Common& common, const ProblemSolver& solver) {
-  const SolvedProblem solved = solver(loaded, common, progress_line(common, loaded.problem.name));
+solver::Summary solve_one(const Loaded& loaded, const Common& common) {
+  const solver::SolvedPlan solved = solve_loaded(loaded, common);
   const fs::path folder = fs::path(common.out) / loaded.problem.name;
   if (!common.out.empty() && !interrupt_requested()) {
     prepare_folder(folder);
-    write_solved(folder, solved);
+    solver::write_plan(solved, folder);
   }
   return solved.summary;
 }
 
-/// Solves those problems that have no summary yet, several at a time, each in a process of its own. Where a problem has
-/// several starts, these are what runs side by side, and the problems take turns.
-void solve_all(const std::vector<Loaded>& all, const Options& options, const ProblemSolver& solver,
-               std::vector<std::optional<Summary>>& summaries) {
+/// Solves those problems that have no summary yet, several at a time, each in a process of its own.
+/// Where a problem has several starts, these are what runs side by side, and the problems take
+/// turns.
+void solve_all(const std::vector<Loaded>& all, const CompareOptions& options,
+               std::vector<std::optional<solver::Summary>>& summaries) {
   std::vector<std::size_t> open;
   bool several_starts = false;
   for (std::size_t i = 0; i < all.size(); ++i) {
@@ -80,92 +81,110 @@ void solve_all(const std::vector<Loaded>& all, const Options& options, const Pro
     open.push_back(i);
     several_starts = several_starts || all[i].problem.solver.starts > 1;
   }
+
   if (several_starts || options.common.jobs == 1) {
     for (const std::size_t i : open) {
-      Summary summary = solve_one(all[i], options.common, solver);
+      solver::Summary summary = solve_one(all[i], options.common);
       if (interrupt_requested()) return;
       summaries[i] = std::move(summary);
     }
     return;
   }
+
   TaskOptions tasks;
   tasks.workers = options.common.jobs;
   const auto task = [&](int k) {
-    return to_json(solve_one(all[open[static_cast<std::size_t>(k)]], options.common, solver)).dump();
+    return solver::to_json(solve_one(all[open[k]], options.common)).dump();
   };
-  const std::vector<TaskResult> results = run_tasks(static_cast<int>(open.size()), task, tasks);
+
+  const std::vector<TaskResult> results = run_tasks(count_of(open), task, tasks);
   for (std::size_t k = 0; k < open.size(); ++k) {
     const std::string& name = all[open[k]].problem.name;
-    if (results[k].state == TaskState::failed) throw std::runtime_error(fmt::format("{}: {}", name, results[k].error));
+    if (results[k].state == TaskState::failed)
+      throw std::runtime_error(fmt::format("{}: {}", name, results[k].error));
     if (results[k].state == TaskState::done)
-      summaries[open[k]] = summary_from_json(Json::parse(results[k].bytes), name);
+      summaries[open[k]] = solver::summary_from_json(Json::parse(results[k].bytes), name);
   }
 }
 
 /// Prints and writes what the comparison says; the exit code.
-int report(const std::vector<ComparisonRow>& rows, const Common& common) {
-  const std::string json = comparison_json(rows).dump(1) + "\n";
+int report(const std::vector<studies::ComparisonRow>& rows, const Common& common) {
+  const std::string json = studies::comparison_json(rows).dump(1) + "\n";
   if (!common.out.empty()) {
-    write_file(fs::path(common.out) / "compare.csv", comparison_csv(rows));
-    write_file(fs::path(common.out) / "compare.json", json);
+    trajectory::write_file(fs::path(common.out) / "compare.csv", studies::comparison_csv(rows));
+    trajectory::write_file(fs::path(common.out) / "compare.json", json);
   }
   if (common.json) {
     print(json);
   } else if (!common.quiet) {
-    print(comparison_text(rows, colours()));
+    print(report::comparison_text(rows, colours()));
     if (!common.out.empty()) print(fmt::format("written to {}\n", common.out));
   }
-  const bool converged = std::all_of(rows.begin(), rows.end(), [](const auto& row) { return row.summary.converged; });
+  const bool converged = std::all_of(rows.begin(), rows.end(),
+                                     [](const auto& row) { return row.summary.converged(); });
   return converged ? kDone : kNotSolved;
 }
 
-int run(const Options& options, const ProblemSolver& solver) {
+int run_compare(const CompareOptions& options) {
   const Common& common = options.common;
   if (options.resume && common.out.empty()) {
-    throw InputError("--resume: given without --out; allowed: with the --out of the run to go on with");
+    throw InputError(
+        "--resume: given without --out; allowed: with the --out of the run to go on with");
   }
+
   const std::vector<Loaded> all = load_all(options);
   check_figures(common);
   if (!common.out.empty()) prepare_folder(common.out);
-  std::vector<std::optional<Summary>> summaries(all.size());
+  std::vector<std::optional<solver::Summary>> summaries(all.size());
   for (std::size_t i = 0; i < all.size() && options.resume; ++i)
     summaries[i] = finished(fs::path(common.out) / all[i].problem.name, all[i].problem);
-  solve_all(all, options, solver, summaries);
+  solve_all(all, options, summaries);
   clear_progress(common);
-  std::vector<ComparisonRow> rows;
+  std::vector<studies::ComparisonRow> rows;
   for (std::size_t i = 0; i < all.size(); ++i)
-    if (summaries[i]) rows.push_back(comparison_row(all[i], *summaries[i]));
+    if (summaries[i])
+      rows.push_back(studies::comparison_row(all[i].problem, all[i].robot.planar, *summaries[i]));
   if (rows.size() < all.size()) {
-    fmt::print(stderr, "jaculus: interrupted; {} of {} problems are solved{}\n", rows.size(), all.size(),
-               common.out.empty() ? "" : ", --resume goes on");
+    fmt::print(stderr, "jaculus: interrupted; {} of {} problems are solved{}\n", rows.size(),
+               all.size(), common.out.empty() ? "" : ", --resume goes on");
     return kNotSolved;
   }
+
   const int code = report(rows, common);
   if (common.out.empty()) return code;
-  std::vector<PlanRecord> plans;
+  std::vector<report::PlanRecord> plans;
   for (std::size_t i = 0; i < all.size(); ++i)
-    plans.push_back(plan_record(all[i], rows[i].summary, fs::path(common.out) / all[i].problem.name));
-  write_reporting(compare_report(plans, rows), common);
+    plans.push_back(
+        report::plan_record(all[i].problem, all[i].robot.planar, rows[i].summary,
+                            solver::read_plan_tables(fs::path(common.out) / all[i].problem.name)));
+  write_reporting(report::compare_report(plans, rows), common);
+
   return code;
 }
 
 }  // namespace
 
-void add_compare(CLI::App& app, Action& chosen, const ProblemSolver& solver) {
-  auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("compare", "Solves several problems and tabulates them against the first.");
+void add_compare(CLI::App& app, Action& chosen) {
+  auto options = std::make_shared<CompareOptions>();
+  CLI::App* command = app.add_subcommand(
+      "compare", "Solves several problems and tabulates them against the first.");
   command->footer(
-      "Writes compare.json, compare.csv, report.html and a folder for each problem into --out; exit code 1 where one "
+      "Writes compare.json, compare.csv, report.html and a folder for each problem into --out; "
+      "exit code 1 where one "
       "did not "
       "converge.\n"
-      "Example:\n  jaculus compare problems/leap_tailless.yaml problems/leap_inactive.yaml problems/leap_inertial.yaml "
+      "Example:\n  jaculus compare problems/leap_tailless.yaml problems/leap_inactive.yaml "
+      "problems/leap_inertial.yaml "
       "\\\n"
       "                  problems/leap_tail.yaml --out leaps");
-  command->add_option("problems", options->problems, "problem files, the one without tail first")->required();
+
+  command->add_option("problems", options->problems, "problem files, the one without tail first")
+      ->required();
   add_common(*command, options->common, "folder for the results; nothing is written unless given");
   add_figures(*command, options->common);
-  command->add_flag("--resume", options->resume, "keep what an interrupted run has finished in --out");
-  command->callback([options, solver, &chosen] { chosen = [options, solver] { return run(*options, solver); }; });
+  command->add_flag("--resume", options->resume,
+                    "keep what an interrupted run has finished in --out");
+  command->callback([options, &chosen] { chosen = [options] { return run_compare(*options); }; });
 }
 
 }  // namespace jaculus::cli

@@ -16,9 +16,11 @@
 namespace jaculus::cli {
 namespace {
 
-struct Options {
+struct DiagnoseOptions {
   Common common;
   std::vector<std::string> datasets;
+  std::string settings;  ///< file
+  bool explain = false;
 };
 
 /// Part of the time that lies behind where a stage first begins: rough, from leaps of the plant.
@@ -29,31 +31,40 @@ const std::vector<std::pair<std::string, double>> kStages = {{"screening", 0.003
                                                              {"held-out gap and intervals", 0.8},
                                                              {"where the gap lies", 0.9}};
 
-int run(const Options& options) {
-  std::vector<Dataset> datasets;
-  for (const std::string& folder : options.datasets) datasets.push_back(read_dataset(folder));
+int run_diagnose(const DiagnoseOptions& options) {
+  diagnosis::DiagnoseOptions diagnosing;
+  if (!options.settings.empty()) diagnosing.settings = diagnosis::read_settings(options.settings);
+  if (options.explain) {
+    print(diagnosis::settings_text(diagnosing.settings));
+    return kDone;
+  }
+  if (options.datasets.empty())
+    throw InputError("diagnose: no dataset given; allowed: one or more folders of datasets");
+
+  std::vector<trajectory::Dataset> datasets;
+  for (const std::string& folder : options.datasets)
+    datasets.push_back(trajectory::read_dataset(folder));
   check_figures(options.common);
   if (!options.common.out.empty()) prepare_folder(options.common.out);
   const tbb::global_control workers(tbb::global_control::max_allowed_parallelism,
-                                    static_cast<std::size_t>(options.common.jobs));
-  DiagnoseOptions diagnosing;
+                                    options.common.jobs);
   diagnosing.progress = stage_bar(options.common, kStages);
-  const Diagnosis diagnosis = diagnose(datasets, diagnosing);
+  const diagnosis::Diagnosis diagnosis = diagnosis::diagnose(datasets, diagnosing);
   clear_progress(options.common);
-  const std::string json = diagnosis_json(diagnosis);
+  const std::string json = diagnosis::diagnosis_json(diagnosis);
   if (!options.common.out.empty()) {
     const std::filesystem::path folder = options.common.out;
-    write_file(folder / "diagnosis.json", json);
-    write_file(folder / "augmented.yaml", augmented_yaml(diagnosis));
+    trajectory::write_file(folder / "diagnosis.json", json);
+    trajectory::write_file(folder / "augmented.yaml", diagnosis::augmented_yaml(diagnosis));
   }
   if (options.common.json) {
     print(json);
   } else if (!options.common.quiet) {
-    print(diagnosis_text(diagnosis));
+    print(diagnosis::diagnosis_text(diagnosis));
   }
   if (!options.common.out.empty()) {
     const std::filesystem::path first = std::filesystem::weakly_canonical(options.datasets.front());
-    write_reporting(diagnosis_report(diagnosis, first.filename().string()), options.common);
+    write_reporting(report::diagnosis_report(diagnosis, first.filename().string()), options.common);
   }
   return kDone;
 }
@@ -61,17 +72,22 @@ int run(const Options& options) {
 }  // namespace
 
 void add_diagnose(CLI::App& app, Action& chosen) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<DiagnoseOptions>();
   options->common.jobs = 2;
-  CLI::App* command =
-      app.add_subcommand("diagnose", "where the gap between model and robot lies, and which effect causes it");
+  CLI::App* command = app.add_subcommand(
+      "diagnose", "where the gap between model and robot lies, and which effect causes it");
   command->footer(
       "Several datasets of one robot are diagnosed together, an operating condition each.\n"
       "Example:\n  jaculus diagnose ../shared/data/pendulum/ak80 --out ak80_diagnosis");
-  command->add_option("datasets", options->datasets, "folders of datasets")->required();
-  add_common(*command, options->common, "folder for diagnosis.json, augmented.yaml and report.html");
+  command->add_option("datasets", options->datasets, "folders of datasets");
+  command->add_option("--settings", options->settings,
+                      "YAML file of settings that replace defaults (--explain lists them)");
+  command->add_flag("--explain", options->explain,
+                    "print every setting with its unit, value and origin");
+  add_common(*command, options->common,
+             "folder for diagnosis.json, augmented.yaml and report.html");
   add_figures(*command, options->common);
-  command->callback([options, &chosen] { chosen = [options] { return run(*options); }; });
+  command->callback([options, &chosen] { chosen = [options] { return run_diagnose(*options); }; });
 }
 
 }  // namespace jaculus::cli

@@ -1,15 +1,15 @@
 // jaculus export: joint torque trajectories for robots.
 
-#include "jaculus/report/export.h"
+#include "jaculus/export/export.h"
 
 #include <fmt/format.h>
 
 #include <charconv>
 #include <cmath>
 #include <cstdio>
-#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 
 #include "cli/command.h"
 #include "jaculus/core/error.h"
@@ -20,18 +20,15 @@ namespace jaculus::cli {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using Writer = std::string (*)(const Export&);
+using transcription::input_holds;
 
-const std::map<std::string, Writer> kFormats = {
-    {"csv", export_csv}, {"json", export_json}, {"joint_trajectory", export_joint_trajectory}, {"c", export_c}};
-
-struct Options {
+struct ExportOptions {
   Common common;
   std::string solution;
   std::string format;
   std::string rate = "1000";
-  std::string side = "joint";
-  std::optional<std::string> hold;
+  std::string side = exporting::name_of(exporting::Side::joint);
+  std::string hold;  ///< empty where not given
   bool even_unsolved = false;
 };
 
@@ -47,49 +44,75 @@ double parse_rate(const std::string& text) {
     }
   }
   if (!(rate >= kLowest && rate <= kHighest)) {
-    throw InputError(fmt::format("--rate: {} given; allowed: {:g} to {:g} Hz", text, kLowest, kHighest));
+    throw InputError(
+        fmt::format("--rate: {} given; allowed: {:g} to {:g} Hz", text, kLowest, kHighest));
   }
   return rate;
 }
 
-Json checks_json(const Export& plan) { return Json::parse(export_json(plan))["limits"]; }
+std::vector<std::string> format_names() {
+  std::vector<std::string> names;
+  for (const exporting::Format& format : exporting::formats()) names.push_back(format.name);
+  return names;
+}
+
+std::string text_of(const exporting::Export& plan, const std::string& format) {
+  for (const exporting::Format& known : exporting::formats())
+    if (known.name == format) return known.write(plan);
+  throw std::logic_error("a format that the command line does not allow");
+}
 
 /// What to mind, on standard error: standard output may hold the plan itself.
-bool report(const Options& options, const ExportSource& source, const Export& plan) {
+bool report(const ExportOptions& options, const exporting::Source& source,
+            const exporting::Export& plan) {
   bool exceeded = false;
-  for (const LimitCheck& check : plan.checks) {
+  for (const exporting::LimitCheck& check : plan.checks) {
     if (!check.exceeded) continue;
     exceeded = true;
-    fmt::print(stderr, "jaculus: limit exceeded after resampling at {:g} Hz: {} {} {:.4g} {} of {:.4g} at {:.4g} s\n",
-               plan.rate, check.motor, check.quantity, check.peak, check.unit, check.limit, check.time);
+    fmt::print(stderr,
+               "jaculus: limit exceeded after resampling at {:g} Hz: {} {} {:.4g} {} of {:.4g} at "
+               "{:.4g} s\n",
+               plan.rate, check.joint, name_of(check.quantity), check.peak, check.unit, check.limit,
+               check.time);
   }
+
   if (options.common.quiet) return exceeded;
-  if (!source.limits_known) fmt::print(stderr, "jaculus: no summary.json beside the plan, limits are not checked\n");
-  if (!source.converged) fmt::print(stderr, "jaculus: this plan is no solution, its solve did not converge\n");
+  if (!source.limits_known)
+    fmt::print(stderr, "jaculus: no summary.json beside the plan, limits are not checked\n");
+  if (!source.converged)
+    fmt::print(stderr, "jaculus: this plan is no solution, its solve did not converge\n");
   if (!source.verified) fmt::print(stderr, "jaculus: this plan failed its verification\n");
+
   return exceeded;
 }
 
-int run(const Options& options) {
+int run_export(const ExportOptions& options) {
   const double rate = parse_rate(options.rate);
   if (options.common.json && options.common.out.empty()) {
-    throw InputError("--json: given without --out; allowed: with --out FILE (the plan as JSON is --as json)");
+    throw InputError(
+        "--json: given without --out; allowed: with --out FILE (the plan as JSON is --as json)");
   }
   if (std::filesystem::is_directory(options.common.out)) {
     throw InputError(fmt::format("--out {}: is a folder; allowed: a file", options.common.out));
   }
-  const ExportSource source = read_export_source(options.solution, options.hold);
+
+  const exporting::Source source =
+      exporting::read_source(options.solution, input_holds().find(options.hold));
   if (!source.converged && !options.even_unsolved) {
     throw InputError(fmt::format(
-        "{}: its solve did not converge; allowed: a converged plan, or any with --even-unsolved", options.solution));
+        "{}: its solve did not converge; allowed: a converged plan, or any with --even-unsolved",
+        options.solution));
   }
-  const Export plan = resample(source, rate, options.side == "motor" ? ExportSide::motor : ExportSide::joint);
-  const std::string text = kFormats.at(options.format)(plan);
+
+  const exporting::Export plan =
+      exporting::resample(source, rate, *exporting::sides().find(options.side));
+  const std::string text = text_of(plan, options.format);
   if (options.common.out.empty()) {
     print(text);
   } else {
-    write_file(options.common.out, text);
+    trajectory::write_file(options.common.out, text);
   }
+
   const bool exceeded = report(options, source, plan);
   if (options.common.json) {
     const Json result = {{"file", options.common.out},
@@ -97,13 +120,13 @@ int run(const Options& options) {
                          {"samples", plan.time.size()},
                          {"rate_hz", plan.rate},
                          {"side", options.side},
-                         {"plan_hold", plan.plan_hold},
+                         {"plan_hold", name_of(plan.plan_hold)},
                          {"limits_checked", !plan.checks.empty()},
-                         {"limits", checks_json(plan)}};
+                         {"limits", exporting::checks_json(plan)}};
     print(result.dump(1) + "\n");
   } else if (!options.common.quiet && !options.common.out.empty()) {
-    print(fmt::format("{}: {} samples at {:g} Hz, {} side, {} motors\n", options.common.out, plan.time.size(),
-                      plan.rate, options.side, plan.motors.size()));
+    print(fmt::format("{}: {} samples at {:g} Hz, {} side, {} motors\n", options.common.out,
+                      plan.time.size(), plan.rate, options.side, plan.motors.size()));
   }
   return exceeded || !source.converged ? kNotSolved : kDone;
 }
@@ -111,28 +134,38 @@ int run(const Options& options) {
 }  // namespace
 
 void add_export(CLI::App& app, Action& chosen) {
-  auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("export", "Writes the joint torque trajectories of a plan for a robot.");
+  auto options = std::make_shared<ExportOptions>();
+  CLI::App* command =
+      app.add_subcommand("export", "Writes the joint torque trajectories of a plan for a robot.");
   command->footer(
       "Exit code 1 where a limit is exceeded after resampling (the file is written, and says so).\n"
       "Example:\n  jaculus export leap --as joint_trajectory --rate 1000 --out leap.yaml");
-  command->add_option("solution", options->solution, "folder of a solve, its plan.csv or its solution.json")
+  command
+      ->add_option("solution", options->solution,
+                   "folder of a solve, its plan.csv or its solution.json")
       ->required();
-  std::vector<std::string> formats;
-  for (const auto& [name, writer] : kFormats) formats.push_back(name);
-  command->add_option("--as", options->format, "csv, json, joint_trajectory (ROS) or c (header with arrays)")
+
+  command
+      ->add_option("--as", options->format,
+                   "csv, json, joint_trajectory (ROS) or c (header with arrays)")
       ->required()
-      ->check(one_of(formats));
+      ->check(one_of(format_names()));
   command->add_option("--rate", options->rate, "samples a second [Hz], 1000 unless given");
-  command->add_option("--side", options->side, "joint (behind the gear, the default) or motor (before it)")
-      ->check(one_of({"joint", "motor"}));
-  command->add_option("--hold", options->hold, "held or linear: how torques of a lone plan.csv go on between samples")
-      ->check(one_of({"held", "linear"}));
-  command->add_flag("--even-unsolved", options->even_unsolved, "export a plan whose solve did not converge");
+  command
+      ->add_option("--side", options->side,
+                   "joint (behind the gear, the default) or motor (before it)")
+      ->check(one_of(exporting::sides().names()));
+  command
+      ->add_option("--hold", options->hold,
+                   "held or linear: how torques of a lone plan.csv go on between samples")
+      ->check(one_of(input_holds().names()));
+  command->add_flag("--even-unsolved", options->even_unsolved,
+                    "export a plan whose solve did not converge");
   command->add_option("--out", options->common.out, "file; standard output unless given");
   command->add_flag("--quiet", options->common.quiet, "print nothing but errors");
-  command->add_flag("--json", options->common.json, "result of the limit check on standard output (with --out)");
-  command->callback([options, &chosen] { chosen = [options] { return run(*options); }; });
+  command->add_flag("--json", options->common.json,
+                    "result of the limit check on standard output (with --out)");
+  command->callback([options, &chosen] { chosen = [options] { return run_export(*options); }; });
 }
 
 }  // namespace jaculus::cli

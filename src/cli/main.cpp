@@ -11,9 +11,9 @@
 
 #include "cli/plan.h"
 #include "jaculus/core/error.h"
+#include "jaculus/core/installation.h"
 #include "jaculus/core/interrupt.h"
 #include "jaculus/core/yaml.h"
-#include "jaculus/report/version.h"
 
 namespace jaculus::cli {
 namespace {
@@ -44,35 +44,41 @@ std::string parse_message(const CLI::App& app, const CLI::ParseError& error,
                           const std::vector<std::string>& arguments) {
   const std::vector<std::string> commands = command_names(app);
   if (!arguments.empty() && !arguments[0].starts_with('-') && app.get_subcommands().empty()) {
-    return fmt::format("unknown command '{}'{}; allowed: {}", arguments[0], hint(arguments[0], commands),
-                       fmt::join(commands, ", "));
+    return fmt::format("unknown command '{}'{}; allowed: {}", arguments[0],
+                       hint(arguments[0], commands), fmt::join(commands, ", "));
   }
+
   const CLI::App& command = app.get_subcommands().empty() ? app : *app.get_subcommands().front();
   const std::vector<std::string> flags = flag_names(command);
   for (const std::string& argument : arguments) {
     const std::string flag = argument.substr(0, argument.find('='));
-    if (!flag.starts_with("--") || std::find(flags.begin(), flags.end(), flag) != flags.end()) continue;
-    return fmt::format("{}: unknown flag '{}'{}; allowed: {}", command.get_name(), flag, hint(flag, flags),
-                       fmt::join(flags, ", "));
+    if (!flag.starts_with("--") || std::find(flags.begin(), flags.end(), flag) != flags.end())
+      continue;
+    return fmt::format("{}: unknown flag '{}'{}; allowed: {}", command.get_name(), flag,
+                       hint(flag, flags), fmt::join(flags, ", "));
   }
-  if (&command == &app) return fmt::format("no command given; allowed: {}", fmt::join(commands, ", "));
+
+  if (&command == &app)
+    return fmt::format("no command given; allowed: {}", fmt::join(commands, ", "));
   const std::string what = error.what();
   const bool complete = what.find("allowed:") != std::string::npos;
-  return fmt::format("{}: {}{}", command.get_name(), what,
-                     complete ? "" : fmt::format("; allowed: see jaculus {} --help", command.get_name()));
+  return fmt::format(
+      "{}: {}{}", command.get_name(), what,
+      complete ? "" : fmt::format("; allowed: see jaculus {} --help", command.get_name()));
 }
 
 int run(int argc, char** argv) {
   CLI::App app("Trajectory optimisation of planar legged robots with drag tails.", "jaculus");
   app.footer(
       "Exit codes: 0 done, 1 not solved or not converged, 2 bad input.\n"
-      "Example:\n  jaculus compare problems/leap_tailless.yaml problems/leap_tail.yaml --out leaps");
+      "Example:\n  jaculus compare problems/leap_tailless.yaml problems/leap_tail.yaml --out "
+      "leaps");
   app.set_version_flag("--version", std::string(version()));
   app.require_subcommand(1);
   Action chosen;
   add_check(app, chosen);
-  add_solve(app, chosen, solve_loaded);
-  add_compare(app, chosen, solve_loaded);
+  add_solve(app, chosen);
+  add_compare(app, chosen);
   add_export(app, chosen);
   add_study(app, chosen);
   add_view(app, chosen);
@@ -80,6 +86,8 @@ int run(int argc, char** argv) {
   add_import(app, chosen);
   add_diagnose(app, chosen);
   add_testbed(app, chosen);
+  add_evaluate(app, chosen);
+
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -88,6 +96,7 @@ int run(int argc, char** argv) {
     fmt::print(stderr, "jaculus: {}\n", parse_message(app, error, arguments));
     return kBadInput;
   }
+
   return chosen();
 }
 

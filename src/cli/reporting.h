@@ -1,5 +1,6 @@
 #pragma once
-// What commands that compute share: the report and the figures beside their results, and the bar that shows how far they are.
+// What commands that compute share: the report and the figures beside their results, and the bar
+// that shows how far they are.
 
 #include <functional>
 #include <string>
@@ -15,20 +16,25 @@ namespace jaculus::cli {
 /// Adds --figures to a command that writes a report.
 void add_figures(CLI::App& command, Common& common);
 
-/// InputError where --figures can't be met: without --out, without matplotlib. To be called before the work.
+/// InputError where --figures can't be met: without --out, without matplotlib. To be called before
+/// the work.
 void check_figures(const Common& common);
 
-/// Writes report.html, and the figures where they are asked for, into --out (nothing where that is not given), and prints where they lie
-/// unless --quiet or --json. The last thing that a command prints.
-void write_reporting(const Report& report, const Common& common);
+/// Writes report.html, and the figures where they are asked for, into --out (nothing where that is
+/// not given), and prints where they lie unless --quiet or --json. The last thing that a command
+/// prints.
+void write_reporting(const report::Report& report, const Common& common);
 
-/// A bar with the remaining time on standard error, for TaskOptions::progress and the like; empty where `common` shows no progress.
-std::function<void(const TaskProgress&)> progress_bar(const Common& common, const std::string& what);
+/// A bar with the remaining time on standard error, for TaskOptions::progress and the like; empty
+/// where `common` shows no progress.
+std::function<void(const TaskProgress&)> progress_bar(const Common& common,
+                                                      const std::string& what);
 
-/// The same for work of named stages, called where one begins. `shares`: the part of the whole time that usually lies behind at its
-/// beginning, by name; the remaining time is estimated from it, another stage is only named.
-std::function<void(const std::string&)> stage_bar(const Common& common,
-                                                  const std::vector<std::pair<std::string, double>>& shares);
+/// The same for work of named stages, called where one begins. `shares`: the part of the whole time
+/// that usually lies behind at its beginning, by name; the remaining time is estimated from it,
+/// another stage is only named.
+std::function<void(const std::string&)> stage_bar(
+    const Common& common, const std::vector<std::pair<std::string, double>>& shares);
 
 /// Wipes what a bar or another line of progress left.
 void clear_progress(const Common& common);

@@ -13,8 +13,8 @@
 #include "jaculus/evaluation/score.h"
 #include "jaculus/report/score_report.h"
 #include "jaculus/simulation/experiment.h"
+#include "jaculus/testbed/blinded_cases.h"
 #include "jaculus/testbed/effects.h"
-#include "jaculus/testbed/sealed_cases.h"
 #include "jaculus/testbed/trials.h"
 
 namespace jaculus::cli {
@@ -22,73 +22,97 @@ namespace {
 
 namespace fs = std::filesystem;
 
+using trajectory::ExperimentKind;
+
 struct RunOptions {
   Common common;
   std::string experiment;
   std::string robot;
-  std::string quantity = "torque";
+  std::string quantity = name_of(trajectory::Quantity::torque);
   std::vector<std::string> effects;
   int trials = 6;
   bool exact = false;
 };
 
+// What plays where no --robot is given: plans with a tail, plans without one.
+constexpr const char* kRobotWithTail = "minitaur_tail";
+constexpr const char* kRobotWithoutTail = "minitaur";
+
 void need_mujoco() {
   if (testbed::available()) return;
   throw InputError(
-      "testbed: this build was made without MuJoCo; install libmujoco-dev (Debian, Ubuntu) and build again");
+      "testbed: this build was made without MuJoCo; install libmujoco-dev (Debian, Ubuntu) and "
+      "build again");
 }
 
 fs::path robot_folder(const RunOptions& options, const std::string& usual) {
-  return find_robot(options.robot.empty() ? usual : options.robot, fs::current_path() / "robot");
+  return model::find_robot(options.robot.empty() ? usual : options.robot,
+                           fs::current_path() / "robot");
 }
 
 /// A plan's file, or one of the experiments by name.
-Dataset asked_for(const RunOptions& options) {
+trajectory::Dataset asked_for(const RunOptions& options) {
   const std::string& name = options.experiment;
-  if (name == "self_righting") return testbed::self_righting(robot_folder(options, "minitaur_tail"));
-  if (name == "tail_bench") return testbed::tail_bench(robot_folder(options, "minitaur_tail"));
-  if (name == "pendulum") return testbed::pendulum(robot_folder(options, "pendulum"));
+  const auto kind = trajectory::experiment_kinds().find(name);
+  if (kind == ExperimentKind::self_righting)
+    return testbed::self_righting(robot_folder(options, kRobotWithTail));
+  if (kind == ExperimentKind::tail_bench)
+    return testbed::tail_bench(robot_folder(options, kRobotWithTail));
+  if (kind == ExperimentKind::pendulum) return testbed::pendulum(robot_folder(options, "pendulum"));
+
   if (fs::path(name).extension() == ".yaml") {
-    Dataset asked = read_experiment(name).setup;
+    trajectory::Dataset asked = simulation::read_experiment(name).setup;
     if (!asked.overrides.empty()) {
       throw InputError(fmt::format("{}: override: given; allowed on the testbed: --effect", name));
     }
-    if (asked.controller.after_end == "pose")
-      throw InputError(
-          fmt::format("{}: controller: after_end: a pose given; allowed on the testbed: hold, relax, repeat", name));
+    if (asked.controller.after_end == trajectory::AfterEnd::pose)
+      throw InputError(fmt::format(
+          "{}: controller: after_end: a pose given; allowed on the testbed: hold, relax, repeat",
+          name));
     return asked;
   }
+
   if (!fs::is_regular_file(name)) {
     throw InputError(
-        fmt::format("testbed run: no file '{}'; allowed: a plan (CSV) for a leap, an experiment (YAML), self_righting, "
+        fmt::format("testbed run: no file '{}'; allowed: a plan (CSV) for a leap, an experiment "
+                    "(YAML), self_righting, "
                     "tail_bench, pendulum",
                     name));
   }
-  const Table plan = read_csv(name);
-  return testbed::leap(robot_folder(options, plan.column("tail") >= 0 ? "minitaur_tail" : "minitaur"), name,
-                       options.quantity);
+
+  const trajectory::Table plan = trajectory::read_csv(name);
+  return testbed::leap(
+      robot_folder(options, plan.column("tail") >= 0 ? kRobotWithTail : kRobotWithoutTail), name,
+      *trajectory::quantity_names().find(options.quantity));
 }
 
 int run(const RunOptions& options) {
   need_mujoco();
-  if (options.common.out.empty()) throw InputError("testbed run: --out is missing; allowed: a folder for the dataset");
-  Dataset asked = asked_for(options);
+  if (options.common.out.empty())
+    throw InputError("testbed run: --out is missing; allowed: a folder for the dataset");
+
+  trajectory::Dataset asked = asked_for(options);
   testbed::Changes changes;
-  for (const std::string& effect : options.effects) testbed::apply_effect(effect, changes);
+  if (!options.effects.empty()) {
+    const auto known = testbed::bench_effects(model::find_robot(asked.robot, asked.folder));
+    for (const std::string& effect : options.effects) testbed::apply_effect(effect, known, changes);
+  }
   testbed::TrialSpec spec;
   spec.trials = options.trials;
   spec.exact = options.exact;
-  spec.seed = static_cast<std::uint64_t>(options.common.seed.value_or(1));
+  spec.seed = options.common.seed.value_or(1);
   prepare_folder(options.common.out);
-  Dataset dataset = testbed::run_trials(asked, changes, spec);
-  dataset.provenance =
-      fmt::format("jaculus testbed (MuJoCo), {}, seed {}, effects: {}", options.experiment, spec.seed,
-                  options.effects.empty() ? "none" : fmt::format("{}", fmt::join(options.effects, " ")));
-  write_dataset(dataset, options.common.out);
-  const std::string text = fmt::format("{} trials of {} on {} written to {}\n", dataset.trials.size(),
-                                       dataset.experiment, dataset.robot, options.common.out);
+  trajectory::Dataset dataset = testbed::run_trials(asked, changes, spec);
+  dataset.provenance = fmt::format(
+      "jaculus testbed (MuJoCo), {}, seed {}, effects: {}", options.experiment, spec.seed,
+      options.effects.empty() ? "none" : fmt::format("{}", fmt::join(options.effects, " ")));
+  trajectory::write_dataset(dataset, options.common.out);
+  const std::string text =
+      fmt::format("{} trials of {} on {} written to {}\n", dataset.trials.size(),
+                  name_of(dataset.experiment), dataset.robot, options.common.out);
+
   if (options.common.json) {
-    nlohmann::ordered_json json = {{"experiment", dataset.experiment},
+    nlohmann::ordered_json json = {{"experiment", name_of(dataset.experiment)},
                                    {"robot", dataset.robot},
                                    {"trials", dataset.trials.size()},
                                    {"effects", options.effects},
@@ -97,34 +121,46 @@ int run(const RunOptions& options) {
   } else if (!options.common.quiet) {
     print(text);
   }
+
   return kDone;
 }
 
+/// Of a robot with all that effects act on.
 std::string effect_list() {
-  std::string text = "Effects, with the parameter that is their strength:\n";
-  for (const testbed::BenchEffect& effect : testbed::bench_effects()) {
+  const fs::path robot = model::find_robot(kRobotWithTail, fs::current_path() / "robot");
+  std::string text = fmt::format(
+      "Effects, with the parameter that is their strength, for {} (ranges follow from "
+      "the robot's motors, masses and lengths):\n",
+      kRobotWithTail);
+  for (const testbed::BenchEffect& effect : testbed::bench_effects(robot)) {
     const testbed::BenchParameter& p = effect.parameters.front();
-    text += fmt::format("  {:<26} {:<20} {:>8.4g} to {:<8.4g} {:<11} {}\n", effect.name, p.name, p.lower, p.upper,
-                        p.unit, effect.caption);
+    text += fmt::format("  {:<26} {:<20} {:>8.4g} to {:<8.4g} {:<11} {}\n", effect.name, p.name,
+                        p.lower, p.upper, p.unit, effect.caption);
   }
   return text;
 }
 
 void add_run(CLI::App& parent, Action& chosen) {
   auto options = std::make_shared<RunOptions>();
-  CLI::App* command = parent.add_subcommand("run", "Trials on the MuJoCo robot, written as a dataset.");
-  command->footer(
-      effect_list() +
-      "Example:\n  jaculus testbed run plan.csv --effect tail_compliance:compliance=0.01 --trials 6 --seed 3 "
-      "--out bent");
+  CLI::App* command =
+      parent.add_subcommand("run", "Trials on the MuJoCo robot, written as a dataset.");
+  command->footer([] {
+    return effect_list() +
+           "Example:\n  jaculus testbed run plan.csv --effect tail_compliance:compliance=0.01 "
+           "--trials 6 --seed 3 --out bent";
+  });
   command
       ->add_option("experiment", options->experiment,
                    "a plan (CSV), an experiment (YAML), self_righting, tail_bench or pendulum")
       ->required();
+
   command->add_option("--robot", options->robot, "a folder of models/, or a path");
   command->add_option("--quantity", options->quantity, "what the leap's loop commands")
-      ->check(one_of({"torque", "duty"}));
-  command->add_option("--effect", options->effects, "name:parameter=value,...; may be given several times");
+      ->check(one_of(trajectory::quantity_names()
+                         .only({trajectory::Quantity::torque, trajectory::Quantity::duty})
+                         .names()));
+  command->add_option("--effect", options->effects,
+                      "name:parameter=value,...; may be given several times");
   command->add_option("--trials", options->trials, "how many")->check(whole_number(1, 1000));
   command->add_flag("--exact", options->exact, "no noise, scatter or rounding");
   add_common(*command, options->common, "folder for the dataset");
@@ -133,57 +169,91 @@ void add_run(CLI::App& parent, Action& chosen) {
 
 struct SealOptions {
   Common common;
-  int singles = 0, none = 0, pairs = 0, outside = 0;
+  int singles = 0, none = 0, pairs = 0, outside = 0, mixed = 0;
+  bool clutter = false;
+  std::vector<std::string> withheld;
   std::string commit, key;
   std::vector<std::string> plans;
+  std::vector<std::string> robots = {kRobotWithTail, kRobotWithoutTail};
 };
 
 int seal(const SealOptions& options) {
   need_mujoco();
   const Common& common = options.common;
-  if (common.out.empty()) throw InputError("testbed seal: --out is missing; allowed: a new folder for the cases");
-  if (!options.commit.empty() && common.seed) throw InputError("testbed seal: --seed and --commit given; allowed: one");
-  if (options.singles + options.none + options.pairs + options.outside == 0) {
-    throw InputError("testbed seal: no case asked for; allowed: --singles, --none, --pairs, --outside");
+  if (common.out.empty())
+    throw InputError("testbed seal: --out is missing; allowed: a new folder for the cases");
+  if (!options.commit.empty() && common.seed)
+    throw InputError("testbed seal: --seed and --commit given; allowed: one");
+  if (options.singles + options.none + options.pairs + options.outside + options.mixed == 0) {
+    throw InputError(
+        "testbed seal: no case asked for; allowed: --singles, --none, --pairs, --outside, --mixed");
   }
-  testbed::SealSpec spec;
+
+  testbed::BlindingSpec spec;
   spec.singles = options.singles;
   spec.none = options.none;
   spec.pairs = options.pairs;
   spec.outside = options.outside;
+  spec.mixed = options.mixed;
+  spec.clutter = options.clutter;
+  spec.withheld = options.withheld;
   spec.seed = options.commit.empty() ? static_cast<std::uint64_t>(common.seed.value_or(1))
                                      : testbed::seed_of_commit(options.commit);
-  spec.provenance = options.commit.empty() ? fmt::format("seed {}", spec.seed) : "commit " + options.commit;
+  spec.provenance =
+      options.commit.empty() ? fmt::format("seed {}", spec.seed) : "commit " + options.commit;
   spec.plans.assign(options.plans.begin(), options.plans.end());
+  for (const std::string& robot : options.robots)
+    spec.robots.push_back(model::find_robot(robot, fs::current_path() / "robot"));
   spec.out = common.out;
-  spec.key =
-      options.key.empty() ? fs::path(fs::path(common.out).lexically_normal().string() + ".key") : fs::path(options.key);
+  spec.key = options.key.empty()
+                 ? fs::path(fs::path(common.out).lexically_normal().string() + ".key")
+                 : fs::path(options.key);
   spec.jobs = common.jobs;
   spec.progress = progress_bar(common, "cases");
-  const std::vector<std::string> ids = testbed::seal_cases(spec);
+  const std::vector<std::string> ids = testbed::blind_cases(spec);
   clear_progress(common);
+
   if (common.json) {
-    const nlohmann::ordered_json json = {{"cases", ids}, {"out", common.out}, {"key", spec.key.string()}};
+    const nlohmann::ordered_json json = {
+        {"cases", ids}, {"out", common.out}, {"key", spec.key.string()}};
     print(json.dump(2) + "\n");
   } else if (!common.quiet) {
-    print(fmt::format("{} cases sealed in {}; key and salt in {}\n", ids.size(), common.out, spec.key.string()));
+    print(fmt::format("{} blinded cases in {}; key and salt in {}\n", ids.size(), common.out,
+                      spec.key.string()));
   }
+
   return kDone;
 }
 
 void add_seal(CLI::App& parent, Action& chosen) {
   auto options = std::make_shared<SealOptions>();
-  CLI::App* command = parent.add_subcommand("seal", "Cases whose effect only the sealer knows.");
+  CLI::App* command =
+      parent.add_subcommand("seal", "Blinded cases: datasets whose labels are encrypted.");
   command->footer(
-      "Example:\n  jaculus testbed seal --singles 120 --none 60 --pairs 30 --outside 30 --plan a.csv --plan b.csv "
-      "--commit $(git rev-parse HEAD) --out sealed");
-  command->add_option("--singles", options->singles, "cases with one effect")->check(whole_number(0, 100000));
+      "Example:\n  jaculus testbed seal --singles 120 --none 60 --pairs 30 --outside 30 --plan "
+      "a.csv --plan b.csv "
+      "--commit $(git rev-parse HEAD) --out blinded");
+  command->add_option("--singles", options->singles, "cases with one effect")
+      ->check(whole_number(0, 100000));
   command->add_option("--none", options->none, "cases without")->check(whole_number(0, 100000));
   command->add_option("--pairs", options->pairs, "cases with two")->check(whole_number(0, 100000));
-  command->add_option("--outside", options->outside, "cases with a disturbance that no catalogue has")
+
+  command
+      ->add_option("--outside", options->outside, "cases with a disturbance that no catalogue has")
       ->check(whole_number(0, 100000));
-  command->add_option("--plan", options->plans, "a plan (CSV) to leap by; may be given several times");
-  command->add_option("--commit", options->commit, "hash of the commit to be judged: the seed derives from it");
+  command
+      ->add_option("--mixed", options->mixed, "cases with one effect and such a disturbance beside")
+      ->check(whole_number(0, 100000));
+  command->add_flag("--clutter", options->clutter,
+                    "robots off their files by their tolerances, noise of every kind");
+  command->add_option("--withhold", options->withheld, "disturbances that are not drawn");
+  command->add_option("--plan", options->plans,
+                      "a plan (CSV) to leap by; may be given several times");
+  command->add_option("--robot", options->robots,
+                      "a folder of models/, or a path; may be given several times; each plays the "
+                      "plans for its motors, and a drop and a bench where it has a tail");
+  command->add_option("--commit", options->commit,
+                      "hash of the commit to be judged: the seed derives from it");
   command->add_option("--key", options->key, "file for key and salt; OUT.key unless given");
   add_common(*command, options->common, "a new folder for the cases");
   command->callback([options, &chosen] { chosen = [options] { return seal(*options); }; });
@@ -195,14 +265,17 @@ struct ScoreFlags {
   bool resume = false, no_baselines = false;
 };
 
-SealedTruth truth_of(const testbed::CaseLabel& label) {
-  SealedTruth truth;
+evaluation::CaseTruth truth_of(const testbed::CaseLabel& label) {
+  evaluation::CaseTruth truth;
   truth.case_id = label.case_id;
   truth.kind = label.kind;
   truth.effects = label.effects;
   truth.parameters = label.parameters;
   truth.strength_in_noise_floors = label.strength_in_noise_floors;
-  truth.parted = label.parted;
+  truth.beside = label.beside;
+  truth.strengths = label.strengths;
+  truth.legs_apart = label.legs_apart;
+  truth.diverged = label.diverged;
   truth.equivalent = label.equivalent;
   truth.component = label.component;
   return truth;
@@ -211,48 +284,62 @@ SealedTruth truth_of(const testbed::CaseLabel& label) {
 int score(const ScoreFlags& flags) {
   const Common& common = flags.common;
   check_figures(common);
-  if (common.out.empty()) throw InputError("testbed score: --out is missing; allowed: a folder for answers and score");
-  const fs::path key =
-      flags.key.empty() ? fs::path(fs::path(flags.folder).lexically_normal().string() + ".key") : fs::path(flags.key);
-  const std::vector<std::string> ids = testbed::sealed_ids(flags.folder);
+  if (common.out.empty())
+    throw InputError("testbed score: --out is missing; allowed: a folder for answers and score");
+
+  const fs::path key = flags.key.empty()
+                           ? fs::path(fs::path(flags.folder).lexically_normal().string() + ".key")
+                           : fs::path(flags.key);
+  const std::vector<std::string> ids = testbed::blinded_ids(flags.folder);
   std::string provenance;
-  (void)testbed::open_labels(flags.folder, key, &provenance);  // a wrong key shows before hours of diagnosis
-  ScoreOptions options;
+
+  // a wrong key shows before hours of diagnosis
+  (void)testbed::open_labels(flags.folder, key, &provenance);
+  evaluation::ScoreOptions options;
   options.binary = fs::read_symlink("/proc/self/exe");
   options.out = common.out;
-  options.seed = static_cast<std::uint64_t>(common.seed.value_or(1));
+  options.seed = common.seed.value_or(1);
   options.jobs = common.jobs;
   options.resume = flags.resume;
   options.baselines = !flags.no_baselines;
   options.progress = progress_bar(common, "cases");
-  if (!common.quiet) options.notice = [](const std::string& text) { fmt::print(stderr, "jaculus: {}\n", text); };
+  if (!common.quiet)
+    options.notice = [](const std::string& text) { fmt::print(stderr, "jaculus: {}\n", text); };
   prepare_folder(common.out);
   const auto open = [&] {
-    std::vector<SealedTruth> truths;
-    for (const testbed::CaseLabel& label : testbed::open_labels(flags.folder, key)) truths.push_back(truth_of(label));
+    std::vector<evaluation::CaseTruth> truths;
+    for (const testbed::CaseLabel& label : testbed::open_labels(flags.folder, key))
+      truths.push_back(truth_of(label));
     return truths;
   };
-  Score result = score_cases(flags.folder, ids, open, options);
+
+  evaluation::Score result = evaluation::score_cases(flags.folder, ids, open, options);
   clear_progress(common);
   if (result.truths.empty()) {
     fmt::print(stderr, "jaculus: interrupted; what is finished is kept, --resume goes on\n");
     return kNotSolved;
   }
+
   result.provenance = provenance;
-  print(common.json ? score_json(result) : common.quiet ? "" : score_text(result));
-  write_reporting(score_report(result), common);
+  print(common.json    ? evaluation::score_json(result)
+        : common.quiet ? ""
+                       : evaluation::score_text(result));
+  write_reporting(report::score_report(result), common);
   return kDone;
 }
 
 void add_score(CLI::App& parent, Action& chosen) {
   auto options = std::make_shared<ScoreFlags>();
-  CLI::App* command = parent.add_subcommand("score", "Diagnoses sealed cases, then opens their labels and compares.");
-  command->footer("Example:\n  jaculus testbed score sealed --out score");
+  CLI::App* command = parent.add_subcommand(
+      "score", "Diagnoses blinded cases, then opens their labels and compares.");
+  command->footer("Example:\n  jaculus testbed score blinded --out score");
   command->add_option("folder", options->folder, "a folder of `testbed seal`")->required();
   command->add_option("--key", options->key, "file of key and salt; FOLDER.key unless given");
-  command->add_flag("--resume", options->resume, "go on with what an interrupted run has finished in --out");
+  command->add_flag("--resume", options->resume,
+                    "go on with what an interrupted run has finished in --out");
   command->add_flag("--no-baselines", options->no_baselines, "leave the baselines out");
-  add_common(*command, options->common, "folder for answers, score.json, score.txt and report.html");
+  add_common(*command, options->common,
+             "folder for answers, score.json, score.txt and report.html");
   add_figures(*command, options->common);
   command->callback([options, &chosen] { chosen = [options] { return score(*options); }; });
 }
@@ -260,8 +347,8 @@ void add_score(CLI::App& parent, Action& chosen) {
 }  // namespace
 
 void add_testbed(CLI::App& app, Action& chosen) {
-  CLI::App* command =
-      app.add_subcommand("testbed", "An independent robot in MuJoCo that stands in for hardware: run, seal, score.");
+  CLI::App* command = app.add_subcommand(
+      "testbed", "An independent robot in MuJoCo that stands in for hardware: run, seal, score.");
   command->require_subcommand(1);
   add_run(*command, chosen);
   add_seal(*command, chosen);

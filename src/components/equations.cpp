@@ -4,12 +4,13 @@
 
 #include "jaculus/dynamics/rigid_body.h"
 
-namespace jaculus {
+namespace jaculus::components {
 
 namespace {
 
 /// out += scale * a^T b over the sparse columns of two points.
-void add_outer(const PointColumns& a, const PointColumns& b, double scale, Matrix& out) {
+void add_outer(const dynamics::PointColumns& a, const dynamics::PointColumns& b, double scale,
+               Matrix& out) {
   for (int j = 0; j < b.count; ++j) {
     const double bx = scale * b.x[j], bz = scale * b.z[j];
     double* column = out.col(b.index[j]).data();
@@ -17,7 +18,7 @@ void add_outer(const PointColumns& a, const PointColumns& b, double scale, Matri
   }
 }
 
-void copy_pattern(const PointColumns& from, PointColumns& to) {
+void copy_pattern(const dynamics::PointColumns& from, dynamics::PointColumns& to) {
   to.count = from.count;
   for (int k = 0; k < from.count; ++k) {
     to.index[k] = from.index[k];
@@ -25,7 +26,7 @@ void copy_pattern(const PointColumns& from, PointColumns& to) {
   }
 }
 
-void put_rows(const PointColumns& c, int row, Matrix& out) {
+void put_rows(const dynamics::PointColumns& c, int row, Matrix& out) {
   for (int k = 0; k < c.count; ++k) {
     out(row, c.index[k]) += c.x[k];
     out(row + 1, c.index[k]) += c.z[k];
@@ -33,28 +34,28 @@ void put_rows(const PointColumns& c, int row, Matrix& out) {
 }
 
 /// Columns of d(pdd)/dY = D(A) + E(V) and d(pdd)/dV = 2 D(V); an impact has no terms in the rates.
-void acceleration_columns(const Path& path, const Vector& A, EquationsPoint& p) {
+void acceleration_columns(const dynamics::Path& path, const Vector& A, EquationsPoint& p) {
   copy_pattern(p.J, p.PY);
   copy_pattern(p.J, p.PV);
-  add_D(path, p.motion.pose, A, 1.0, p.PY);
+  dynamics::add_D(path, p.motion.pose, A, 1.0, p.PY);
   if (p.impact) return;
-  add_E(path, p.motion.pose, p.motion.V, 1.0, p.PY);
-  add_D(path, p.motion.pose, p.motion.V, 2.0, p.PV);
+  dynamics::add_E(path, p.motion.pose, p.motion.V, 1.0, p.PY);
+  dynamics::add_D(path, p.motion.pose, p.motion.V, 2.0, p.PV);
 }
 
-Vec2 acceleration(const Path& path, const EquationsPoint& p, const Vector& A) {
+Vec2 acceleration(const dynamics::Path& path, const EquationsPoint& p, const Vector& A) {
   const Vec2 linear = p.J.times(A);
-  return p.impact ? linear : Vec2(linear + quadratic(path, p.motion.pose, p.motion.V));
+  return p.impact ? linear : Vec2(linear + dynamics::quadratic(path, p.motion.pose, p.motion.V));
 }
 
 /// The system of the accelerations, its right-hand side without the inputs.
-void assemble(const AbsoluteTree& tree, EquationsPoint& p) {
-  const int n = tree.n, m = static_cast<int>(p.force.size());
+void assemble(const dynamics::AbsoluteTree& tree, EquationsPoint& p) {
+  const int n = tree.n, m = count_of(p.force);
   const Matrix& G = p.motion.G;
   p.J_f.setZero();
   for (int k = 0; k < m / 2; ++k) {
-    const Path& path = tree.feet[static_cast<size_t>(p.feet[static_cast<size_t>(k)])];
-    jacobian_columns(path, p.motion.pose, p.J);
+    const dynamics::Path& path = tree.feet[p.feet[k]];
+    dynamics::jacobian_columns(path, p.motion.pose, p.J);
     put_rows(p.J, 2 * k, p.J_f);
     p.rhs0.segment<2>(n + 2 * k) = -acceleration(path, p, p.impact ? p.motion.V : p.motion.gamma);
   }
@@ -71,14 +72,14 @@ void assemble(const AbsoluteTree& tree, EquationsPoint& p) {
 
 bool Equations::evaluate(const Eigen::Ref<const Vector>& q, const Eigen::Ref<const Vector>& v,
                          const Eigen::Ref<const Vector>& u, EquationsPoint& p) const {
-  if (!set_configuration(tree_, q, p.motion)) return false;
+  if (!dynamics::set_configuration(tree_, q, p.motion)) return false;
   p.q = q;
   p.v = v;
   p.impact = false;
-  set_rates(tree_, v, p.motion);
+  dynamics::set_rates(tree_, v, p.motion);
   p.M.setZero();
   p.r.setZero();
-  add_bodies(tree_, p.motion, p.motion.gamma, p.M, p.r, p.J);
+  dynamics::add_bodies(tree_, p.motion, p.motion.gamma, p.M, p.r, p.J);
   add_drag(p);
   assemble(tree_, p);
   p.rhs0.head(tree_.n) += tree_.input_map.lazyProduct(u);
@@ -87,9 +88,9 @@ bool Equations::evaluate(const Eigen::Ref<const Vector>& q, const Eigen::Ref<con
   return true;
 }
 
-bool Equations::evaluate_impact(const Eigen::Ref<const Vector>& q, const Eigen::Ref<const Vector>& v,
-                                EquationsPoint& p) const {
-  if (!set_configuration(tree_, q, p.motion)) return false;
+bool Equations::evaluate_impact(const Eigen::Ref<const Vector>& q,
+                                const Eigen::Ref<const Vector>& v, EquationsPoint& p) const {
+  if (!dynamics::set_configuration(tree_, q, p.motion)) return false;
   p.q = q;
   p.v = v;
   p.impact = true;
@@ -97,7 +98,7 @@ bool Equations::evaluate_impact(const Eigen::Ref<const Vector>& q, const Eigen::
   p.motion.gamma.setZero();
   p.M.setZero();
   p.r.setZero();
-  add_bodies(tree_, p.motion, p.motion.gamma, p.M, p.r, p.J);
+  dynamics::add_bodies(tree_, p.motion, p.motion.gamma, p.M, p.r, p.J);
   p.r.setZero();  // no force counts beside an impact
   assemble(tree_, p);
   if (!solve_system(p)) return false;
@@ -119,30 +120,32 @@ bool Equations::solve_system(EquationsPoint& p) const {
 namespace {
 
 /// Derivatives of the residual r and of the feet's acceleration by Y and V, at the solution.
-void residual_derivatives(const AbsoluteTree& tree, EquationsPoint& p) {
-  for (size_t b = 0; b < tree.com.size(); ++b) {
+void residual_derivatives(const dynamics::AbsoluteTree& tree, EquationsPoint& p) {
+  for (std::size_t b = 0; b < tree.com.size(); ++b) {
     if (tree.mass[b] == 0.0) continue;
-    const Path& path = tree.com[b];
-    jacobian_columns(path, p.motion.pose, p.J);
+    const dynamics::Path& path = tree.com[b];
+
+    dynamics::jacobian_columns(path, p.motion.pose, p.J);
     acceleration_columns(path, p.A, p);
     add_outer(p.J, p.PY, tree.mass[b], p.Res_Y);
     add_outer(p.J, p.PV, tree.mass[b], p.Res_V);
     const Vec2 weight = acceleration(path, p, p.A) + Vec2(0.0, p.impact ? 0.0 : tree.gravity);
-    add_H(path, p.motion.pose, tree.mass[b] * weight, p.Res_Y);
+    dynamics::add_H(path, p.motion.pose, tree.mass[b] * weight, p.Res_Y);
   }
-  for (size_t k = 0; k < p.feet.size(); ++k) {
-    const Path& path = tree.feet[static_cast<size_t>(p.feet[k])];
-    const int row = 2 * static_cast<int>(k);
-    jacobian_columns(path, p.motion.pose, p.J);
+
+  for (int k = 0; k < count_of(p.feet); ++k) {
+    const dynamics::Path& path = tree.feet[p.feet[k]];
+    const int row = 2 * k;
+    dynamics::jacobian_columns(path, p.motion.pose, p.J);
     acceleration_columns(path, p.A_feet, p);
     put_rows(p.PY, row, p.F_Y);
     put_rows(p.impact ? p.J : p.PV, row, p.F_V);
-    add_H(path, p.motion.pose, -p.force.segment<2>(row), p.Res_Y);
+    dynamics::add_H(path, p.motion.pose, -p.force.segment<2>(row), p.Res_Y);
   }
 }
 
 /// Loop forces from the balance of the dependent joints, and what they add to dr/dY.
-void add_loop_forces(const AbsoluteTree& tree, EquationsPoint& p) {
+void add_loop_forces(const dynamics::AbsoluteTree& tree, EquationsPoint& p) {
   if (tree.nd == 0) return;
   // r at A: r(gamma) + M (A - gamma) - J_f^T f.
   p.g_Y = p.A - p.motion.gamma;
@@ -151,16 +154,17 @@ void add_loop_forces(const AbsoluteTree& tree, EquationsPoint& p) {
   p.g_V -= p.J_f.transpose().lazyProduct(p.force);
   p.kappa_l = tree.P_d.transpose().lazyProduct(p.g_V);
   p.loop_force = p.motion.C_d_inverse.transpose().lazyProduct(p.kappa_l);
-  for (size_t l = 0; l < tree.loops.size(); ++l) {
-    const Vec2 force = p.loop_force.segment<2>(2 * static_cast<int>(l));
-    add_H(tree.loops[l].a, p.motion.pose, -force, p.Res_Y);
-    add_H(tree.loops[l].b, p.motion.pose, force, p.Res_Y);
+  for (int l = 0; l < count_of(tree.loops); ++l) {
+    const Vec2 force = p.loop_force.segment<2>(2 * l);
+    dynamics::add_H(tree.loops[l].a, p.motion.pose, -force, p.Res_Y);
+    dynamics::add_H(tree.loops[l].b, p.motion.pose, force, p.Res_Y);
   }
 }
 
 /// out = (first_Y G + first_V X | first_V G | 0) over (q, v, u).
-void chain_to_state(const EquationsPoint& p, const Matrix& first_Y, const Matrix& first_V, Eigen::Ref<Matrix> out) {
-  const int n = static_cast<int>(p.a.size());
+void chain_to_state(const EquationsPoint& p, const Matrix& first_Y, const Matrix& first_V,
+                    Eigen::Ref<Matrix> out) {
+  const int n = count_of(p.a);
   out.leftCols(n) = first_Y.lazyProduct(p.motion.G);
   out.leftCols(n) += first_V.lazyProduct(p.motion.X);
   out.middleCols(n, n) = first_V.lazyProduct(p.motion.G);
@@ -170,8 +174,8 @@ void chain_to_state(const EquationsPoint& p, const Matrix& first_Y, const Matrix
 }  // namespace
 
 void Equations::differentiate(EquationsPoint& p) const {
-  const int n = tree_.n, m = static_cast<int>(p.force.size());
-  set_rate_sensitivity(tree_, p.motion);
+  const int n = tree_.n, m = count_of(p.force);
+  dynamics::set_rate_sensitivity(tree_, p.motion);
   p.Res_Y.setZero();
   p.Res_V.setZero();
   p.F_Y.setZero();
@@ -182,7 +186,7 @@ void Equations::differentiate(EquationsPoint& p) const {
 
   p.Gamma.setZero();
   if (tree_.nd > 0) {
-    loop_acceleration_derivatives(tree_, p.motion, p.A, p.impact, p.L_Y, p.L_V);
+    dynamics::loop_acceleration_derivatives(tree_, p.motion, p.A, p.impact, p.L_Y, p.L_V);
     chain_to_state(p, p.L_Y, p.L_V, p.d_loop_force);
     for (int k = 0; k < tree_.nd; ++k) {
       for (int r = 0; r < tree_.nd; ++r) {
@@ -217,87 +221,99 @@ void Equations::differentiate(EquationsPoint& p) const {
 namespace {
 
 /// Second derivatives of nu . (body terms).
-void add_body_hessian(const AbsoluteTree& tree, EquationsPoint& p) {
-  const Pose& pose = p.motion.pose;
+void add_body_hessian(const dynamics::AbsoluteTree& tree, EquationsPoint& p) {
+  const dynamics::Pose& pose = p.motion.pose;
   const Vector& V = p.motion.V;
-  for (size_t b = 0; b < tree.com.size(); ++b) {
+  for (std::size_t b = 0; b < tree.com.size(); ++b) {
     const double mass = tree.mass[b];
     if (mass == 0.0) continue;
-    const Path& path = tree.com[b];
-    jacobian_columns(path, pose, p.J);
+    const dynamics::Path& path = tree.com[b];
+
+    dynamics::jacobian_columns(path, pose, p.J);
     acceleration_columns(path, p.A, p);
     copy_pattern(p.J, p.Dnu);
-    add_D(path, pose, p.nu, 1.0, p.Dnu);
-    const Vec2 weight = mass * (acceleration(path, p, p.A) + Vec2(0.0, p.impact ? 0.0 : tree.gravity));
+    dynamics::add_D(path, pose, p.nu, 1.0, p.Dnu);
+    const Vec2 weight =
+        mass * (acceleration(path, p, p.A) + Vec2(0.0, p.impact ? 0.0 : tree.gravity));
     const Vec2 shift = mass * p.J.times(p.nu);
+
     add_outer(p.PY, p.Dnu, mass, p.YY);
     add_outer(p.Dnu, p.PY, mass, p.YY);
-    add_T(path, pose, weight, p.nu, p.YY);
-    add_T(path, pose, shift, p.A, p.YY);
+    dynamics::add_T(path, pose, weight, p.nu, p.YY);
+    dynamics::add_T(path, pose, shift, p.A, p.YY);
     add_outer(p.Dnu, p.J, mass, p.YA);
-    add_H(path, pose, shift, p.YA);
+    dynamics::add_H(path, pose, shift, p.YA);
+
     if (p.impact) continue;
-    add_F(path, pose, shift, V, p.YY);
+    dynamics::add_F(path, pose, shift, V, p.YY);
     add_outer(p.Dnu, p.PV, mass, p.YV);
-    add_T(path, pose, 2.0 * shift, V, p.YV);
-    add_H(path, pose, 2.0 * shift, p.VV);
+    dynamics::add_T(path, pose, 2.0 * shift, V, p.YV);
+    dynamics::add_H(path, pose, 2.0 * shift, p.VV);
   }
 }
 
-/// Second derivatives of kappa . (point's acceleration at A) - force . (virtual displacement), and d(force) . D(nu) into S_Y.
-/// `jump`: kappa . J A alone, where A holds the rates before an impact as well.
-void add_constraint_hessian(const Path& path, const Vec2& force, const Vec2& kappa, double sign, const Vector& A,
-                            bool jump, const Matrix& d_force, int row, EquationsPoint& p) {
-  const Pose& pose = p.motion.pose;
+/// Second derivatives of kappa . (point's acceleration at A) - force . (virtual displacement), and
+/// d(force) . D(nu) into S_Y. `jump`: kappa . J A alone, where A holds the rates before an impact
+/// as well.
+void add_constraint_hessian(const dynamics::Path& path, const Vec2& force, const Vec2& kappa,
+                            double sign, const Vector& A, bool jump, const Matrix& d_force, int row,
+                            EquationsPoint& p) {
+  const dynamics::Pose& pose = p.motion.pose;
+
   const Vec2 k = sign * kappa;
-  add_T(path, pose, -sign * force, p.nu, p.YY);
-  add_T(path, pose, k, A, p.YY);
-  add_H(path, pose, k, p.YA);
-  if (jump) add_H(path, pose, k, p.YV);
+  dynamics::add_T(path, pose, -sign * force, p.nu, p.YY);
+  dynamics::add_T(path, pose, k, A, p.YY);
+  dynamics::add_H(path, pose, k, p.YA);
+  if (jump) dynamics::add_H(path, pose, k, p.YV);
   if (!p.impact) {
-    add_F(path, pose, k, p.motion.V, p.YY);
-    add_T(path, pose, 2.0 * k, p.motion.V, p.YV);
-    add_H(path, pose, 2.0 * k, p.VV);
+    dynamics::add_F(path, pose, k, p.motion.V, p.YY);
+    dynamics::add_T(path, pose, 2.0 * k, p.motion.V, p.YV);
+    dynamics::add_H(path, pose, 2.0 * k, p.VV);
   }
-  jacobian_columns(path, pose, p.J);
+
+  dynamics::jacobian_columns(path, pose, p.J);
   copy_pattern(p.J, p.Dnu);
-  add_D(path, pose, p.nu, -sign, p.Dnu);
+  dynamics::add_D(path, pose, p.nu, -sign, p.Dnu);
   for (int c = 0; c < p.Dnu.count; ++c) {
     p.S_Y.row(p.Dnu.index[c]) += p.Dnu.x[c] * d_force.row(row) + p.Dnu.z[c] * d_force.row(row + 1);
   }
 }
 
-/// Multipliers that make the sum stationary in the dependent joints' rates and values, and their curvature.
-void add_dependent_curvature(const AbsoluteTree& tree, EquationsPoint& p) {
-  Motion& m = p.motion;
+/// Multipliers that make the sum stationary in the dependent joints' rates and values, and their
+/// curvature.
+void add_dependent_curvature(const dynamics::AbsoluteTree& tree, EquationsPoint& p) {
+  dynamics::Motion& m = p.motion;
   p.chi_0 = tree.P_d.transpose().lazyProduct(p.g_V);
   p.chi_1 = -m.C_d_inverse.transpose().lazyProduct(p.chi_0);
-  for (size_t l = 0; l < tree.loops.size(); ++l) {
-    const Vec2 chi = p.chi_1.segment<2>(2 * static_cast<int>(l));
+
+  for (int l = 0; l < count_of(tree.loops); ++l) {
+    const Vec2 chi = p.chi_1.segment<2>(2 * l);
     for (int side = 0; side < 2; ++side) {
-      const Path& path = side == 0 ? tree.loops[l].a : tree.loops[l].b;
+      const dynamics::Path& path = side == 0 ? tree.loops[l].a : tree.loops[l].b;
       const Vec2 w = side == 0 ? chi : Vec2(-chi);
-      jacobian_columns(path, m.pose, p.J);
+      dynamics::jacobian_columns(path, m.pose, p.J);
       copy_pattern(p.J, p.Dnu);
-      add_D(path, m.pose, m.V, 1.0, p.Dnu);
+      dynamics::add_D(path, m.pose, m.V, 1.0, p.Dnu);
       p.Dnu.add_transposed(w, 1.0, p.g_Y);
-      add_T(path, m.pose, w, m.V, p.YY);
-      add_H(path, m.pose, w, p.YV);
+      dynamics::add_T(path, m.pose, w, m.V, p.YY);
+      dynamics::add_H(path, m.pose, w, p.YV);
     }
   }
+
   p.kappa_l = tree.P_d.transpose().lazyProduct(p.g_Y);
   p.chi_0 = -m.C_d_inverse.transpose().lazyProduct(p.kappa_l);
-  for (size_t l = 0; l < tree.loops.size(); ++l) {
-    const Vec2 chi = p.chi_0.segment<2>(2 * static_cast<int>(l));
-    add_H(tree.loops[l].a, m.pose, chi, p.YY);
-    add_H(tree.loops[l].b, m.pose, -chi, p.YY);
+  for (int l = 0; l < count_of(tree.loops); ++l) {
+    const Vec2 chi = p.chi_0.segment<2>(2 * l);
+    dynamics::add_H(tree.loops[l].a, m.pose, chi, p.YY);
+    dynamics::add_H(tree.loops[l].b, m.pose, -chi, p.YY);
   }
 }
 
 /// Subtracts the second derivatives, chained to (q, v, u), from H.
-void subtract_chained(const AbsoluteTree& tree, EquationsPoint& p, Matrix& H) {
+void subtract_chained(const dynamics::AbsoluteTree& tree, EquationsPoint& p, Matrix& H) {
   const int n = tree.n;
   const Matrix &G = p.motion.G, &X = p.motion.X;
+
   p.Nn = p.YY.lazyProduct(G);
   p.Nn += p.YV.lazyProduct(X);
   p.qq = G.transpose().lazyProduct(p.Nn);
@@ -306,10 +322,12 @@ void subtract_chained(const AbsoluteTree& tree, EquationsPoint& p, Matrix& H) {
   p.qq += X.transpose().lazyProduct(p.Nn2);
   p.qv = p.Nn2.transpose().lazyProduct(G);
   p.Nn = p.VV.lazyProduct(G);
+
   H.topLeftCorner(n, n) -= p.qq;
   H.block(0, n, n, n) -= p.qv;
   H.block(n, 0, n, n) -= p.qv.transpose();
   H.block(n, n, n, n) -= G.transpose().lazyProduct(p.Nn);
+
   p.S_Y += p.YA.lazyProduct(p.dA);
   p.nw = G.transpose().lazyProduct(p.S_Y);
   H.topRows(n) -= p.nw;
@@ -318,49 +336,61 @@ void subtract_chained(const AbsoluteTree& tree, EquationsPoint& p, Matrix& H) {
 
 }  // namespace
 
-void Equations::add_hessian(const Eigen::Ref<const Vector>& mu, EquationsPoint& p, Matrix& H) const {
-  const int n = tree_.n, m = static_cast<int>(p.force.size());
+void Equations::add_hessian(const Eigen::Ref<const Vector>& mu, EquationsPoint& p,
+                            Matrix& H) const {
+  const int n = tree_.n, m = count_of(p.force);
+
   // K^T y = mu with K = P^T L U; Eigen's own transposed solve would copy the factors.
   p.adjoint = mu;
   p.lu.matrixLU().triangularView<Eigen::Upper>().transpose().solveInPlace(p.adjoint);
   p.lu.matrixLU().triangularView<Eigen::UnitLower>().transpose().solveInPlace(p.adjoint);
   p.rhs0.swap(p.adjoint);
   p.adjoint.noalias() = p.lu.permutationP().transpose() * p.rhs0;
+
   p.nu = p.motion.G.lazyProduct(p.adjoint.head(n));
   p.YY.setZero();
   p.YV.setZero();
   p.VV.setZero();
   p.YA.setZero();
   p.S_Y.setZero();
+
   add_body_hessian(tree_, p);
   if (!p.impact) add_drag_hessian(p);
-  for (size_t k = 0; k < p.feet.size(); ++k) {
-    const int row = 2 * static_cast<int>(k);
-    add_constraint_hessian(tree_.feet[static_cast<size_t>(p.feet[k])], p.force.segment<2>(row),
+
+  for (int k = 0; k < count_of(p.feet); ++k) {
+    const int row = 2 * k;
+    add_constraint_hessian(tree_.feet[p.feet[k]], p.force.segment<2>(row),
                            p.adjoint.segment<2>(n + row), 1.0, p.A_feet, p.impact, p.Z, n + row, p);
   }
+
   if (tree_.nd > 0) {
     p.g_V = p.M.lazyProduct(p.nu);
     if (m > 0) p.g_V += p.J_f.transpose().lazyProduct(p.adjoint.tail(m));
     p.chi_0 = tree_.P_d.transpose().lazyProduct(p.g_V);
+
     p.kappa_l = -p.motion.C_d_inverse.transpose().lazyProduct(p.chi_0);
     p.g_Y = p.Res_Y.transpose().lazyProduct(p.nu);
     p.g_Y += p.L_Y.transpose().lazyProduct(p.kappa_l);
     p.g_V = p.Res_V.transpose().lazyProduct(p.nu);
     p.g_V += p.L_V.transpose().lazyProduct(p.kappa_l);
+
     if (m > 0) {
       p.g_Y += p.F_Y.transpose().lazyProduct(p.adjoint.tail(m));
       p.g_V += p.F_V.transpose().lazyProduct(p.adjoint.tail(m));
     }
-    for (size_t l = 0; l < tree_.loops.size(); ++l) {
-      const int row = 2 * static_cast<int>(l);
+
+    for (int l = 0; l < count_of(tree_.loops); ++l) {
+      const int row = 2 * l;
       const Vec2 force = p.loop_force.segment<2>(row), kappa = p.kappa_l.segment<2>(row);
-      add_constraint_hessian(tree_.loops[l].a, force, kappa, 1.0, p.A, false, p.d_loop_force, row, p);
-      add_constraint_hessian(tree_.loops[l].b, force, kappa, -1.0, p.A, false, p.d_loop_force, row, p);
+      add_constraint_hessian(tree_.loops[l].a, force, kappa, 1.0, p.A, false, p.d_loop_force, row,
+                             p);
+      add_constraint_hessian(tree_.loops[l].b, force, kappa, -1.0, p.A, false, p.d_loop_force, row,
+                             p);
     }
     add_dependent_curvature(tree_, p);
   }
+
   subtract_chained(tree_, p, H);
 }
 
-}  // namespace jaculus
+}  // namespace jaculus::components

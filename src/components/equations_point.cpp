@@ -2,23 +2,27 @@
 
 #include "jaculus/components/equations.h"
 
-namespace jaculus {
+namespace jaculus::components {
 
-Equations::Equations(const PlanarModel& model, double smoothing) : model_(model), tree_(model), smoothing_(smoothing) {}
+Equations::Equations(const model::PlanarModel& model, double smoothing)
+    : model_(model), tree_(model), smoothing_(smoothing) {}
 
 EquationsPoint::EquationsPoint(const Equations& equations, const std::vector<int>& feet_in_contact)
     : feet(feet_in_contact), motion(equations.tree()) {
-  const AbsoluteTree& tree = equations.tree();
+  const dynamics::AbsoluteTree& tree = equations.tree();
   const int N = tree.N, n = tree.n, nd = tree.nd, nu_in = equations.inputs();
-  const int m = 2 * static_cast<int>(feet.size()), w = 2 * n + nu_in;
+  const int m = 2 * count_of(feet), w = 2 * n + nu_in;
+
   q = v = a = Vector::Zero(n);
   force = Vector::Zero(m);
   Z = rhs = Matrix::Zero(n + m, w);
+
   A = A_feet = r = nu = g_Y = g_V = chi_scratch = Vector::Zero(N);
   loop_force = kappa_l = chi_0 = chi_1 = Vector::Zero(nd);
   M = Res_Y = Res_V = YY = YV = VV = YA = NN1 = NN2 = Matrix::Zero(N, N);
   J_f = F_Y = F_V = Matrix::Zero(m, N);
   L_Y = L_V = Matrix::Zero(nd, N);
+
   K = Matrix::Zero(n + m, n + m);
   Gamma = dA = S_Y = Nw = Matrix::Zero(N, w);
   d_loop_force = Matrix::Zero(nd, w);
@@ -26,7 +30,8 @@ EquationsPoint::EquationsPoint(const Equations& equations, const std::vector<int
   Nn = Nn2 = Matrix::Zero(N, n);
   nw = Matrix::Zero(n, w);
   qq = qv = Matrix::Zero(n, n);
+
   lu = Eigen::PartialPivLU<Matrix>(n + m);
 }
 
-}  // namespace jaculus
+}  // namespace jaculus::components

@@ -3,14 +3,14 @@
 #include <cassert>
 #include <cmath>
 
-namespace jaculus {
+namespace jaculus::components {
 
-double motor_current(const PlanarMotor& motor, double joint_torque) {
+double motor_current(const model::PlanarMotor& motor, double joint_torque) {
   const double t = joint_torque / (motor.gear * motor.efficiency);
   return t * (motor.saturation_linear + motor.saturation_cubic * t * t);
 }
 
-MotorCurrent motor_current_derivatives(const PlanarMotor& motor, double joint_torque) {
+MotorCurrent motor_current_derivatives(const model::PlanarMotor& motor, double joint_torque) {
   const double scale = 1.0 / (motor.gear * motor.efficiency);
   const double t = joint_torque * scale;
   const double a = motor.saturation_linear;
@@ -18,18 +18,20 @@ MotorCurrent motor_current_derivatives(const PlanarMotor& motor, double joint_to
   return {t * (a + c * t * t), scale * (a + 3.0 * c * t * t), scale * scale * 6.0 * c * t};
 }
 
-MotorVoltage motor_voltage(const PlanarMotor& motor, double joint_torque, double joint_rate) {
+MotorVoltage motor_voltage(const model::PlanarMotor& motor, double joint_torque,
+                           double joint_rate) {
   const MotorCurrent i = motor_current_derivatives(motor, joint_torque);
   const double back_emf = motor.torque_constant * motor.gear;
   const double r = motor.resistance;
   return {r * i.value + back_emf * joint_rate, r * i.d_torque, back_emf, r * i.d_torque2};
 }
 
-MotorPower motor_power(const PlanarMotor& motor, double joint_torque, double joint_rate) {
+MotorPower motor_power(const model::PlanarMotor& motor, double joint_torque, double joint_rate) {
   const MotorCurrent i = motor_current_derivatives(motor, joint_torque);
   const MotorVoltage v = motor_voltage(motor, joint_torque, joint_rate);
   return {v.value * i.value, v.d_torque * i.value + v.value * i.d_torque, v.d_rate * i.value,
-          v.d_torque2 * i.value + 2.0 * v.d_torque * i.d_torque + v.value * i.d_torque2, v.d_rate * i.d_torque};
+          v.d_torque2 * i.value + 2.0 * v.d_torque * i.d_torque + v.value * i.d_torque2,
+          v.d_rate * i.d_torque};
 }
 
 double saturated_torque(double linear, double cubic, double current) {
@@ -41,28 +43,33 @@ double saturated_torque(double linear, double cubic, double current) {
   return 2.0 * p * std::sinh(std::asinh(1.5 * current / (linear * p)) / 3.0);
 }
 
-double joint_torque_at_voltage(const PlanarMotor& motor, double voltage, double joint_rate) {
+double joint_torque_at_voltage(const model::PlanarMotor& motor, double voltage, double joint_rate) {
   assert(motor.resistance > 0.0);
-  const double current = (voltage - motor.torque_constant * motor.gear * joint_rate) / motor.resistance;
-  return motor.gear * motor.efficiency * saturated_torque(motor.saturation_linear, motor.saturation_cubic, current);
+  const double current =
+      (voltage - motor.torque_constant * motor.gear * joint_rate) / motor.resistance;
+  return motor.gear * motor.efficiency *
+         saturated_torque(motor.saturation_linear, motor.saturation_cubic, current);
 }
 
-LimitedTorque largest_joint_torque(const PlanarMotor& motor) {
+LimitedTorque largest_joint_torque(const model::PlanarMotor& motor) {
   const double ratio = motor.gear * motor.efficiency;
   double by_current = kInfinity;
   if (std::isfinite(motor.current_limit)) {
-    by_current = saturated_torque(motor.saturation_linear, motor.saturation_cubic, motor.current_limit);
+    by_current =
+        saturated_torque(motor.saturation_linear, motor.saturation_cubic, motor.current_limit);
   }
-  if (std::isinf(by_current) && std::isinf(motor.torque_limit)) return {kInfinity, MotorLimit::none};
+  if (std::isinf(by_current) && std::isinf(motor.torque_limit))
+    return {kInfinity, MotorLimit::none};
   if (by_current < motor.torque_limit) return {ratio * by_current, MotorLimit::current};
   return {ratio * motor.torque_limit, MotorLimit::torque};
 }
 
-LimitedTorque limited_joint_torque_at_voltage(const PlanarMotor& motor, double voltage, double joint_rate) {
+LimitedTorque limited_joint_torque_at_voltage(const model::PlanarMotor& motor, double voltage,
+                                              double joint_rate) {
   const double torque = joint_torque_at_voltage(motor, voltage, joint_rate);
   const LimitedTorque largest = largest_joint_torque(motor);
   if (std::abs(torque) <= largest.value) return {torque, MotorLimit::none};
   return {std::copysign(largest.value, torque), largest.limit};
 }
 
-}  // namespace jaculus
+}  // namespace jaculus::components

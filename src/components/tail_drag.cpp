@@ -5,7 +5,7 @@
 #include <cassert>
 #include <cmath>
 
-namespace jaculus {
+namespace jaculus::components {
 namespace {
 
 // Integrals over a strip of l^j times the law g(u) and its derivatives by u.
@@ -31,7 +31,8 @@ struct Law {
   // First and second antiderivative of g.
   [[nodiscard]] double first() const { return r * r * r / 3.0; }
   [[nodiscard]] double second(double eps2) const {
-    return (u * r * r * r / 4.0 + 0.375 * eps2 * (u * r + eps2 * std::asinh(u / std::sqrt(eps2)))) / 3.0;
+    return (u * r * r * r / 4.0 + 0.375 * eps2 * (u * r + eps2 * std::asinh(u / std::sqrt(eps2)))) /
+           3.0;
   }
 };
 
@@ -49,7 +50,7 @@ DragLoad load_from(const Moments& m, double k) {
 void add_one_signed(double a, double b, double s, double omega, double sign, Moments& m) {
   std::array<double, 4> p{};  // Int_a^b l^j dl = (b^(j+1) - a^(j+1)) / (j+1)
   double pa = a, pb = b;
-  for (std::size_t j = 0; j < 4; ++j, pa *= a, pb *= b) p[j] = (pb - pa) / static_cast<double>(j + 1);
+  for (int j = 0; j < 4; ++j, pa *= a, pb *= b) p[j] = (pb - pa) / (j + 1);
   m.g[0] += sign * (s * s * p[0] + 2.0 * s * omega * p[1] + omega * omega * p[2]);
   m.g[1] += sign * (s * s * p[1] + 2.0 * s * omega * p[2] + omega * omega * p[3]);
   for (std::size_t j = 0; j < 3; ++j) m.g1[j] += 2.0 * sign * (s * p[j] + omega * p[j + 1]);
@@ -73,7 +74,8 @@ Moments exact_moments(double a, double b, double s, double omega) {
   return m;
 }
 
-// The same integrals of the smoothed law over xi in [-1, 1], u = c + delta xi, with xi^j in place of l^j.
+// The same integrals of the smoothed law over xi in [-1, 1], u = c + delta xi, with xi^j in place
+// of l^j.
 Moments quadrature_moments(double c, double delta, double eps2) {
   using Rule = boost::math::quadrature::gauss<double, 15>;
   Moments m;
@@ -94,7 +96,8 @@ Moments quadrature_moments(double c, double delta, double eps2) {
   return m;
 }
 
-// By parts: Int xi^n f' = [xi^n f]/delta - n/delta Int xi^(n-1) f, going down to the antiderivatives of g.
+// By parts: Int xi^n f' = [xi^n f]/delta - n/delta Int xi^(n-1) f, going down to the
+// antiderivatives of g.
 Moments elementary_moments(double c, double delta, double eps2) {
   const Law p(c + delta, eps2);
   const Law q(c - delta, eps2);
@@ -132,10 +135,12 @@ Moments smoothed_moments(double a, double b, double s, double omega, double eps)
   const double half = 0.5 * (b - a);
   const double c = s + omega * mid;
   const double delta = omega * half;
-  // The law's branch points lie at xi = (-c +- i eps)/delta. At a distance of 2 or more the rule's error falls by
-  // (2 + sqrt 3)^2 a point; nearer, delta is large enough for the closed form not to cancel.
+  // The law's branch points lie at xi = (-c +- i eps)/delta. At a distance of 2 or more the rule's
+  // error falls by (2 + sqrt 3)^2 a point; nearer, delta is large enough for the closed form not to
+  // cancel.
   const bool slow_variation = c * c + eps * eps >= 4.0 * delta * delta;
-  const Moments xi = slow_variation ? quadrature_moments(c, delta, eps * eps) : elementary_moments(c, delta, eps * eps);
+  const Moments xi = slow_variation ? quadrature_moments(c, delta, eps * eps)
+                                    : elementary_moments(c, delta, eps * eps);
   return {shifted(xi.g, mid, half), shifted(xi.g1, mid, half), shifted(xi.g2, mid, half)};
 }
 
@@ -147,8 +152,9 @@ Moments point_moments(double distance, double s, double omega, double eps) {
           {law.g2, d * law.g2, d * d * law.g2, d * d * d * law.g2}};
 }
 
-DragLoad rotation_load(const PlanarDrag& drag, double omega, double eps) {
-  const double b = rotation_drag_factor(drag.density, drag.coefficient, drag.width, drag.start, drag.end);
+DragLoad rotation_load(const model::PlanarDrag& drag, double omega, double eps) {
+  const double b =
+      rotation_drag_factor(drag.density, drag.coefficient, drag.width, drag.start, drag.end);
   const double eps_omega = eps / drag.end;
   const Law law(omega, eps_omega * eps_omega);
   DragLoad load;
@@ -160,29 +166,32 @@ DragLoad rotation_load(const PlanarDrag& drag, double omega, double eps) {
 
 }  // namespace
 
-Vec2 drag_normal(const PlanarDrag& drag, double phi) {
+Vec2 drag_normal(const model::PlanarDrag& drag, double phi) {
   const double c = std::cos(phi);
   const double s = std::sin(phi);
-  return {-s * drag.direction.x() + c * drag.direction.y(), -c * drag.direction.x() - s * drag.direction.y()};
+  return {-s * drag.direction.x() + c * drag.direction.y(),
+          -c * drag.direction.x() - s * drag.direction.y()};
 }
 
-double rotation_drag_factor(double density, double coefficient, double width, double start, double end) {
+double rotation_drag_factor(double density, double coefficient, double width, double start,
+                            double end) {
   // end^4 - start^4 in factors, so that a short strip far out does not cancel.
   const double fourth = (end - start) * (end + start) * (end * end + start * start);
   return 0.125 * density * coefficient * width * fourth;
 }
 
-DragLoad drag_load(const PlanarDrag& drag, double s, double omega, double smoothing) {
+DragLoad drag_load(const model::PlanarDrag& drag, double s, double omega, double smoothing) {
   assert(smoothing >= 0.0);
   const double k = 0.5 * drag.density * drag.coefficient;
   switch (drag.kind) {
-    case DragKind::none:
+    case model::DragKind::none:
       return {};
-    case DragKind::rotation:
+    case model::DragKind::rotation:
       return rotation_load(drag, omega, smoothing);
-    case DragKind::point:
-      return load_from(point_moments(drag.point_distance, s, omega, smoothing), k * drag.point_area);
-    case DragKind::distributed:
+    case model::DragKind::point:
+      return load_from(point_moments(drag.point_distance, s, omega, smoothing),
+                       k * drag.point_area);
+    case model::DragKind::distributed:
       break;
   }
   if (drag.end <= drag.start) return {};
@@ -191,4 +200,4 @@ DragLoad drag_load(const PlanarDrag& drag, double s, double omega, double smooth
                    k * drag.width);
 }
 
-}  // namespace jaculus
+}  // namespace jaculus::components

@@ -8,7 +8,8 @@ namespace jaculus {
 namespace {
 
 std::atomic<bool> requested{false};
-static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler may touch lock-free atomics only");
+static_assert(std::atomic<bool>::is_always_lock_free,
+              "a signal handler may touch lock-free atomics only");
 
 extern "C" void raise_flag(int) { requested.store(true); }
 
@@ -19,7 +20,8 @@ void install_interrupt_handler() {
   action.sa_handler = raise_flag;
   sigemptyset(&action.sa_mask);
   action.sa_flags =
-      static_cast<int>(SA_RESETHAND);  // the second signal finds the default action: impatience is honoured
+      // the second signal finds the default action: impatience is honoured
+      static_cast<int>(SA_RESETHAND);
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
 }

@@ -22,10 +22,11 @@ namespace {
 
 bool isolated_child = false;
 
-// Between pipe() and the parent's close of the writing end no other thread may fork: its child would hold that end open,
-// and the reader would wait for a child that is not its own.
+// Between pipe() and the parent's close of the writing end no other thread may fork: its child
+// would hold that end open, and the reader would wait for a child that is not its own.
 std::mutex fork_mutex;
-std::vector<int> open_readers;  // guarded by fork_mutex; children close what belongs to their siblings
+// guarded by fork_mutex; children close what belongs to their siblings
+std::vector<int> open_readers;
 
 struct Child {
   pid_t pid = -1;
@@ -41,18 +42,19 @@ void send(int descriptor, std::string_view bytes) {
     const ssize_t written = write(descriptor, bytes.data(), bytes.size());
     if (written < 0 && errno == EINTR) continue;
     if (written <= 0) _exit(3);
-    bytes.remove_prefix(static_cast<std::size_t>(written));
+    bytes.remove_prefix(written);
   }
 }
 
-[[noreturn]] void run_child(const std::function<std::string()>& job, const std::function<void()>& in_child, int writer,
-                            pid_t parent) {
+[[noreturn]] void run_child(const std::function<std::string()>& job,
+                            const std::function<void()>& in_child, int writer, pid_t parent) {
   isolated_child = true;
   signal(SIGINT, SIG_IGN);  // Ctrl-C reaches the whole group; only the parent decides what ends
   signal(SIGTERM, SIG_DFL);
   clear_interrupt();  // a signal between fork and here was the parent's as well
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != parent) _exit(4);  // the parent died before the line above
+
   char tag = kReturned;
   std::string bytes;
   try {
@@ -65,9 +67,11 @@ void send(int descriptor, std::string_view bytes) {
     tag = kThrew;
     bytes = "an exception that is not a std::exception";
   }
+
   send(writer, std::string_view(&tag, 1));
   send(writer, bytes);
-  const std::uint64_t length = bytes.size();  // at the end: a child that dies while sending is noticed
+  // at the end: a child that dies while sending is noticed
+  const std::uint64_t length = bytes.size();
   send(writer, std::string_view(reinterpret_cast<const char*>(&length), sizeof length));
   _exit(0);  // without flushing streams that were copied from the parent
 }
@@ -77,6 +81,7 @@ Child start_child(const std::function<std::string()>& job, const std::function<v
   const pid_t parent = getpid();
   int ends[2];
   if (pipe(ends) != 0) return {};
+
   const pid_t pid = fork();
   if (pid == 0) {
     close(ends[0]);
@@ -85,11 +90,13 @@ Child start_child(const std::function<std::string()>& job, const std::function<v
     lock.unlock();  // the copy of the lock came locked; the child may start children of its own
     run_child(job, in_child, ends[1], parent);
   }
+
   close(ends[1]);
   if (pid < 0) {
     close(ends[0]);
     return {};
   }
+
   open_readers.push_back(ends[0]);
   return {pid, ends[0]};
 }
@@ -110,7 +117,7 @@ Ending receive(int reader, double time_limit_s, std::string& bytes) {
     const ssize_t size = read(reader, buffer, sizeof buffer);
     if (size < 0 && errno == EINTR) continue;
     if (size <= 0) return Ending::closed;
-    bytes.append(buffer, static_cast<std::size_t>(size));
+    bytes.append(buffer, size);
   }
 }
 
@@ -133,12 +140,13 @@ TaskResult unpack(const std::string& sent, int status) {
   const bool whole = sent.size() > sizeof length;
   if (whole) std::memcpy(&length, sent.data() + sent.size() - sizeof length, sizeof length);
   if (WIFSIGNALED(status)) {
-    return failure(fmt::format("ended by signal {} ({})", WTERMSIG(status), strsignal(WTERMSIG(status))));
+    return failure(
+        fmt::format("ended by signal {} ({})", WTERMSIG(status), strsignal(WTERMSIG(status))));
   }
   if (!whole || length != sent.size() - 1 - sizeof length || WEXITSTATUS(status) != 0) {
     return failure(fmt::format("ended without a result, exit code {}", WEXITSTATUS(status)));
   }
-  std::string bytes = sent.substr(1, static_cast<std::size_t>(length));
+  std::string bytes = sent.substr(1, length);
   if (sent[0] == kThrew) return failure(std::move(bytes));
   return {TaskState::done, std::move(bytes), "", false};
 }
@@ -156,7 +164,8 @@ TaskResult run_isolated(const std::function<std::string()>& job, double time_lim
   const int status = reap(child, ending != Ending::closed);
   const bool ended_with_us = interrupt_requested() && WIFSIGNALED(status);
   if (ending == Ending::interrupted || ended_with_us) return {};
-  if (ending == Ending::out_of_time) return failure(fmt::format("not finished within {:g} s", time_limit_s));
+  if (ending == Ending::out_of_time)
+    return failure(fmt::format("not finished within {:g} s", time_limit_s));
   return unpack(sent, status);
 }
 

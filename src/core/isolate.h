@@ -8,7 +8,8 @@
 
 namespace jaculus::detail {
 
-/// Runs job() in a child and waits for it; `in_child` runs there first, to let go of what only the parent may hold.
+/// Runs job() in a child and waits for it; `in_child` runs there first, to let go of what only the
+/// parent may hold.
 TaskResult run_isolated(const std::function<std::string()>& job, double time_limit_s,
                         const std::function<void()>& in_child);
 

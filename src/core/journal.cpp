@@ -20,7 +20,9 @@ namespace {
 
 constexpr std::string_view kMagic = "jaculus-journal/1\n";
 
-void put(std::string& bytes, std::uint64_t value) { bytes.append(reinterpret_cast<const char*>(&value), sizeof value); }
+void put(std::string& bytes, std::uint64_t value) {
+  bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+}
 
 /// Takes one number off the front, or nothing where too little is left.
 std::optional<std::uint64_t> take_number(std::string_view& rest) {
@@ -33,8 +35,8 @@ std::optional<std::uint64_t> take_number(std::string_view& rest) {
 
 std::optional<std::string_view> take(std::string_view& rest, std::uint64_t size) {
   if (rest.size() < size) return std::nullopt;
-  const std::string_view head = rest.substr(0, static_cast<std::size_t>(size));
-  rest.remove_prefix(static_cast<std::size_t>(size));
+  const std::string_view head = rest.substr(0, size);
+  rest.remove_prefix(size);
   return head;
 }
 
@@ -43,7 +45,7 @@ std::optional<std::string_view> take_checked(std::string_view& rest, const char*
   const auto length = take_number(rest);
   const auto body = length ? take(rest, *length) : std::nullopt;
   if (!body) return std::nullopt;
-  const std::string_view checked(start, static_cast<std::size_t>(rest.data() - start));
+  const std::string_view checked(start, rest.data() - start);
   const auto check = take_number(rest);
   if (!check || *check != hash64(checked)) return std::nullopt;
   return body;
@@ -53,15 +55,18 @@ void write_all(int descriptor, std::string_view bytes) {
   while (!bytes.empty()) {
     const ssize_t written = write(descriptor, bytes.data(), bytes.size());
     if (written < 0 && errno == EINTR) continue;
-    if (written <= 0) throw std::runtime_error(std::string("journal: can't write: ") + std::strerror(errno));
-    bytes.remove_prefix(static_cast<std::size_t>(written));
+    if (written <= 0)
+      throw std::runtime_error(std::string("journal: can't write: ") + std::strerror(errno));
+    bytes.remove_prefix(written);
   }
-  if (fdatasync(descriptor) != 0) throw std::runtime_error(std::string("journal: can't sync: ") + std::strerror(errno));
+  if (fdatasync(descriptor) != 0)
+    throw std::runtime_error(std::string("journal: can't sync: ") + std::strerror(errno));
 }
 
 /// A new file is only durable once its folder is.
 void sync_folder(const std::filesystem::path& file) {
-  const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : std::filesystem::path(".");
+  const std::filesystem::path folder =
+      file.has_parent_path() ? file.parent_path() : std::filesystem::path(".");
   const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (descriptor < 0) return;  // some file systems refuse; the records are synced all the same
   fsync(descriptor);
@@ -87,14 +92,19 @@ std::uint64_t hash64(std::string_view bytes, std::uint64_t state) {
 JournalContent read_journal(const std::filesystem::path& file) {
   JournalContent content;
   if (!std::filesystem::exists(file)) return content;
+
   std::ifstream stream(file, std::ios::binary);
-  const std::string bytes((std::istreambuf_iterator<char>(stream)), std::istreambuf_iterator<char>());
+  const std::string bytes((std::istreambuf_iterator<char>(stream)),
+                          std::istreambuf_iterator<char>());
   if (!stream) throw InputError(file.string() + ": can't be read");
+
   std::string_view rest = bytes;
   const std::string_view magic = rest.substr(0, kMagic.size());
   if (magic != kMagic.substr(0, magic.size())) {
-    throw InputError(file.string() + ": not a journal of finished tasks; give the name of one, or of a new file");
+    throw InputError(file.string() +
+                     ": not a journal of finished tasks; give the name of one, or of a new file");
   }
+
   rest.remove_prefix(magic.size());
   const auto key = take_checked(rest, bytes.data());
   if (key) {
@@ -110,24 +120,31 @@ JournalContent read_journal(const std::filesystem::path& file) {
       content.good_bytes = bytes.size() - rest.size();
     }
   }
+
   content.torn_bytes = bytes.size() - content.good_bytes;
   return content;
 }
 
 Journal::Journal(const std::filesystem::path& file, std::string_view key) {
   descriptor_ = open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
-  if (descriptor_ < 0) throw InputError(file.string() + ": can't be written: " + std::strerror(errno));
+  if (descriptor_ < 0)
+    throw InputError(file.string() + ": can't be written: " + std::strerror(errno));
   try {
     if (!lock_patiently(descriptor_))
       throw InputError(file.string() + ": in use by another run; wait for it, or end it");
     content_ = read_journal(file);
+
     if (content_.has_header && content_.key != key) {
-      throw InputError(file.string() +
-                       ": belongs to another list of tasks (its inputs differ); remove it to begin anew");
+      throw InputError(
+          file.string() +
+          ": belongs to another list of tasks (its inputs differ); remove it to begin anew");
     }
-    if (ftruncate(descriptor_, static_cast<off_t>(content_.good_bytes)) != 0 || lseek(descriptor_, 0, SEEK_END) < 0) {
+
+    if (ftruncate(descriptor_, static_cast<off_t>(content_.good_bytes)) != 0 ||
+        lseek(descriptor_, 0, SEEK_END) < 0) {
       throw InputError(file.string() + ": can't be written: " + std::strerror(errno));
     }
+
     if (!content_.has_header) {
       std::string header(kMagic);
       put(header, key.size());

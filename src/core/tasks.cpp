@@ -24,12 +24,12 @@ namespace {
 class Run {
  public:
   Run(int count, const std::function<std::string(int)>& task, const TaskOptions& options)
-      : task_(task), options_(options), results_(static_cast<std::size_t>(count)) {
+      : task_(task), options_(options), results_(count) {
     if (!options.journal.empty()) resume(count);
     for (int i = 0; i < count; ++i) {
-      if (!results_[static_cast<std::size_t>(i)].resumed) waiting_.push_back(i);
+      if (!results_[i].resumed) waiting_.push_back(i);
     }
-    done_ = count - static_cast<int>(waiting_.size());
+    done_ = count - count_of(waiting_);
   }
 
   /// A worker's life: the next task that nobody has taken, until none is left.
@@ -40,7 +40,7 @@ class Run {
     }
   }
 
-  [[nodiscard]] int waiting() const { return static_cast<int>(waiting_.size()); }
+  [[nodiscard]] int waiting() const { return count_of(waiting_); }
   [[nodiscard]] std::vector<TaskResult> take_results() { return std::move(results_); }
 
  private:
@@ -49,11 +49,12 @@ class Run {
     const JournalContent& content = journal_->content();
     for (const auto& [index, bytes] : content.finished) {
       if (index < 0 || index >= count) continue;  // can't be under a matching key
-      results_[static_cast<std::size_t>(index)] = {TaskState::done, bytes, "", true};
+      results_[index] = {TaskState::done, bytes, "", true};
     }
     if (content.torn_bytes > 0 && options_.notice) {
-      options_.notice(fmt::format("{}: the last {} bytes were cut short by an interruption; that task runs again",
-                                  options_.journal.string(), content.torn_bytes));
+      options_.notice(fmt::format(
+          "{}: the last {} bytes were cut short by an interruption; that task runs again",
+          options_.journal.string(), content.torn_bytes));
     }
   }
 
@@ -77,13 +78,14 @@ class Run {
     const std::lock_guard lock(mutex_);
     const bool cancelled = result.state == TaskState::cancelled;
     if (result.state == TaskState::done && journal_) journal_->append(index, result.bytes);
-    results_[static_cast<std::size_t>(index)] = std::move(result);
+    results_[index] = std::move(result);
     if (cancelled) return;
     ++done_;
     ++done_now_;
     if (!options_.progress) return;
-    TaskProgress progress{done_, static_cast<int>(results_.size()), 0.0, 0.0};
-    progress.elapsed_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
+    TaskProgress progress{done_, count_of(results_), 0.0, 0.0};
+    progress.elapsed_s =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
     progress.remaining_s = progress.elapsed_s / done_now_ * (progress.total - progress.done);
     options_.progress(progress);
   }
@@ -102,25 +104,30 @@ class Run {
 
 }  // namespace
 
-std::vector<TaskResult> run_tasks(int count, const std::function<std::string(int)>& task, const TaskOptions& options) {
+std::vector<TaskResult> run_tasks(int count, const std::function<std::string(int)>& task,
+                                  const TaskOptions& options) {
   assert(count >= 0 && options.workers >= 0);
   Run run(count, task, options);
   const int cores = oneapi::tbb::info::default_concurrency();
   const int workers = std::min(options.workers > 0 ? options.workers : cores, run.waiting());
-  // A forked child has none of its parent's threads, so what it starts itself runs one after the other.
+
+  // A forked child has none of its parent's threads, so what it starts itself runs one after the
+  // other.
   if (workers <= 1 || detail::is_isolated_child()) {
     run.work();
     return run.take_results();
   }
+
   // Isolated workers mostly wait, so more of them than cores is a choice that TBB must be told of.
   const oneapi::tbb::global_control limit(oneapi::tbb::global_control::max_allowed_parallelism,
-                                          static_cast<std::size_t>(std::max(workers, cores)));
+                                          std::max(workers, cores));
   oneapi::tbb::task_arena arena(workers);
   arena.execute([&] {
     oneapi::tbb::task_group group;
     for (int w = 1; w < workers; ++w) group.run([&] { run.work(); });
     group.run_and_wait([&] { run.work(); });
   });
+
   return run.take_results();
 }
 

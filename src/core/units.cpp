@@ -113,17 +113,20 @@ struct Value {
 
 Value power(const Value& v, int n) {
   const Dimension& d = v.dimension;
-  return {std::pow(v.factor, n), {d.metre * n, d.kilogram * n, d.second * n, d.ampere * n, d.radian * n}};
+  return {std::pow(v.factor, n),
+          {d.metre * n, d.kilogram * n, d.second * n, d.ampere * n, d.radian * n}};
 }
 
 Value product(const Value& a, const Value& b) {
   const Dimension& p = a.dimension;
   const Dimension& q = b.dimension;
   return {a.factor * b.factor,
-          {p.metre + q.metre, p.kilogram + q.kilogram, p.second + q.second, p.ampere + q.ampere, p.radian + q.radian}};
+          {p.metre + q.metre, p.kilogram + q.kilogram, p.second + q.second, p.ampere + q.ampere,
+           p.radian + q.radian}};
 }
 
-/// Recursive descent over "factor { [space | * | /] factor }"; '/' divides by the next factor alone.
+/// Recursive descent over "factor { [space | * | /] factor }"; '/' divides by the next factor
+/// alone.
 class UnitParser {
  public:
   explicit UnitParser(std::string_view text) : text_(text) {}
@@ -175,16 +178,20 @@ class UnitParser {
     } else {
       while (at_ < text_.size() && is_symbol_byte()) ++at_;
     }
+
     const std::string_view name = text_.substr(begin, at_ - begin);
     for (const Unit& unit : kUnits) {
       if (unit.symbol == name) return {unit.factor, unit.dimension};
     }
     if (name.empty())
-      fail(at_ == text_.size() ? "a unit is missing" : "unexpected '" + std::string(1, text_[at_]) + "'");
+      fail(at_ == text_.size() ? "a unit is missing"
+                               : "unexpected '" + std::string(1, text_[at_]) + "'");
+
     std::vector<std::string> known;
     for (const Unit& unit : kUnits) known.emplace_back(unit.symbol);
     const std::optional<std::string> near = yaml::nearest_name(name, known);
-    fail(fmt::format("unknown unit '{}'{}", name, near ? fmt::format(", did you mean '{}'?", *near) : ""));
+    fail(fmt::format("unknown unit '{}'{}", name,
+                     near ? fmt::format(", did you mean '{}'?", *near) : ""));
   }
 
   /// Letters, and the bytes of UTF-8 symbols other than superscript digits and the middle dot.
@@ -205,8 +212,9 @@ class UnitParser {
     int n = 0;
     const char* begin = text_.data() + at_;
     const auto [end, code] = std::from_chars(begin, text_.data() + text_.size(), n);
-    if (code != std::errc() || n == 0 || n < -9 || n > 9) fail("a power must be a whole number from -9 to 9, not 0");
-    at_ += static_cast<std::size_t>(end - begin);
+    if (code != std::errc() || n == 0 || n < -9 || n > 9)
+      fail("a power must be a whole number from -9 to 9, not 0");
+    at_ += end - begin;
     return n;
   }
 
@@ -214,7 +222,9 @@ class UnitParser {
     while (at_ < text_.size() && text_[at_] == ' ') ++at_;
   }
 
-  [[nodiscard]] bool starts_with(std::string_view s) const { return text_.substr(at_).starts_with(s); }
+  [[nodiscard]] bool starts_with(std::string_view s) const {
+    return text_.substr(at_).starts_with(s);
+  }
 
   [[noreturn]] static void fail(const std::string& what) { throw InputError(what); }
 
@@ -222,7 +232,8 @@ class UnitParser {
   std::size_t at_ = 0;
 };
 
-/// A torque constant may be written as volts a rad/s: energy balance makes N m/A and V s/rad the same quantity.
+/// A torque constant may be written as volts a rad/s: energy balance makes N m/A and V s/rad the
+/// same quantity.
 bool accepts(const Dimension& expected, const Dimension& given) {
   if (given == expected) return true;
   Dimension back_emf = dimension::torque_constant;
@@ -243,31 +254,40 @@ double parse_quantity(std::string_view text, const Dimension& expected) {
   while (!rest.empty() && rest.front() == ' ') rest.remove_prefix(1);
   while (!rest.empty() && rest.back() == ' ') rest.remove_suffix(1);
   if (rest.starts_with('+')) rest.remove_prefix(1);
+
   double number = 0.0;
   const auto [end, code] = std::from_chars(rest.data(), rest.data() + rest.size(), number);
   if (code == std::errc::result_out_of_range) {
-    throw InputError(fmt::format("'{}' is too large or too small for a number; {}", shown, allowed(expected)));
+    throw InputError(
+        fmt::format("'{}' is too large or too small for a number; {}", shown, allowed(expected)));
   }
-  if (code != std::errc()) throw InputError(fmt::format("'{}' is not a number; {}", shown, allowed(expected)));
+  if (code != std::errc())
+    throw InputError(fmt::format("'{}' is not a number; {}", shown, allowed(expected)));
   if (!std::isfinite(number))
     throw InputError(fmt::format("'{}' is not a finite number; {}", shown, allowed(expected)));
-  std::string_view unit = rest.substr(static_cast<std::size_t>(end - rest.data()));
+
+  std::string_view unit = rest.substr(end - rest.data());
   while (!unit.empty() && unit.front() == ' ') unit.remove_prefix(1);
   if (unit.empty()) {
     if (expected == dimension::none) return number;
     throw InputError(fmt::format("'{}' has no unit; {}", shown, allowed(expected)));
   }
+
   Value value;
   try {
     value = UnitParser(unit).parse();
   } catch (const InputError& e) {
     throw InputError(fmt::format("'{}': {}; {}", shown, e.what(), allowed(expected)));
   }
+
   if (!accepts(expected, value.dimension)) {
-    throw InputError(fmt::format("'{}' is in {}; {}", shown, unit_name(value.dimension), allowed(expected)));
+    throw InputError(
+        fmt::format("'{}' is in {}; {}", shown, unit_name(value.dimension), allowed(expected)));
   }
+
   const double result = number * value.factor;
-  if (!std::isfinite(result)) throw InputError(fmt::format("'{}' is too large; {}", shown, allowed(expected)));
+  if (!std::isfinite(result))
+    throw InputError(fmt::format("'{}' is too large; {}", shown, allowed(expected)));
   return result;
 }
 

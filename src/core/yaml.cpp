@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <charconv>
 #include <cmath>
@@ -40,7 +41,8 @@ bool is_plain_number(const Tree& tree) {
   const std::string& s = tree.scalar;
   const char* begin = s.data() + (s.starts_with('+') ? 1 : 0);
   double value = 0.0;
-  return std::from_chars(begin, s.data() + s.size(), value).ptr == s.data() + s.size() && !s.empty();
+  return std::from_chars(begin, s.data() + s.size(), value).ptr == s.data() + s.size() &&
+         !s.empty();
 }
 
 bool is_infinite(const Tree& tree, bool negative) {
@@ -55,7 +57,8 @@ std::string describe(const Dimension& dimension, const Bounds& allowed) {
   const std::string unit = dimension == dimension::none ? "" : " " + unit_name(dimension);
   const bool lower = std::isfinite(allowed.lower);
   const bool upper = std::isfinite(allowed.upper);
-  if (lower && upper) return fmt::format("{:.10g} to {:.10g}{}", allowed.lower, allowed.upper, unit);
+  if (lower && upper)
+    return fmt::format("{:.10g} to {:.10g}{}", allowed.lower, allowed.upper, unit);
   if (lower) return fmt::format("at least {:.10g}{}", allowed.lower, unit);
   if (upper) return fmt::format("at most {:.10g}{}", allowed.upper, unit);
   return dimension == dimension::none ? "a plain number" : "a number in" + unit;
@@ -82,13 +85,14 @@ Node::Node() {
 Node::Node(std::shared_ptr<const Impl> impl) : impl_(std::move(impl)) {}
 
 Node Node::load(const std::filesystem::path& file) {
-  return Node(
-      std::make_shared<const Impl>(Impl{parse_tree(read_text_file(file, "a YAML file"), file.string()), file, {}}));
+  return Node(std::make_shared<const Impl>(
+      Impl{parse_tree(read_text_file(file, "a YAML file"), file.string()), file, {}}));
 }
 
 Node Node::parse(const std::string& text, const std::string& name) {
   if (text.size() > kMaxTextBytes) {
-    throw InputError(fmt::format("{}: holds {} bytes; allowed: at most {}", name, text.size(), kMaxTextBytes));
+    throw InputError(
+        fmt::format("{}: holds {} bytes; allowed: at most {}", name, text.size(), kMaxTextBytes));
   }
   return Node(std::make_shared<const Impl>(Impl{parse_tree(text, name), name, {}}));
 }
@@ -103,14 +107,16 @@ void Node::only(std::initializer_list<std::string_view> keys) const {
 
 void Node::only(const std::vector<std::string>& keys) const {
   if (!is_map())
-    throw error(fmt::format("{} given; allowed: a map with the keys {}", given(*impl_->tree), list_of(keys)));
+    throw error(fmt::format("{} given; allowed: a map with the keys {}", given(*impl_->tree),
+                            list_of(keys)));
   for (const Tree::Entry& entry : impl_->tree->entries) {
     if (std::find(keys.begin(), keys.end(), entry.key) != keys.end()) continue;
     Tree place = *entry.value;
     place.line = entry.line;
-    const Node key(std::make_shared<const Impl>(Impl{std::make_shared<const Tree>(place), impl_->file, impl_->path}));
-    throw key.error(
-        fmt::format("unknown key '{}'{}; allowed: {}", shorten(entry.key), hint(entry.key, keys), list_of(keys)));
+    const Node key(std::make_shared<const Impl>(
+        Impl{std::make_shared<const Tree>(place), impl_->file, impl_->path}));
+    throw key.error(fmt::format("unknown key '{}'{}; allowed: {}", shorten(entry.key),
+                                hint(entry.key, keys), list_of(keys)));
   }
 }
 
@@ -132,12 +138,13 @@ std::optional<Node> Node::find(std::string_view key) const {
 }
 
 std::vector<Node> Node::items() const {
-  if (!is_list()) throw error(fmt::format("{} given; allowed: a list, [a, b, ...]", given(*impl_->tree)));
+  if (!is_list())
+    throw error(fmt::format("{} given; allowed: a list, [a, b, ...]", given(*impl_->tree)));
   std::vector<Node> nodes;
   nodes.reserve(impl_->tree->items.size());
   for (const auto& item : impl_->tree->items) {
-    nodes.push_back(
-        Node(std::make_shared<const Impl>(Impl{item, impl_->file, fmt::format("{}[{}]", impl_->path, nodes.size())})));
+    nodes.push_back(Node(std::make_shared<const Impl>(
+        Impl{item, impl_->file, fmt::format("{}[{}]", impl_->path, nodes.size())})));
   }
   return nodes;
 }
@@ -145,7 +152,8 @@ std::vector<Node> Node::items() const {
 std::vector<std::pair<std::string, Node>> Node::entries() const {
   if (!is_map()) throw error(fmt::format("{} given; allowed: a map", given(*impl_->tree)));
   std::vector<std::pair<std::string, Node>> result;
-  for (const Tree::Entry& entry : impl_->tree->entries) result.emplace_back(entry.key, at(entry.key));
+  for (const Tree::Entry& entry : impl_->tree->entries)
+    result.emplace_back(entry.key, at(entry.key));
   return result;
 }
 
@@ -162,7 +170,8 @@ double Node::number(const Dimension& dimension, const Bounds& allowed) const {
     throw error(e.what());
   }
   if (!allowed.contains(value)) {
-    throw error(fmt::format("{} is out of range; allowed: {}", shorten(s), describe(dimension, allowed)));
+    throw error(
+        fmt::format("{} is out of range; allowed: {}", shorten(s), describe(dimension, allowed)));
   }
   return value;
 }
@@ -174,8 +183,8 @@ int Node::integer(int lower, int upper) const {
   const std::string& s = tree.scalar;
   const char* begin = s.data() + (s.starts_with('+') ? 1 : 0);
   const auto [end, code] = std::from_chars(begin, s.data() + s.size(), value);
-  const bool whole =
-      tree.kind == Kind::scalar && !tree.quoted && !s.empty() && end == s.data() + s.size() && end != begin;
+  const bool whole = tree.kind == Kind::scalar && !tree.quoted && !s.empty() &&
+                     end == s.data() + s.size() && end != begin;
   if (!whole || (code != std::errc() && code != std::errc::result_out_of_range)) {
     throw error(fmt::format("{} given; {}", given(tree), allowed));
   }
@@ -187,7 +196,8 @@ int Node::integer(int lower, int upper) const {
 
 bool Node::boolean() const {
   const Tree& tree = *impl_->tree;
-  if (tree.kind == Kind::scalar && !tree.quoted && (tree.scalar == "true" || tree.scalar == "false")) {
+  if (tree.kind == Kind::scalar && !tree.quoted &&
+      (tree.scalar == "true" || tree.scalar == "false")) {
     return tree.scalar == "true";
   }
   throw error(fmt::format("{} given; allowed: true or false", given(tree)));
@@ -200,18 +210,21 @@ std::string Node::text() const {
   }
   const bool boolean = !tree.quoted && (tree.scalar == "true" || tree.scalar == "false");
   if (boolean || is_plain_number(tree)) {
-    throw error(fmt::format("{} given; allowed: a text (in quotes where it looks like a number)", given(tree)));
+    throw error(fmt::format("{} given; allowed: a text (in quotes where it looks like a number)",
+                            given(tree)));
   }
   return tree.scalar;
 }
 
 std::string Node::choice(const std::vector<std::string>& choices) const {
   const Tree& tree = *impl_->tree;
-  if (tree.kind == Kind::scalar && std::find(choices.begin(), choices.end(), tree.scalar) != choices.end()) {
+  if (tree.kind == Kind::scalar &&
+      std::find(choices.begin(), choices.end(), tree.scalar) != choices.end()) {
     return tree.scalar;
   }
   throw error(fmt::format("{} given{}; allowed: {}", given(tree),
-                          tree.kind == Kind::scalar ? hint(tree.scalar, choices) : "", list_of(choices)));
+                          tree.kind == Kind::scalar ? hint(tree.scalar, choices) : "",
+                          list_of(choices)));
 }
 
 Bounds Node::bounds(const Dimension& dimension) const {
@@ -219,26 +232,32 @@ Bounds Node::bounds(const Dimension& dimension) const {
     const double value = number(dimension);
     return {value, value};
   }
+
   const std::string unit = unit_name(dimension);
   const std::vector<Node> ends = is_list() ? items() : std::vector<Node>();
   if (ends.size() != 2) {
-    throw error(fmt::format("{} given; allowed: [lower, upper] in {} (-.inf and .inf: no bound), or one number",
-                            is_list() ? fmt::format("{} values", ends.size()) : given(*impl_->tree), unit));
+    throw error(fmt::format(
+        "{} given; allowed: [lower, upper] in {} (-.inf and .inf: no bound), or one number",
+        is_list() ? fmt::format("{} values", ends.size()) : given(*impl_->tree), unit));
   }
+
   Bounds result;
   if (!is_infinite(*ends[0].impl_->tree, true)) result.lower = ends[0].number(dimension);
   if (!is_infinite(*ends[1].impl_->tree, false)) result.upper = ends[1].number(dimension);
   if (result.lower > result.upper) {
-    throw error(fmt::format("lower bound {:.10g} is above upper bound {:.10g}; allowed: lower <= upper, in {}",
-                            result.lower, result.upper, unit));
+    throw error(fmt::format(
+        "lower bound {:.10g} is above upper bound {:.10g}; allowed: lower <= upper, in {}",
+        result.lower, result.upper, unit));
   }
+
   return result;
 }
 
 Vec2 Node::vec2(const Dimension& dimension) const {
   const std::vector<double> values = numbers(dimension);
   if (values.size() != 2) {
-    throw error(fmt::format("{} values given; allowed: two, [x, z] in {}", values.size(), unit_name(dimension)));
+    throw error(fmt::format("{} values given; allowed: two, [x, z] in {}", values.size(),
+                            unit_name(dimension)));
   }
   return {values[0], values[1]};
 }
@@ -267,27 +286,61 @@ int Node::line() const { return impl_->tree->line; }
 std::filesystem::path Node::file() const { return impl_->file; }
 std::string Node::dump() const { return dump_tree(*impl_->tree); }
 
-std::optional<std::string> nearest_name(std::string_view given, const std::vector<std::string>& candidates) {
-  // Edit distance with transpositions, blind to case; one row of the table for each letter of `given`.
+void refuse_other_kind(const Node& file, std::string_view wanted) {
+  struct Kind {
+    const char *format, *name, *use;
+  };
+  static constexpr std::array<Kind, 7> kKinds = {
+      Kind{"jaculus-problem/1", "a problem", "`jaculus solve` solves it"},
+      Kind{"jaculus-experiment/1", "an experiment", "`jaculus simulate` plays it"},
+      Kind{"jaculus-study/1", "a study", "`jaculus study` runs it"},
+      Kind{"jaculus-dataset/1", "a dataset", "`jaculus diagnose` takes its folder"},
+      Kind{"jaculus-robot/1", "a robot", "`jaculus check` takes its folder"},
+      Kind{"jaculus-columns/1", "a map of columns", "`jaculus import csv --map` takes it"},
+      Kind{"jaculus-openlog/1", "a description of a binary log",
+           "`jaculus import openlog` takes it"}};
+
+  if (!file.is_map()) return;
+  const std::optional<Node> format = file.find("format");
+  if (!format || !format->is_scalar()) return;
+  const auto named = [&](std::string_view text) {
+    return std::find_if(kKinds.begin(), kKinds.end(),
+                        [&](const Kind& kind) { return text == kind.format; });
+  };
+  const auto given = named(format->text()), asked = named(wanted);
+  if (given == kKinds.end() || asked == kKinds.end() || given == asked) return;
+  throw format->error(fmt::format("{} given ({}; {}); allowed here: {} ({})", given->name,
+                                  given->format, given->use, asked->name, asked->format));
+}
+
+std::optional<std::string> nearest_name(std::string_view given,
+                                        const std::vector<std::string>& candidates) {
+  // Edit distance with transpositions, blind to case; one row of the table for each letter of
+  // `given`.
   constexpr std::size_t kMaxLength = 100;
   if (given.empty() || given.size() > kMaxLength) return std::nullopt;
   const auto lower = [](char c) { return std::tolower(static_cast<unsigned char>(c)); };
+
   std::optional<std::string> best;
   std::size_t best_distance = std::max<std::size_t>(2, given.size() / 3) + 1;
+
   for (const std::string& candidate : candidates) {
     const std::size_t n = candidate.size();
     std::vector<std::vector<std::size_t>> table(given.size() + 1, std::vector<std::size_t>(n + 1));
     for (std::size_t i = 0; i <= given.size(); ++i) table[i][0] = i;
     for (std::size_t j = 0; j <= n; ++j) table[0][j] = j;
+
     for (std::size_t i = 1; i <= given.size(); ++i) {
       for (std::size_t j = 1; j <= n; ++j) {
         const bool same = lower(given[i - 1]) == lower(candidate[j - 1]);
-        table[i][j] = std::min({table[i - 1][j] + 1, table[i][j - 1] + 1, table[i - 1][j - 1] + (same ? 0 : 1)});
+        table[i][j] = std::min(
+            {table[i - 1][j] + 1, table[i][j - 1] + 1, table[i - 1][j - 1] + (same ? 0 : 1)});
         const bool swapped = i > 1 && j > 1 && lower(given[i - 1]) == lower(candidate[j - 2]) &&
                              lower(given[i - 2]) == lower(candidate[j - 1]);
         if (swapped) table[i][j] = std::min(table[i][j], table[i - 2][j - 2] + 1);
       }
     }
+
     const std::size_t distance = table[given.size()][n];
     // A name that shares no letter position at all is no suggestion, however short.
     if (distance < best_distance && distance < std::max(given.size(), n)) {
@@ -295,6 +348,7 @@ std::optional<std::string> nearest_name(std::string_view given, const std::vecto
       best = candidate;
     }
   }
+
   return best;
 }
 

@@ -13,7 +13,8 @@
 namespace jaculus::yaml {
 namespace {
 
-// More nodes than any file of ours has, aliases written out; stops "billion laughs" before anything walks the tree.
+// More nodes than any file of ours has, aliases written out; stops "billion laughs" before anything
+// walks the tree.
 constexpr double kMaxNodes = 1e6;
 
 [[noreturn]] void fail(const std::string& name, int line, const std::string& what) {
@@ -25,7 +26,11 @@ std::size_t utf8_length(const std::string& text, std::size_t at) {
   const auto byte = [&text](std::size_t i) { return static_cast<unsigned char>(text[i]); };
   const unsigned char first = byte(at);
   if (first < 0x80) return 1;
-  const std::size_t length = first >= 0xF5 ? 0 : first >= 0xF0 ? 4 : first >= 0xE0 ? 3 : first >= 0xC2 ? 2 : 0;
+  const std::size_t length = first >= 0xF5   ? 0
+                             : first >= 0xF0 ? 4
+                             : first >= 0xE0 ? 3
+                             : first >= 0xC2 ? 2
+                                             : 0;
   if (length == 0 || at + length > text.size()) return 0;
   for (std::size_t i = 1; i < length; ++i) {
     if ((byte(at + i) & 0xC0) != 0x80) return 0;
@@ -40,7 +45,8 @@ void check_text(const std::string& text, const std::string& name) {
     const auto c = static_cast<unsigned char>(text[at]);
     const std::size_t length = utf8_length(text, at);
     const bool control = (c < 0x20 && c != '\t' && c != '\n' && c != '\r') || c == 0x7F;
-    if (length == 0 || control) fail(name, line, fmt::format("byte 0x{:02x} found; allowed: YAML in UTF-8 text", c));
+    if (length == 0 || control)
+      fail(name, line, fmt::format("byte 0x{:02x} found; allowed: YAML in UTF-8 text", c));
     if (c == '\n') ++line;
     at += length;
   }
@@ -69,7 +75,8 @@ class Builder : public YAML::EventHandler {
     const auto found = anchors_.find(anchor);
     if (found == anchors_.end()) fail(name_, mark.line + 1, "alias to an unknown anchor");
     if (!found->second->complete) {
-      fail(name_, mark.line + 1, "alias to a node that contains it (cyclic); an alias may only name a finished node");
+      fail(name_, mark.line + 1,
+           "alias to a node that contains it (cyclic); an alias may only name a finished node");
     }
     attach(mark, found->second);
   }
@@ -100,13 +107,15 @@ class Builder : public YAML::EventHandler {
 
   void check_tag(const YAML::Mark& mark, const std::string& tag) const {
     if (!tag.empty() && tag != "?" && tag != "!") {
-      fail(name_, mark.line + 1, fmt::format("tag '{}' is not supported; allowed: values without tags", tag));
+      fail(name_, mark.line + 1,
+           fmt::format("tag '{}' is not supported; allowed: values without tags", tag));
     }
   }
 
   static int line_of(const YAML::Mark& mark) { return mark.line + 1; }
 
-  void leaf(const YAML::Mark& mark, YAML::anchor_t anchor, Tree::Kind kind, const std::string& value, bool quoted) {
+  void leaf(const YAML::Mark& mark, YAML::anchor_t anchor, Tree::Kind kind,
+            const std::string& value, bool quoted) {
     auto tree = std::make_shared<Tree>();
     tree->kind = kind;
     tree->line = line_of(mark);
@@ -118,7 +127,8 @@ class Builder : public YAML::EventHandler {
   }
 
   void open(const YAML::Mark& mark, YAML::anchor_t anchor, Tree::Kind kind) {
-    if (!open_.empty() && open_.back().tree->kind == Tree::Kind::map && !open_.back().has_key) bad_key(mark);
+    if (!open_.empty() && open_.back().tree->kind == Tree::Kind::map && !open_.back().has_key)
+      bad_key(mark);
     auto tree = std::make_shared<Tree>();
     tree->kind = kind;
     tree->line = line_of(mark);
@@ -138,15 +148,19 @@ class Builder : public YAML::EventHandler {
       root_ = tree;
       return;
     }
+
     Open& top = open_.back();
     if (top.tree->kind == Tree::Kind::map && !top.has_key) {
       take_key(mark, *tree);
       return;
     }
+
     top.tree->expanded += tree->expanded;
     if (top.tree->expanded > kMaxNodes) {
-      fail(name_, top.tree->line, "more than a million values with aliases written out; allowed: fewer");
+      fail(name_, top.tree->line,
+           "more than a million values with aliases written out; allowed: fewer");
     }
+
     if (top.tree->kind == Tree::Kind::map) {
       std::shared_ptr<const Tree> value = tree;
       if (tree->kind == Tree::Kind::null) value = null_at(top.key_line);
@@ -168,9 +182,11 @@ class Builder : public YAML::EventHandler {
   void take_key(const YAML::Mark& mark, const Tree& tree) {
     if (tree.kind != Tree::Kind::scalar || tree.scalar.empty()) bad_key(mark);
     Open& top = open_.back();
-    if (tree.scalar == "<<") fail(name_, tree.line, "key '<<': merge keys are not supported; write the values out");
+    if (tree.scalar == "<<")
+      fail(name_, tree.line, "key '<<': merge keys are not supported; write the values out");
     if (!top.keys.insert(tree.scalar).second) {
-      fail(name_, tree.line, fmt::format("key '{}' given twice in one map; allowed: once", tree.scalar));
+      fail(name_, tree.line,
+           fmt::format("key '{}' given twice in one map; allowed: once", tree.scalar));
     }
     top.key = tree.scalar;
     top.key_line = tree.line;
@@ -196,11 +212,13 @@ void emit(YAML::Emitter& out, const Tree& tree) {
       if (tree.quoted) out << YAML::DoubleQuoted;
       out << tree.scalar;
       break;
+
     case Tree::Kind::list:
       out << YAML::Flow << YAML::BeginSeq;
       for (const auto& item : tree.items) emit(out, *item);
       out << YAML::EndSeq;
       break;
+
     case Tree::Kind::map:
       out << YAML::BeginMap;
       for (const auto& entry : tree.entries) {
@@ -217,17 +235,22 @@ void emit(YAML::Emitter& out, const Tree& tree) {
 std::shared_ptr<const Tree> parse_tree(const std::string& text, const std::string& name) {
   check_text(text, name);
   try {
-    // The end marker makes the parser notice a quote that is never closed; without it the rest of the file would be swallowed.
+    // The end marker makes the parser notice a quote that is never closed; without it the rest of
+    // the file would be swallowed.
     std::istringstream stream(text + (text.ends_with('\n') ? "...\n" : "\n...\n"));
     YAML::Parser parser(stream);
     Builder builder(name);
-    if (!parser.HandleNextDocument(builder) || !builder.root() || builder.root()->kind == Tree::Kind::null) {
+    if (!parser.HandleNextDocument(builder) || !builder.root() ||
+        builder.root()->kind == Tree::Kind::null) {
       fail(name, 1, "the file holds no value; allowed: a YAML document");
     }
+
     Builder second(name);
     if (parser.HandleNextDocument(second)) {
-      fail(name, second.root() ? second.root()->line : 1, "a second document ('---'); allowed: one document a file");
+      fail(name, second.root() ? second.root()->line : 1,
+           "a second document ('---'); allowed: one document a file");
     }
+
     return builder.root();
   } catch (const YAML::Exception& e) {
     const bool open_quote = e.msg.find("document indicator") != std::string::npos;

@@ -1,6 +1,7 @@
 #pragma once
-// The document behind yaml::Node: an immutable tree, built from the events of yaml-cpp's parser so that duplicate keys,
-// cyclic aliases and tags are seen (its own tree hides them), and so that nodes may be read from several threads.
+// The document behind yaml::Node: an immutable tree, built from the events of yaml-cpp's parser so
+// that duplicate keys, cyclic aliases and tags are seen (its own tree hides them), and so that
+// nodes may be read from several threads.
 
 #include <memory>
 #include <string>

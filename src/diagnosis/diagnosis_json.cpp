@@ -5,15 +5,19 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <nlohmann/json.hpp>
 
+#include "diagnosis/noise/noise_model.h"
 #include "jaculus/core/json.h"
 #include "jaculus/effects/select.h"
 
-namespace jaculus {
+namespace jaculus::diagnosis {
 namespace {
 
+using effects::component_name;
+using effects::ModelOverride;
+using model::PlanarModel;
+using simulation::Plant;
 using Json = nlohmann::ordered_json;
 
 Json pair(const Bounds& b) { return Json::array({json_number(b.lower), json_number(b.upper)}); }
@@ -23,35 +27,41 @@ Json effects_json(const Diagnosis& d) {
   for (const FoundEffect& e : d.effects) {
     Json parameters = Json::object();
     for (const FoundParameter& p : e.parameters)
-      parameters[p.name] = {{"value", json_number(p.value)}, {"ci95", pair(p.ci95)}, {"unit", p.unit}};
+      parameters[p.name] = {
+          {"value", json_number(p.value)}, {"ci95", pair(p.ci95)}, {"unit", p.unit}};
     list.push_back({{"name", e.name},
                     {"caption", e.caption},
                     {"probability", e.probability},
                     {"parameters", parameters},
-                    {"like", e.like}});
+                    {"like", e.indistinguishable}});
   }
   return list;
+}
+
+Json channel_json(const Channel& channel, double gap, double noise_floor) {
+  return {{"gap", json_number(gap)},
+          {"noise_floor", json_number(noise_floor)},
+          {"unit", channel.unit},
+          {"stream", channel.stream}};
 }
 
 Json channels_json(const Diagnosis& d) {
   Json channels = Json::object();
   if (d.where) {
     for (const ChannelGap& c : d.where->channels)
-      channels[c.name] = {{"gap", json_number(c.gap)},
-                          {"noise_floor", json_number(c.noise_floor)},
-                          {"unit", c.unit},
-                          {"stream", c.stream}};
+      channels[c.name] = channel_json({c.stream, c.name, c.unit}, c.gap, c.noise_floor);
     return channels;
   }
   if (!d.problem) return channels;
-  for (const Condition& condition : d.problem->observations.conditions) {
-    for (const Channel& c : condition.channels) {
-      const auto found = d.gap.channels.find(c.stream + "." + c.name);
-      channels[c.name] = {
-          {"gap", found == d.gap.channels.end() ? Json(nullptr) : json_number(found->second.before * c.noise_floor)},
-          {"noise_floor", json_number(c.noise_floor)},
-          {"unit", c.unit},
-          {"stream", c.stream}};
+
+  for (int i = 0; i < count_of(d.problem->observations.datasets); ++i) {
+    const ObservedDataset& observed = d.problem->observations.datasets[i];
+    for (int k = 0; k < count_of(observed.channels); ++k) {
+      const Channel& channel = observed.channels[k];
+      const double floor = d.noise ? d.noise->datasets[i].channels[k].noise_floor : kNaN;
+      const auto found = d.gap.channels.find(channel.stream + "." + channel.name);
+      const double gap = found == d.gap.channels.end() ? kNaN : found->second.before * floor;
+      channels[channel.name] = channel_json(channel, gap, floor);
     }
   }
   return channels;
@@ -78,7 +88,8 @@ Json where_json(const Diagnosis& d) {
   if (!d.where) return where;
   where["components"] = shares(d.where->components, false);
   where["component_intervals"] = shares(d.where->components, true);
-  for (const PhaseShare& phase : d.where->phases) where["phases"][phase.name] = json_number(phase.share);
+  for (const PhaseShare& phase : d.where->phases)
+    where["phases"][phase.name] = json_number(phase.share);
   if (d.where->departure.found) where["first_departure_s"] = json_number(d.where->departure.time);
   where["first_departure_ci95"] = pair(d.where->departure.ci95);
   where["unexplained"] = json_number(d.where->unexplained);
@@ -102,24 +113,28 @@ Json gap_json(const Diagnosis& d) {
 
 /// `name:parameter=value,...` of one chosen effect.
 std::string effect_text(const Diagnosis& d, int candidate) {
-  const Candidate& c = d.problem->hypotheses.candidates[static_cast<std::size_t>(candidate)];
+  const Candidate& c = d.problem->hypotheses.candidates[candidate];
   std::vector<std::string> parts;
   for (std::size_t k = 0; k < c.parameters.size(); ++k)
-    parts.push_back(fmt::format("{}={}", c.effect->parameters[k].name, d.p[c.parameters[k]]));
+    parts.push_back(fmt::format("{}={}", c.effect->parameters[k].name, d.model.p[c.parameters[k]]));
   return fmt::format("{}:{}", c.name, fmt::join(parts, ","));
 }
 
-std::string shown_number(double value) { return std::isfinite(value) ? fmt::format("{:.4g}", value) : "-"; }
+std::string shown_number(double value) {
+  return std::isfinite(value) ? fmt::format("{:.4g}", value) : "-";
+}
 
 std::string effects_text(const Diagnosis& d) {
   std::string text;
   for (const FoundEffect& e : d.effects) {
     text += fmt::format("  {:<26} p {:.2f}", e.name, e.probability);
     for (const FoundParameter& p : e.parameters)
-      text += fmt::format("  {} {} [{}, {}] {}", p.name, shown_number(p.value), shown_number(p.ci95.lower),
-                          shown_number(p.ci95.upper), p.unit);
+      text += fmt::format("  {} {} [{}, {}] {}", p.name, shown_number(p.value),
+                          shown_number(p.ci95.lower), shown_number(p.ci95.upper), p.unit);
     text += "\n";
-    if (!e.like.empty()) text += fmt::format("    not told apart here from: {}\n", fmt::join(e.like, ", "));
+    if (!e.indistinguishable.empty())
+      text +=
+          fmt::format("    not told apart here from: {}\n", fmt::join(e.indistinguishable, ", "));
   }
   return text;
 }
@@ -134,16 +149,14 @@ std::string diagnosis_json(const Diagnosis& d) {
                        {"held_out_error", json_number(r.held_out_error)},
                        {"probability", r.probability}});
   }
-  for (const OneOff& one : d.disturbances) {
-    const Condition& c = d.problem->observations.conditions[static_cast<std::size_t>(one.condition)];
-    const auto trial = static_cast<std::size_t>(c.runs[static_cast<std::size_t>(one.run)].trial);
-    disturbances.push_back({{"trial", c.dataset.trials[trial].name},
+
+  for (const OneOff& one : d.disturbances)
+    disturbances.push_back({{"trial", one.trial},
                             {"from_s", one.onset},
                             {"channel", one.channel},
                             {"excess", one.excess}});
-  }
   Json json = {{"format", "jaculus-diagnosis/1"},
-               {"verdict", d.verdict},
+               {"verdict", to_text(d.verdict)},
                {"reasons", d.reasons},
                {"effects", effects_json(d)},
                {"ranking", ranking},
@@ -151,67 +164,84 @@ std::string diagnosis_json(const Diagnosis& d) {
                {"gap", gap_json(d)},
                {"disturbances", disturbances},
                {"notes", d.notes}};
+  json["settings"] = Json::object();
+
+  for (const SettingRow& row : setting_rows(d.settings)) json["settings"][row.name] = row.value;
   json["discriminating_experiment"] = nullptr;
   if (d.next) {
-    json["discriminating_experiment"] = {{"experiment", d.next->experiment},
-                                         {"expected_log_bayes_factor", json_number(d.next->log_bayes_factor)}};
+    json["discriminating_experiment"] = {
+        {"experiment", d.next->experiment},
+        {"expected_log_bayes_factor", json_number(d.next->log_bayes_factor)}};
   }
+
   return json.dump(2) + "\n";
 }
 
 std::string augmented_yaml(const Diagnosis& d) {
   std::string text = "format: jaculus-augmented/1\n";
-  if (!d.problem || d.problem->observations.conditions.empty()) return text + "effects: []\n";
-  const Condition& condition = d.problem->observations.conditions.front();
-  text += fmt::format("robot: {}\n", condition.dataset.robot);
+  if (!d.problem || d.problem->observations.datasets.empty()) return text + "effects: []\n";
+
+  const ObservedDataset& observed = d.problem->observations.datasets.front();
+  text += fmt::format("robot: {}\n", observed.dataset.robot);
   std::vector<ModelOverride> overrides;
-  for (const auto& [path, value] : condition.dataset.overrides) overrides.emplace_back(path, value);
+  for (const auto& [path, value] : observed.dataset.overrides) overrides.emplace_back(path, value);
   std::string effects;
-  PlanarModel model = condition.model;
-  for (const int c : d.chosen) {
-    const Candidate& candidate = d.problem->hypotheses.candidates[static_cast<std::size_t>(c)];
+  PlanarModel model = observed.model;
+  for (const int c : d.model.candidates) {
+    const Candidate& candidate = d.problem->hypotheses.candidates[c];
     if (candidate.effect == nullptr || !candidate.effect->applies(model)) continue;
-    const Vector theta = candidate.theta(d.p);
+    const Vector theta = candidate.theta(d.model.p);
     for (const ModelOverride& value : candidate.effect->overrides(theta, model)) {
       std::erase_if(overrides, [&](const ModelOverride& o) { return o.first == value.first; });
       overrides.push_back(value);
     }
-    Plant plant = nominal_plant(model);  // a second effect's overrides count on top of the first one's
+    Plant plant = simulation::nominal_plant(
+        model);  // a second effect's overrides count on top of the first one's
     candidate.effect->apply(theta, plant);
     model = plant.model;
     effects += fmt::format("  - \"{}\"\n", effect_text(d, c));
   }
-  text += "# Model values by which planning knows of the effect; where it can't, nothing stands here.\noverride:";
+
+  text +=
+      "# Model values by which planning knows of the effect; where it can't, nothing stands "
+      "here.\noverride:";
   text += overrides.empty() ? " {}\n" : "\n";
+
   for (const auto& [path, value] : overrides) text += fmt::format("  {}: {}\n", path, value);
-  return text + "# All of it for simulation, in place of the overrides: jaculus simulate --effect\neffects:" +
+  return text +
+         "# All of it for simulation, in place of the overrides: jaculus simulate "
+         "--effect\neffects:" +
          (effects.empty() ? " []\n" : "\n" + effects);
 }
 
 std::string diagnosis_text(const Diagnosis& d) {
-  std::string text = fmt::format("verdict: {}\n", d.verdict);
+  std::string text = fmt::format("verdict: {}\n", to_text(d.verdict));
   for (const std::string& reason : d.reasons) text += "  " + reason + "\n";
   text += effects_text(d);
   if (d.gap.valid) {
-    text += fmt::format("gap on held-out {}: {:.2f} noise floors before, {:.2f} after", d.gap.over, d.gap.before,
-                        d.gap.after);
-    text += d.gap.shrink ? fmt::format(", shrink {:.2f} [{}, {}]\n", *d.gap.shrink, shown_number(d.gap.ci95.lower),
-                                       shown_number(d.gap.ci95.upper))
-                         : "\n";
+    text += fmt::format("gap on held-out {}: {:.2f} noise floors before, {:.2f} after", d.gap.over,
+                        d.gap.before, d.gap.after);
+    text += d.gap.shrink
+                ? fmt::format(", shrink {:.2f} [{}, {}]\n", *d.gap.shrink,
+                              shown_number(d.gap.ci95.lower), shown_number(d.gap.ci95.upper))
+                : "\n";
   }
+
   if (!d.ranking.empty())
-    text += fmt::format("\n{:<44} {:>12} {:>9} {:>11}\n", "ranking", "log evidence", "held out", "probability");
+    text += fmt::format("\n{:<44} {:>12} {:>9} {:>11}\n", "ranking", "log evidence", "held out",
+                        "probability");
   std::size_t rows = 0;
   for (const Ranked& r : d.ranking) {
     if (++rows > 10) break;
     text += fmt::format("{:<44} {:>12} {:>9} {:>11.3f}\n", r.effect, shown_number(r.log_evidence),
                         shown_number(r.held_out_error), r.probability);
   }
+
   if (d.next)
-    text += fmt::format("\nto tell them apart: {} (expected log Bayes factor {:.1f})\n", d.next->experiment,
-                        d.next->log_bayes_factor);
+    text += fmt::format("\nto tell them apart: {} (expected log Bayes factor {:.1f})\n",
+                        d.next->experiment, d.next->log_bayes_factor);
   for (const std::string& note : d.notes) text += "note: " + note + "\n";
   return text;
 }
 
-}  // namespace jaculus
+}  // namespace jaculus::diagnosis

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace jaculus {
+namespace jaculus::dynamics {
 
 namespace {
 
@@ -11,11 +11,14 @@ namespace {
 double angle_of(const Vec2& v) { return std::atan2(-v.y(), v.x()); }
 
 double wrap(double angle) {
-  return angle - 2.0 * std::numbers::pi * std::ceil((angle - std::numbers::pi) / (2.0 * std::numbers::pi));
+  return angle -
+         2.0 * std::numbers::pi * std::ceil((angle - std::numbers::pi) / (2.0 * std::numbers::pi));
 }
 
-/// The intersection of the circles about a and b on the stated branch; false where they do not meet.
-bool intersect_circles(const Vec2& a, double ra, const Vec2& b, double rb, double branch, Vec2& pin) {
+/// The intersection of the circles about a and b on the stated branch; false where they do not
+/// meet.
+bool intersect_circles(const Vec2& a, double ra, const Vec2& b, double rb, double branch,
+                       Vec2& pin) {
   const Vec2 u = b - a;
   const double distance = u.norm();
   const double along = (distance * distance + ra * ra - rb * rb) / (2.0 * distance);
@@ -27,7 +30,8 @@ bool intersect_circles(const Vec2& a, double ra, const Vec2& b, double rb, doubl
 }
 
 /// Sets one dependent joint so that its body's `arm` points at the pin, and updates the pose.
-void point_body_at(const AbsoluteTree& tree, int body, int k, const Vec2& arm, const Vec2& direction, Motion& m) {
+void point_body_at(const AbsoluteTree& tree, int body, int k, const Vec2& arm,
+                   const Vec2& direction, Motion& m) {
   const int i = AbsoluteTree::angle_index(body);
   const double sign = tree.P_d(i, k);
   m.d[k] = wrap(sign * (angle_of(direction) - angle_of(arm) - m.pose.Y[i]));
@@ -36,12 +40,13 @@ void point_body_at(const AbsoluteTree& tree, int body, int k, const Vec2& arm, c
 }
 
 bool close_loops(const AbsoluteTree& tree, Motion& m) {
-  for (size_t l = 0; l < tree.loops.size(); ++l) {
+  for (int l = 0; l < count_of(tree.loops); ++l) {
     const LoopPaths& loop = tree.loops[l];
     const Vec2 a = position(loop.anchor_a, m.pose), b = position(loop.anchor_b, m.pose);
     Vec2 pin;
-    if (!intersect_circles(a, loop.arm_a.norm(), b, loop.arm_b.norm(), loop.branch, pin)) return false;
-    const int k = 2 * static_cast<int>(l);
+    if (!intersect_circles(a, loop.arm_a.norm(), b, loop.arm_b.norm(), loop.branch, pin))
+      return false;
+    const int k = 2 * l;
     point_body_at(tree, loop.body_a, k, loop.arm_a, pin - a, m);
     point_body_at(tree, loop.body_b, k + 1, loop.arm_b, pin - b, m);
   }
@@ -80,14 +85,16 @@ bool set_configuration(const AbsoluteTree& tree, const Eigen::Ref<const Vector>&
   m.pose.set(tree);
   if (tree.nd == 0) return true;
   if (!close_loops(tree, m)) return false;
+
   m.C.setZero();
-  for (size_t l = 0; l < tree.loops.size(); ++l) {
-    const int row = 2 * static_cast<int>(l);
+  for (int l = 0; l < count_of(tree.loops); ++l) {
+    const int row = 2 * l;
     jacobian_columns(tree.loops[l].a, m.pose, m.columns);
     add_rows(m.columns, 1.0, row, m.C);
     jacobian_columns(tree.loops[l].b, m.pose, m.columns);
     add_rows(m.columns, -1.0, row, m.C);
   }
+
   m.C_d = m.C.lazyProduct(tree.P_d);
   // The loops are dyads: C_d is block lower triangular with 2 x 2 blocks, inverted by substitution.
   m.C_d_inverse.setZero();
@@ -96,10 +103,12 @@ bool set_configuration(const AbsoluteTree& tree, const Eigen::Ref<const Vector>&
     m.C_d_inverse.block<2, 2>(l, l) = inverse;
     for (int k = 0; k < l; k += 2) {
       Mat2 sum = Mat2::Zero();
-      for (int j = k; j < l; j += 2) sum += m.C_d.block<2, 2>(l, j) * m.C_d_inverse.block<2, 2>(j, k);
+      for (int j = k; j < l; j += 2)
+        sum += m.C_d.block<2, 2>(l, j) * m.C_d_inverse.block<2, 2>(j, k);
       m.C_d_inverse.block<2, 2>(l, k) = -inverse * sum;
     }
   }
+
   m.scratch_dn = m.C.lazyProduct(tree.P);
   m.D = -m.C_d_inverse.lazyProduct(m.scratch_dn);
   m.G = tree.P;
@@ -110,11 +119,13 @@ bool set_configuration(const AbsoluteTree& tree, const Eigen::Ref<const Vector>&
 void set_rates(const AbsoluteTree& tree, const Eigen::Ref<const Vector>& v, Motion& m) {
   m.V = m.G.lazyProduct(v);
   m.gamma.setZero();
-  for (size_t l = 0; l < tree.loops.size(); ++l) {
-    const Vec2 curvature = quadratic(tree.loops[l].a, m.pose, m.V) - quadratic(tree.loops[l].b, m.pose, m.V);
+  for (int l = 0; l < count_of(tree.loops); ++l) {
+    const Vec2 curvature =
+        quadratic(tree.loops[l].a, m.pose, m.V) - quadratic(tree.loops[l].b, m.pose, m.V);
     for (int i = 0; i < 2; ++i) {
-      const int row = 2 * static_cast<int>(l) + i;
-      for (int k = 0; k < tree.nd; ++k) m.gamma -= tree.P_d.col(k) * (m.C_d_inverse(k, row) * curvature[i]);
+      const int row = 2 * l + i;
+      for (int k = 0; k < tree.nd; ++k)
+        m.gamma -= tree.P_d.col(k) * (m.C_d_inverse(k, row) * curvature[i]);
     }
   }
 }
@@ -123,8 +134,8 @@ void set_rate_sensitivity(const AbsoluteTree& tree, Motion& m) {
   m.X.setZero();
   if (tree.nd == 0) return;
   m.scratch_dN.setZero();
-  for (size_t l = 0; l < tree.loops.size(); ++l) {
-    const int row = 2 * static_cast<int>(l);
+  for (int l = 0; l < count_of(tree.loops); ++l) {
+    const int row = 2 * l;
     const Path* sides[2] = {&tree.loops[l].a, &tree.loops[l].b};
     for (int side = 0; side < 2; ++side) {
       jacobian_columns(*sides[side], m.pose, m.columns);
@@ -133,6 +144,7 @@ void set_rate_sensitivity(const AbsoluteTree& tree, Motion& m) {
       add_rows(m.columns, side == 0 ? 1.0 : -1.0, row, m.scratch_dN);
     }
   }
+
   m.scratch_dn = m.scratch_dN.lazyProduct(m.G);
   for (int k = 0; k < tree.nd; ++k) {
     for (int r = 0; r < tree.nd; ++r) {
@@ -142,12 +154,12 @@ void set_rate_sensitivity(const AbsoluteTree& tree, Motion& m) {
   }
 }
 
-void loop_acceleration_derivatives(const AbsoluteTree& tree, Motion& m, const Vector& A, bool at_rest, Matrix& dY,
-                                   Matrix& dV) {
+void loop_acceleration_derivatives(const AbsoluteTree& tree, Motion& m, const Vector& A,
+                                   bool at_rest, Matrix& dY, Matrix& dV) {
   dY.setZero();
   dV.setZero();
-  for (size_t l = 0; l < tree.loops.size(); ++l) {
-    const int row = 2 * static_cast<int>(l);
+  for (int l = 0; l < count_of(tree.loops); ++l) {
+    const int row = 2 * l;
     const Path* sides[2] = {&tree.loops[l].a, &tree.loops[l].b};
     for (int side = 0; side < 2; ++side) {
       const double sign = side == 0 ? 1.0 : -1.0;
@@ -157,6 +169,7 @@ void loop_acceleration_derivatives(const AbsoluteTree& tree, Motion& m, const Ve
         add_D(*sides[side], m.pose, m.V, 2.0, m.columns);
         add_rows(m.columns, sign, row, dV);
       }
+
       zero_vectors(m.columns);
       add_D(*sides[side], m.pose, A, 1.0, m.columns);
       if (!at_rest) add_E(*sides[side], m.pose, m.V, 1.0, m.columns);
@@ -165,12 +178,14 @@ void loop_acceleration_derivatives(const AbsoluteTree& tree, Motion& m, const Ve
   }
 }
 
-Vector joint_positions(const AbsoluteTree& tree, const Eigen::Ref<const Vector>& q, const Motion& m) {
+Vector joint_positions(const AbsoluteTree& tree, const Eigen::Ref<const Vector>& q,
+                       const Motion& m) {
   return tree.joint_row_q * q + tree.joint_row_d * m.d + tree.joint_0;
 }
 
-Vector joint_velocities(const AbsoluteTree& tree, const Eigen::Ref<const Vector>& v, const Motion& m) {
+Vector joint_velocities(const AbsoluteTree& tree, const Eigen::Ref<const Vector>& v,
+                        const Motion& m) {
   return tree.joint_row_q * v + tree.joint_row_d * (m.D * v);
 }
 
-}  // namespace jaculus
+}  // namespace jaculus::dynamics

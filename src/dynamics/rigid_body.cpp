@@ -3,12 +3,12 @@
 #include <Eigen/LU>
 #include <cassert>
 
-namespace jaculus {
+namespace jaculus::dynamics {
 
-void add_bodies(const AbsoluteTree& tree, const Motion& motion, const Vector& A, Matrix& mass, Vector& residual,
-                PointColumns& J) {
-  for (size_t b = 0; b < tree.com.size(); ++b) {
-    const int phi = AbsoluteTree::angle_index(static_cast<int>(b));
+void add_bodies(const AbsoluteTree& tree, const Motion& motion, const Vector& A, Matrix& mass,
+                Vector& residual, PointColumns& J) {
+  for (int b = 0; b < count_of(tree.com); ++b) {
+    const int phi = AbsoluteTree::angle_index(b);
     mass(phi, phi) += tree.inertia[b];
     residual[phi] += tree.inertia[b] * A[phi];
     if (tree.mass[b] == 0.0) continue;
@@ -39,11 +39,11 @@ Vector bias(const AbsoluteTree& tree, const Motion& motion) {
 }
 
 Matrix foot_jacobian(const AbsoluteTree& tree, const Motion& motion, const std::vector<int>& feet) {
-  Matrix in_absolute = Matrix::Zero(2 * static_cast<int>(feet.size()), tree.N);
+  Matrix in_absolute = Matrix::Zero(2 * count_of(feet), tree.N);
   PointColumns J;
-  for (size_t f = 0; f < feet.size(); ++f) {
-    const int row = 2 * static_cast<int>(f);
-    jacobian_columns(tree.feet[static_cast<size_t>(feet[f])], motion.pose, J);
+  for (int f = 0; f < count_of(feet); ++f) {
+    const int row = 2 * f;
+    jacobian_columns(tree.feet[feet[f]], motion.pose, J);
     for (int k = 0; k < J.count; ++k) {
       in_absolute(row, J.index[k]) += J.x[k];
       in_absolute(row + 1, J.index[k]) += J.z[k];
@@ -53,12 +53,12 @@ Matrix foot_jacobian(const AbsoluteTree& tree, const Motion& motion, const std::
 }
 
 Vec2 foot_position(const AbsoluteTree& tree, const Motion& motion, int foot) {
-  return position(tree.feet[static_cast<size_t>(foot)], motion.pose);
+  return position(tree.feet[foot], motion.pose);
 }
 
 Vec2 foot_velocity(const AbsoluteTree& tree, const Motion& motion, int foot) {
   PointColumns J;
-  jacobian_columns(tree.feet[static_cast<size_t>(foot)], motion.pose, J);
+  jacobian_columns(tree.feet[foot], motion.pose, J);
   return J.times(motion.V);
 }
 
@@ -73,16 +73,18 @@ Vec2 point_acceleration(const PointSum& point, const Motion& motion, const Vecto
   return sum;
 }
 
-Vector inverse_dynamics(const AbsoluteTree& tree, const Motion& motion, const Vector& a, const std::vector<int>& feet,
-                        const Vector& force) {
-  assert(a.size() == tree.n && force.size() == 2 * static_cast<int>(feet.size()));
-  return mass_matrix(tree, motion) * a + bias(tree, motion) - foot_jacobian(tree, motion, feet).transpose() * force;
+Vector inverse_dynamics(const AbsoluteTree& tree, const Motion& motion, const Vector& a,
+                        const std::vector<int>& feet, const Vector& force) {
+  assert(a.size() == tree.n && force.size() == 2 * count_of(feet));
+  return mass_matrix(tree, motion) * a + bias(tree, motion) -
+         foot_jacobian(tree, motion, feet).transpose() * force;
 }
 
 namespace {
 
 /// Solves [M -J^T; J 0] (x, f) = (top, bottom).
-ContactSolution solve_contact(const Matrix& M, const Matrix& J, const Vector& top, const Vector& bottom) {
+ContactSolution solve_contact(const Matrix& M, const Matrix& J, const Vector& top,
+                              const Vector& bottom) {
   const Eigen::Index n = M.rows(), m = J.rows();
   Matrix K = Matrix::Zero(n + m, n + m);
   K.topLeftCorner(n, n) = M;
@@ -98,11 +100,11 @@ ContactSolution solve_contact(const Matrix& M, const Matrix& J, const Vector& to
 
 }  // namespace
 
-ContactSolution forward_dynamics(const AbsoluteTree& tree, const Motion& motion, const Vector& generalised_force,
-                                 const std::vector<int>& feet) {
-  Vector bottom(2 * static_cast<int>(feet.size()));
-  for (size_t f = 0; f < feet.size(); ++f) {
-    bottom.segment<2>(2 * static_cast<int>(f)) =
+ContactSolution forward_dynamics(const AbsoluteTree& tree, const Motion& motion,
+                                 const Vector& generalised_force, const std::vector<int>& feet) {
+  Vector bottom(2 * count_of(feet));
+  for (int f = 0; f < count_of(feet); ++f) {
+    bottom.segment<2>(2 * f) =
         -point_acceleration(foot_point(tree, feet[f]), motion, Vector::Zero(tree.n));
   }
   return solve_contact(mass_matrix(tree, motion), foot_jacobian(tree, motion, feet),
@@ -112,7 +114,8 @@ ContactSolution forward_dynamics(const AbsoluteTree& tree, const Motion& motion,
 ContactSolution plastic_impact(const AbsoluteTree& tree, const Motion& motion, const Vector& v,
                                const std::vector<int>& feet) {
   const Matrix M = mass_matrix(tree, motion);
-  return solve_contact(M, foot_jacobian(tree, motion, feet), M * v, Vector::Zero(2 * static_cast<int>(feet.size())));
+  return solve_contact(M, foot_jacobian(tree, motion, feet), M * v,
+                       Vector::Zero(2 * count_of(feet)));
 }
 
 Vec2 centre_of_mass(const AbsoluteTree& tree, const Motion& motion) {
@@ -130,11 +133,11 @@ Vec2 linear_momentum(const AbsoluteTree& tree, const Motion& motion) {
 double angular_momentum(const AbsoluteTree& tree, const Motion& motion, const Vec2& about) {
   PointColumns J;
   double sum = 0.0;
-  for (size_t b = 0; b < tree.com.size(); ++b) {
+  for (int b = 0; b < count_of(tree.com); ++b) {
     jacobian_columns(tree.com[b], motion.pose, J);
     const Vec2 r = position(tree.com[b], motion.pose) - about, velocity = J.times(motion.V);
     sum += tree.mass[b] * (r.y() * velocity.x() - r.x() * velocity.y());
-    sum += tree.inertia[b] * motion.V[AbsoluteTree::angle_index(static_cast<int>(b))];
+    sum += tree.inertia[b] * motion.V[AbsoluteTree::angle_index(b)];
   }
   return sum;
 }
@@ -147,9 +150,9 @@ double angular_momentum(const AbsoluteTree& tree, const Motion& motion) {
 double kinetic_energy(const AbsoluteTree& tree, const Motion& motion, const Vector& v) {
   PointColumns J;
   double twice = v.dot(tree.armature * v);
-  for (size_t b = 0; b < tree.com.size(); ++b) {
+  for (int b = 0; b < count_of(tree.com); ++b) {
     jacobian_columns(tree.com[b], motion.pose, J);
-    const double turn = motion.V[AbsoluteTree::angle_index(static_cast<int>(b))];
+    const double turn = motion.V[AbsoluteTree::angle_index(b)];
     twice += tree.mass[b] * J.times(motion.V).squaredNorm() + tree.inertia[b] * turn * turn;
   }
   return 0.5 * twice;
@@ -157,9 +160,9 @@ double kinetic_energy(const AbsoluteTree& tree, const Motion& motion, const Vect
 
 double potential_energy(const AbsoluteTree& tree, const Motion& motion) {
   double sum = 0.0;
-  for (size_t b = 0; b < tree.com.size(); ++b)
+  for (std::size_t b = 0; b < tree.com.size(); ++b)
     sum += tree.mass[b] * tree.gravity * position(tree.com[b], motion.pose).y();
   return sum;
 }
 
-}  // namespace jaculus
+}  // namespace jaculus::dynamics

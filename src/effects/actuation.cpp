@@ -1,11 +1,11 @@
 // From the command to the torque: loop, driver, winding, battery.
 //
-// A torque constant of s times the stated one turns a current into s times the torque, and a speed into s times the back-EMF:
+// A torque constant of s times the stated one turns a current into s times the torque, and a speed
+// into s times the back-EMF:
 //   tau = s tau_stated(i),   V = R i + s k_t G w.
-// On a plant that is torque_scale with the motor's k_t; as values of the model the saturation law i = a tau + c tau^3 takes
-// a/s and c/s^3.
+// On a plant that is torque_scale with the motor's k_t; as values of the model the saturation law
+// i = a tau + c tau^3 takes a/s and c/s^3.
 
-#include <algorithm>
 #include <cmath>
 
 #include "effects/families.h"
@@ -14,66 +14,84 @@
 namespace jaculus::effects {
 namespace {
 
+/// Copper's resistance and the magnets' strength against temperature above the stated one [1/K]; as
+/// the plant's winding has it.
+constexpr double kCopper = 0.0039, kMagnet = 0.001;
+
 Effect on_actuation(const std::string& name, const std::string& caption) {
   Effect effect;
   effect.name = name;
   effect.caption = caption;
-  effect.where = Component::actuation;
-  effect.excited_by = {"leap", "self_righting", "tail_bench", "pendulum"};
+  effect.where = {Component::actuation};
+  effect.excited_by = {ExperimentKind::leap, ExperimentKind::self_righting,
+                       ExperimentKind::tail_bench, ExperimentKind::pendulum};
   effect.applies = [](const PlanarModel& model) { return !model.motors.empty(); };
   return effect;
 }
 
 bool any_electric(const PlanarModel& model) {
-  return std::any_of(model.motors.begin(), model.motors.end(), [](const PlanarMotor& m) { return !m.ideal(); });
+  return std::any_of(model.motors.begin(), model.motors.end(),
+                     [](const PlanarMotor& motor) { return !motor.ideal(); });
 }
 
-void scale_torque_constant(PlanarMotor& motor, double scale, Plant& plant) {
-  motor.torque_constant *= scale;
-  plant.actuation.torque_scale.try_emplace(motor.joint, 1.0).first->second *= scale;
+using Overrides = std::vector<ModelOverride>;
+
+/// Model values that an edit gives for every electric motor.
+std::function<Overrides(const Vector&, const PlanarModel&)> of_motors(
+    void (*add)(const Vector&, const PlanarMotor&, Overrides&)) {
+  return [add](const Vector& theta, const PlanarModel& model) {
+    Overrides values;
+    for (const PlanarMotor& motor : model.motors)
+      if (!motor.ideal()) add(theta, motor, values);
+    return values;
+  };
 }
 
-std::string path_of(const PlanarMotor& motor, const std::string& key) { return "motors." + motor.joint + "." + key; }
-
-void add_torque_constant(const PlanarMotor& motor, double scale, std::vector<ModelOverride>& values) {
-  values.emplace_back(path_of(motor, "torque_constant"), text_of(motor.torque_constant * scale));
-  values.emplace_back(path_of(motor, "saturation_linear"), text_of(motor.saturation_linear / scale));
-  values.emplace_back(path_of(motor, "saturation_cubic"), text_of(motor.saturation_cubic / std::pow(scale, 3)));
+void add_value(const PlanarMotor& motor, const std::string& key, double value, Overrides& values) {
+  values.emplace_back("motors." + motor.joint + "." + key, text_of(value));
 }
 
-/// The largest current that a motor's other limits let it draw [A]: a limit above it would bind nowhere.
+void add_torque_constant(const PlanarMotor& motor, double scale, Overrides& values) {
+  add_value(motor, "torque_constant", motor.torque_constant * scale, values);
+  add_value(motor, "saturation_linear", motor.saturation_linear / scale, values);
+  add_value(motor, "saturation_cubic", motor.saturation_cubic / std::pow(scale, 3), values);
+}
+
+/// The largest current that a motor's other limits let it draw [A]: a limit above it would bind
+/// nowhere.
 double usable_current(const PlanarMotor& motor) {
-  const double at_torque = motor.torque_limit < kInfinity
-                               ? motor_current(motor, motor.torque_limit * motor.gear * motor.efficiency)
-                               : kInfinity;
+  double at_torque = kInfinity;
+  if (motor.torque_limit < kInfinity) {
+    at_torque =
+        components::motor_current(motor, motor.torque_limit * motor.gear * motor.efficiency);
+  }
   return std::min({motor.current_limit, at_torque, motor.voltage / motor.resistance});
 }
 
-/// Copper's resistance and the magnets' strength against temperature above the stated one [K]; as the plant's winding has it.
-constexpr double kCopper = 0.0039, kMagnet = 0.001;
-
-}  // namespace
+double limited_current(const PlanarMotor& motor, double shortfall) {
+  return usable_current(motor) * (1.0 - shortfall);
+}
 
 Effect actuation_delay() {
   Effect effect = on_actuation("actuation_delay", "commands reach the motors late");
-  effect.parameters = {{"delay", "s", 0.0, {0.0, 0.03}, 0.004, "", "", "", 0.002}};
+  effect.parameters = {{"delay", "s", 0.0, {0.0, 0.03}, 0.004, 0.002}};
   effect.apply = [](const Vector& theta, Plant& plant) { plant.actuation.delay += theta[0]; };
   return effect;
 }
 
 Effect late_start() {
   Effect effect = on_actuation("late_start", "the plan as a whole starts late");
-  effect.also = {Component::sensing};
-  effect.parameters = {{"time", "s", 0.0, {0.0, 0.05}, 0.008, "", "", "", 0.002}};
+  effect.where = {Component::actuation, Component::sensing};
+  effect.parameters = {{"time", "s", 0.0, {0.0, 0.05}, 0.008, 0.002}};
   effect.apply = [](const Vector& theta, Plant& plant) { plant.actuation.late_start += theta[0]; };
   return effect;
 }
 
 Effect controller_gains() {
   Effect effect = on_actuation("controller_gains", "the controller's gains are other than stated");
-  effect.excited_by = {"leap", "pendulum"};
-  effect.parameters = {{"proportional_scale", "-", 1.0, {0.0, 6.0}, 0.4, "", "", "", kNaN},
-                       {"derivative_scale", "-", 1.0, {0.0, 6.0}, 0.4, "", "", "", kNaN}};
+  effect.excited_by = {ExperimentKind::leap, ExperimentKind::pendulum};
+  effect.parameters = {{"proportional_scale", "-", 1.0, {0.0, 6.0}, 0.4},
+                       {"derivative_scale", "-", 1.0, {0.0, 6.0}, 0.4}};
   effect.apply = [](const Vector& theta, Plant& plant) {
     plant.actuation.gain_scale_p *= theta[0];
     plant.actuation.gain_scale_d *= theta[1];
@@ -82,92 +100,87 @@ Effect controller_gains() {
 }
 
 Effect torque_constant() {
-  Effect effect = on_actuation("torque_constant", "motors turn current into another torque than stated");
-  effect.parameters = {{"scale", "-", 1.0, {0.4, 1.6}, 0.1, "", "", "", kNaN}};
+  Effect effect =
+      on_actuation("torque_constant", "motors turn current into another torque than stated");
+  effect.parameters = {{"scale", "-", 1.0, {0.4, 1.6}, 0.1}};
   effect.apply = [](const Vector& theta, Plant& plant) {
-    for (PlanarMotor& motor : plant.model.motors) scale_torque_constant(motor, theta[0], plant);
-  };
-  effect.overrides = [](const Vector& theta, const PlanarModel& model) {
-    std::vector<ModelOverride> values;
-    for (const PlanarMotor& motor : model.motors) {
-      if (motor.ideal()) continue;
-      add_torque_constant(motor, theta[0], values);
-      // A driver limits torque by the current that it believes to make it.
-      if (motor.torque_limit < kInfinity)
-        values.emplace_back(path_of(motor, "torque_limit"), text_of(motor.torque_limit * theta[0]));
+    for (PlanarMotor& motor : plant.model.motors) {
+      motor.torque_constant *= theta[0];
+      plant.actuation.torque_scale.try_emplace(motor.joint, 1.0).first->second *= theta[0];
     }
-    return values;
   };
+  effect.overrides =
+      of_motors([](const Vector& theta, const PlanarMotor& motor, Overrides& values) {
+        add_torque_constant(motor, theta[0], values);
+        // A driver limits torque by the current that it believes to make it.
+        if (motor.torque_limit < kInfinity)
+          add_value(motor, "torque_limit", motor.torque_limit * theta[0], values);
+      });
   return effect;
 }
 
 Effect voltage_limit() {
   Effect effect = on_actuation("voltage_limit", "the bus has less voltage than stated");
-  effect.parameters = {{"shortfall", "-", 0.0, {0.0, 0.75}, 0.15, "", "", "", 0.5}};
+  effect.parameters = {{"shortfall", "-", 0.0, {0.0, 0.75}, 0.15, 0.5}};
   effect.applies = any_electric;
   effect.apply = [](const Vector& theta, Plant& plant) {
     for (PlanarMotor& motor : plant.model.motors) motor.voltage *= 1.0 - theta[0];
   };
-  effect.overrides = [](const Vector& theta, const PlanarModel& model) {
-    std::vector<ModelOverride> values;
-    for (const PlanarMotor& motor : model.motors) {
-      if (!motor.ideal()) {
-        values.emplace_back(path_of(motor, "voltage"), text_of(motor.voltage * (1.0 - theta[0])));
-      }
-    }
-    return values;
-  };
+  effect.overrides =
+      of_motors([](const Vector& theta, const PlanarMotor& motor, Overrides& values) {
+        add_value(motor, "voltage", motor.voltage * (1.0 - theta[0]), values);
+      });
   return effect;
 }
 
 Effect current_limit() {
   Effect effect = on_actuation("current_limit", "drivers cut the current below the stated limits");
-  effect.parameters = {{"shortfall", "-", 0.0, {0.0, 0.9}, 0.3, "", "", "", 0.5}};
+  effect.parameters = {{"shortfall", "-", 0.0, {0.0, 0.9}, 0.3, 0.5}};
   effect.applies = any_electric;
-  const auto limited = [](const PlanarMotor& motor, double shortfall) {
-    return usable_current(motor) * (1.0 - shortfall);
-  };
-  effect.apply = [limited](const Vector& theta, Plant& plant) {
+  effect.apply = [](const Vector& theta, Plant& plant) {
     if (theta[0] == 0.0) return;
-    for (PlanarMotor& motor : plant.model.motors) {
-      if (!motor.ideal()) motor.current_limit = limited(motor, theta[0]);
-    }
+
+    for (PlanarMotor& motor : plant.model.motors)
+      if (!motor.ideal()) motor.current_limit = limited_current(motor, theta[0]);
   };
-  effect.overrides = [limited](const Vector& theta, const PlanarModel& model) {
-    std::vector<ModelOverride> values;
-    for (const PlanarMotor& motor : model.motors) {
-      if (!motor.ideal()) values.emplace_back(path_of(motor, "current_limit"), text_of(limited(motor, theta[0])));
-    }
-    return values;
-  };
+  effect.overrides =
+      of_motors([](const Vector& theta, const PlanarMotor& motor, Overrides& values) {
+        add_value(motor, "current_limit", limited_current(motor, theta[0]), values);
+      });
   return effect;
 }
 
 Effect battery_sag() {
   Effect effect = on_actuation("battery_sag", "the battery's voltage falls with the current drawn");
-  effect.parameters = {{"resistance", "ohm", 0.0, {0.0, 0.2}, 0.02, "", "", "", kNaN}};
+  effect.parameters = {{"resistance", "ohm", 0.0, {0.0, 0.2}, 0.02}};
   effect.applies = any_electric;
   effect.apply = [](const Vector& theta, Plant& plant) { plant.battery.resistance += theta[0]; };
   return effect;
 }
 
 Effect winding_heating() {
-  Effect effect = on_actuation("winding_heating", "warm windings: more resistance, less torque for a current");
-  effect.parameters = {{"temperature", "K", 0.0, {0.0, 150.0}, 30.0, "", "", "", kNaN}};
+  Effect effect =
+      on_actuation("winding_heating", "warm windings: more resistance, less torque for a current");
+  effect.parameters = {{"temperature", "K", 0.0, {0.0, 150.0}, 30.0}};
   effect.applies = any_electric;
   effect.apply = [](const Vector& theta, Plant& plant) { plant.winding.initial += theta[0]; };
-  effect.overrides = [](const Vector& theta, const PlanarModel& model) {
-    std::vector<ModelOverride> values;
-    for (const PlanarMotor& motor : model.motors) {
-      if (motor.ideal()) continue;
-      values.emplace_back(path_of(motor, "resistance"), text_of(motor.resistance * (1.0 + kCopper * theta[0])));
-      add_torque_constant(motor, 1.0 - kMagnet * theta[0], values);
-      if (theta[0] != 0.0 && std::isfinite(motor.torque_limit))  // a limit of the current in truth
-        values.emplace_back(path_of(motor, "torque_limit"), text_of(motor.torque_limit * (1.0 - kMagnet * theta[0])));
-    }
-    return values;
-  };
+  effect.overrides =
+      of_motors([](const Vector& theta, const PlanarMotor& motor, Overrides& values) {
+        const double strength = 1.0 - kMagnet * theta[0];
+        add_value(motor, "resistance", motor.resistance * (1.0 + kCopper * theta[0]), values);
+        add_torque_constant(motor, strength, values);
+        // A torque limit is one of the current in truth.
+        if (theta[0] != 0.0 && std::isfinite(motor.torque_limit))
+          add_value(motor, "torque_limit", motor.torque_limit * strength, values);
+      });
   return effect;
+}
+
+}  // namespace
+
+std::vector<Row> actuation() {
+  return {actuation_delay, late_start,    controller_gains, torque_constant,
+          voltage_limit,   current_limit, battery_sag,      winding_heating};
 }
 
 }  // namespace jaculus::effects

@@ -1,115 +1,82 @@
-// The explicit table of candidate effects: one row an effect.
+// The table of candidate effects: the rows of all families, made for their scopes.
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <array>
 #include <cassert>
 #include <cmath>
 
 #include "effects/families.h"
 
-namespace jaculus {
+namespace jaculus::effects {
 namespace {
 
-std::vector<Effect> rows() {
-  using namespace effects;
-  const Group &tail = tail_group(), &legs = leg_group(), &other = other_group();
-  return {
-      compliance(tail),
-      compliance(other),
-      backlash(tail),
-      backlash(legs),
-      backlash(other),
-      stop_restitution(),
-      coulomb_friction(tail),
-      coulomb_friction(legs),
-      coulomb_friction(other),
-      viscous_friction(tail),
-      viscous_friction(legs),
-      viscous_friction(other),
-      stribeck_friction(tail),
-      stribeck_friction(legs),
-      stribeck_friction(other),
-      load_friction(tail),
-      load_friction(legs),
-      load_friction(other),
-      actuation_delay(),
-      late_start(),
-      controller_gains(),
-      torque_constant(),
-      voltage_limit(),
-      current_limit(),
-      battery_sag(),
-      winding_heating(),
-      drag_coefficient(),
-      drag_without_translation(),
-      wind(),
-      rotor_inertia(tail),
-      rotor_inertia(legs),
-      rotor_inertia(other),
-      link_inertia(tail),
-      link_inertia(legs),
-      link_inertia(other),
-      link_mass(tail),
-      link_mass(other),
-      payload(),
-      com_shift(),
-      body_inertia(),
-      foot_friction(),
-      ground_compliance(),
-      foot_radius(),
-      joint_offset(tail),
-      joint_offset(legs),
-      joint_offset(other),
-      sensor_latency(),
-      mocap_scale(),
-      joint_scale(other),
-  };
+const std::vector<Row>& rows() {
+  static const std::vector<Row> all = [] {
+    std::vector<Row> list;
+    for (const auto family : {transmission, actuation, aerodynamics, inertia, contact, sensing}) {
+      const std::vector<Row> own = family();
+      list.insert(list.end(), own.begin(), own.end());
+    }
+    return list;
+  }();
+  return all;
 }
 
 /// At nominal values an effect leaves the plant alone: not even an entry of zeros is added.
 Effect guarded(Effect effect) {
-  effect.apply = [inner = effect.apply, nominal = effect.nominal()](const Vector& theta, Plant& plant) {
+  effect.apply = [inner = effect.apply, nominal = effect.nominal()](const Vector& theta,
+                                                                    Plant& plant) {
     assert(theta.size() == nominal.size() && "apply: one value a parameter");
     if (theta != nominal) inner(theta, plant);
   };
-  const auto none = [](const Vector&, const PlanarModel&) { return std::vector<ModelOverride>(); };
-  if (!effect.overrides) {
-    effect.overrides = none;
-    return effect;
-  }
-  effect.overrides = [inner = effect.overrides, nominal = effect.nominal()](const Vector& theta,
-                                                                            const PlanarModel& model) {
-    return theta == nominal ? std::vector<ModelOverride>() : inner(theta, model);
+  effect.overrides = [inner = effect.overrides, nominal = effect.nominal()](
+                         const Vector& theta, const PlanarModel& model) {
+    return inner && theta != nominal ? inner(theta, model) : std::vector<ModelOverride>();
   };
   return effect;
 }
 
-void add_parameter_faults(const Effect& effect, const EffectParameter& p, std::vector<std::string>& faults) {
+/// A row's effect on a scope's joints, and on each part of them where shares tell the parts apart.
+Effect made_for(const Row& row, const JointScope& scope) {
+  Effect effect = guarded(row.on_joints(scope));
+  for (const JointScope& part : scope.parts)
+    if (effect.acts_in(part.where.front())) effect.parts.push_back(guarded(row.on_joints(part)));
+  return effect;
+}
+
+void add_parameter_faults(const Effect& effect, const EffectParameter& p,
+                          std::vector<std::string>& faults) {
   const std::string place = effect.name + ": " + p.name + ": ";
   const auto& [lower, upper] = p.bounds;
-  if (!(lower < upper)) faults.push_back(fmt::format("{}bounds [{}, {}] are empty", place, lower, upper));
+
+  if (!(lower < upper))
+    faults.push_back(fmt::format("{}bounds [{}, {}] are empty", place, lower, upper));
   if (!p.bounds.contains(p.nominal)) {
-    faults.push_back(fmt::format("{}nominal {} lies outside its bounds [{}, {}]", place, p.nominal, lower, upper));
+    faults.push_back(fmt::format("{}nominal {} lies outside its bounds [{}, {}]", place, p.nominal,
+                                 lower, upper));
   }
   if (!(p.scale > 0.0) || !std::isfinite(p.scale)) {
-    faults.push_back(fmt::format("{}scale {} of the prior is not positive and finite", place, p.scale));
+    faults.push_back(
+        fmt::format("{}scale {} of the prior is not positive and finite", place, p.scale));
   }
   if (!p.bounds.contains(p.probed())) {
-    faults.push_back(fmt::format("{}probing at {} leaves the bounds [{}, {}]", place, p.probed(), lower, upper));
-  }
-  if (!p.shown_as.empty() && p.shown_as != "reciprocal") {
-    faults.push_back(fmt::format("{}shown as '{}'; allowed: reciprocal", place, p.shown_as));
+    faults.push_back(
+        fmt::format("{}probing at {} leaves the bounds [{}, {}]", place, p.probed(), lower, upper));
   }
 }
 
 }  // namespace
 
 const char* component_name(Component component) {
-  static constexpr std::array<const char*, kComponentCount> names = {
-      "tail_transmission", "tail_aerodynamics", "actuation", "front_legs", "rear_legs", "contact", "body", "sensing"};
-  return names[static_cast<std::size_t>(component)];
+  static const NameTable<Component> table({{Component::tail_transmission, "tail_transmission"},
+                                           {Component::tail_aerodynamics, "tail_aerodynamics"},
+                                           {Component::actuation, "actuation"},
+                                           {Component::front_legs, "front_legs"},
+                                           {Component::rear_legs, "rear_legs"},
+                                           {Component::contact, "contact"},
+                                           {Component::body, "body"},
+                                           {Component::sensing, "sensing"}});
+  return table.name(component);
 }
 
 double EffectParameter::probed() const {
@@ -118,47 +85,68 @@ double EffectParameter::probed() const {
 }
 
 Vector Effect::nominal() const {
-  Vector theta(static_cast<Eigen::Index>(parameters.size()));
-  for (Eigen::Index i = 0; i < theta.size(); ++i) theta[i] = parameters[static_cast<std::size_t>(i)].nominal;
+  Vector theta(parameters.size());
+  for (Eigen::Index i = 0; i < theta.size(); ++i) theta[i] = parameters[i].nominal;
   return theta;
 }
 
 Vector Effect::probed() const {
-  Vector theta(static_cast<Eigen::Index>(parameters.size()));
-  for (Eigen::Index i = 0; i < theta.size(); ++i) theta[i] = parameters[static_cast<std::size_t>(i)].probed();
+  Vector theta(parameters.size());
+  for (Eigen::Index i = 0; i < theta.size(); ++i) theta[i] = parameters[i].probed();
   return theta;
 }
 
 bool Effect::acts_in(Component component) const {
-  return where == component || std::find(also.begin(), also.end(), component) != also.end();
+  return std::find(where.begin(), where.end(), component) != where.end();
+}
+
+std::vector<const Effect*> in_parts(const Effect& effect) {
+  if (effect.parts.empty()) return {&effect};
+
+  std::vector<const Effect*> parts;
+  for (const Effect& part : effect.parts) parts.push_back(&part);
+  return parts;
+}
+
+std::vector<Effect> effects_of(const std::vector<Row>& rows) {
+  std::vector<Effect> effects;
+  for (const Row& row : rows) {
+    if (row.scopes.empty()) effects.push_back(guarded(row.whole()));
+    for (const JointScope& scope : row.scopes) effects.push_back(made_for(row, scope));
+  }
+  return effects;
 }
 
 const std::vector<Effect>& effect_catalogue() {
-  static const std::vector<Effect> catalogue = [] {
-    std::vector<Effect> effects;
-    for (Effect& effect : rows()) effects.push_back(guarded(std::move(effect)));
-    return effects;
-  }();
+  static const std::vector<Effect> catalogue = effects_of(rows());
   return catalogue;
+}
+
+std::vector<Effect> effects_on(const JointScope& scope) {
+  std::vector<Effect> effects;
+  for (const Row& row : rows())
+    if (!row.scopes.empty()) effects.push_back(made_for(row, scope));
+  return effects;
 }
 
 const Effect* find_effect(const std::string& name) {
   const std::vector<Effect>& all = effect_catalogue();
-  const auto found = std::find_if(all.begin(), all.end(), [&](const Effect& e) { return e.name == name; });
+  const auto found =
+      std::find_if(all.begin(), all.end(), [&](const Effect& e) { return e.name == name; });
   return found == all.end() ? nullptr : &*found;
 }
 
 std::vector<const Effect*> applicable_effects(const PlanarModel& model) {
   std::vector<const Effect*> effects;
-  for (const Effect& effect : effect_catalogue()) {
+  for (const Effect& effect : effect_catalogue())
     if (effect.applies(model)) effects.push_back(&effect);
-  }
   return effects;
 }
 
 std::vector<std::string> effect_faults(const Effect& effect) {
   std::vector<std::string> faults;
   if (effect.name.empty()) faults.emplace_back("an effect has no name");
+  if (effect.where.empty()) faults.push_back(effect.name + ": acts nowhere");
   if (effect.parameters.empty()) faults.push_back(effect.name + ": has no parameter");
   if (effect.excited_by.empty()) faults.push_back(effect.name + ": no experiment excites it");
   if (!effect.applies || !effect.apply) faults.push_back(effect.name + ": lacks a function");
@@ -166,4 +154,4 @@ std::vector<std::string> effect_faults(const Effect& effect) {
   return faults;
 }
 
-}  // namespace jaculus
+}  // namespace jaculus::effects

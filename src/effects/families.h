@@ -1,51 +1,54 @@
 #pragma once
-// The families of effects; catalogue.cpp lists them.
+// The families of effects. Each has its functions, one an effect, and below them its rows of the
+// catalogue; to add an effect is to write both there. catalogue.cpp strings the families together.
 
-#include "effects/groups.h"
+#include <algorithm>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "effects/scope.h"
 
 namespace jaculus::effects {
 
-// transmission.cpp
-Effect compliance(const Group& group);
-Effect backlash(const Group& group);
-Effect coulomb_friction(const Group& group);
-Effect viscous_friction(const Group& group);
-Effect stribeck_friction(const Group& group);
-Effect load_friction(const Group& group);
-Effect stop_restitution();
+using model::PlanarBody;
+using model::PlanarDrag;
+using model::PlanarModel;
+using model::PlanarMotor;
+using simulation::Plant;
+using trajectory::ExperimentKind;
 
-// actuation.cpp
-Effect actuation_delay();
-Effect late_start();
-Effect controller_gains();
-Effect torque_constant();
-Effect voltage_limit();
-Effect current_limit();
-Effect battery_sag();
-Effect winding_heating();
+/// One physical effect: of the robot as a whole, or of joints, then an entry for each scope.
+struct Row {
+  Row(Effect (*make)()) : whole(make) {}
+  Row(Effect (*make)(const JointScope&), std::vector<JointScope> its_scopes)
+      : on_joints(make), scopes(std::move(its_scopes)) {}
 
-// aerodynamics.cpp
-Effect drag_coefficient();
-Effect drag_without_translation();
-Effect wind();
+  Effect (*whole)() = nullptr;
+  Effect (*on_joints)(const JointScope&) = nullptr;
+  std::vector<JointScope> scopes;
+};
 
-// inertia.cpp
-Effect rotor_inertia(const Group& group);
-Effect link_inertia(const Group& group);
-Effect link_mass(const Group& group);
-Effect payload();
-Effect com_shift();
-Effect body_inertia();
+/// The effects of rows, in their order: an entry for each scope.
+std::vector<Effect> effects_of(const std::vector<Row>& rows);
 
-// contact.cpp
-Effect foot_friction();
-Effect ground_compliance();
-Effect foot_radius();
+std::vector<Row> transmission();
+std::vector<Row> actuation();
+std::vector<Row> aerodynamics();
+std::vector<Row> inertia();
+std::vector<Row> contact();
+std::vector<Row> sensing();
 
-// sensing.cpp
-Effect joint_offset(const Group& group);
-Effect sensor_latency();
-Effect mocap_scale();
-Effect joint_scale(const Group& group);
+/// An effect on a scope's joints, without parameters and apply: "tail_" and `kind`, `caption` and
+/// "the tail's joint". It applies where the robot has such a joint.
+Effect effect_on_joints(const JointScope& scope, const std::string& kind,
+                        const std::string& caption);
+
+/// True where x or z or pitch of the base is free.
+bool base_moves(const PlanarModel& model);
+
+/// YAML text of a number that reads back to the same bits, and of a pair.
+std::string text_of(double value);
+std::string text_of(const Vec2& value);
 
 }  // namespace jaculus::effects

@@ -10,7 +10,7 @@
 #include "jaculus/core/error.h"
 #include "jaculus/core/yaml.h"
 
-namespace jaculus {
+namespace jaculus::effects {
 namespace {
 
 std::vector<std::string> split(const std::string& text, char separator) {
@@ -28,17 +28,18 @@ std::string hint(const std::string& given, const std::vector<std::string>& names
   return near ? fmt::format(", did you mean '{}'?", *near) : "";
 }
 
-const Effect& effect_named(const std::string& name, const PlanarModel& model, const std::string& place) {
+const Effect& effect_named(const std::string& name, const model::PlanarModel& model,
+                           const std::string& place) {
   std::vector<std::string> names;
   for (const Effect* effect : applicable_effects(model)) names.push_back(effect->name);
   const Effect* effect = find_effect(name);
   if (effect == nullptr) {
-    throw InputError(
-        fmt::format("{}: unknown effect '{}'{}; allowed: {}", place, name, hint(name, names), fmt::join(names, ", ")));
+    throw InputError(fmt::format("{}: unknown effect '{}'{}; allowed: {}", place, name,
+                                 hint(name, names), fmt::join(names, ", ")));
   }
   if (!effect->applies(model)) {
-    throw InputError(fmt::format("{}: this robot can't have '{}' ({}); allowed: {}", place, name, effect->caption,
-                                 fmt::join(names, ", ")));
+    throw InputError(fmt::format("{}: this robot can't have '{}' ({}); allowed: {}", place, name,
+                                 effect->caption, fmt::join(names, ", ")));
   }
   return *effect;
 }
@@ -62,13 +63,15 @@ void set_parameter(const std::string& assignment, EffectValue& value, std::set<s
   const std::size_t equals = assignment.find('=');
   const std::string name = assignment.substr(0, equals);
   std::vector<std::string> names;
-  for (std::size_t i = 0; i < value.effect->parameters.size(); ++i) {
+  for (int i = 0; i < count_of(value.effect->parameters); ++i) {
     const EffectParameter& p = value.effect->parameters[i];
     names.push_back(p.name);
-    if (!p.shown_name.empty()) names.push_back(p.shown_name);
-    if (name != p.name && (p.shown_name.empty() || name != p.shown_name)) continue;
+    if (p.reciprocal) names.push_back(p.reciprocal->name);
+    if (name != p.name && name != p.shown_name()) continue;
+
     const std::string key = fmt::format("{}: {}: {}", place, value.effect->name, name);
-    if (equals == std::string::npos) throw InputError(fmt::format("{}: no value given; allowed: {}=number", key, name));
+    if (equals == std::string::npos)
+      throw InputError(fmt::format("{}: no value given; allowed: {}=number", key, name));
     if (!seen.insert(i).second) throw InputError(key + ": given twice; allowed: once");
     const double given = number_in(assignment.substr(equals + 1), key);
     const double own = name == p.name ? given : own_value(p, given);
@@ -76,52 +79,54 @@ void set_parameter(const std::string& assignment, EffectValue& value, std::set<s
       double from = p.bounds.lower, to = p.bounds.upper;
       if (name != p.name) std::tie(from, to) = std::pair(shown_value(p, to), shown_value(p, from));
       throw InputError(fmt::format("{}: {} given; allowed: {} to {} {}", key, given, from, to,
-                                   name == p.name ? p.unit : p.shown_unit));
+                                   name == p.name ? p.unit : p.shown_unit()));
     }
-    value.theta[static_cast<Eigen::Index>(i)] = own;
+    value.theta[i] = own;
     return;
   }
-  throw InputError(fmt::format("{}: {}: unknown parameter '{}'{}; allowed: {}", place, value.effect->name, name,
-                               hint(name, names), fmt::join(names, ", ")));
+  throw InputError(fmt::format("{}: {}: unknown parameter '{}'{}; allowed: {}", place,
+                               value.effect->name, name, hint(name, names),
+                               fmt::join(names, ", ")));
 }
 
 }  // namespace
 
-EffectValue read_effect(const std::string& text, const PlanarModel& model, const std::string& place) {
+EffectValue read_effect(const std::string& text, const model::PlanarModel& model,
+                        const std::string& place) {
   const std::size_t colon = text.find(':');
   const Effect& effect = effect_named(text.substr(0, colon), model, place);
   if (colon == std::string::npos) {
-    throw InputError(fmt::format("{}: '{}' has no parameter; allowed: name:parameter=value,... such as {}:{}={}", place,
-                                 text, effect.name, effect.parameters.front().name,
-                                 effect.parameters.front().probed()));
+    throw InputError(fmt::format(
+        "{}: '{}' has no parameter; allowed: name:parameter=value,... such as {}:{}={}", place,
+        text, effect.name, effect.parameters.front().name, effect.parameters.front().probed()));
   }
   EffectValue value{&effect, effect.nominal()};
   std::set<std::size_t> seen;
-  for (const std::string& part : split(text.substr(colon + 1), ',')) set_parameter(part, value, seen, place);
+  for (const std::string& part : split(text.substr(colon + 1), ','))
+    set_parameter(part, value, seen, place);
   return value;
 }
 
-void apply_effects(const std::vector<EffectValue>& effects, Plant& plant) {
+void apply_effects(const std::vector<EffectValue>& effects, simulation::Plant& plant) {
   for (const EffectValue& value : effects) value.effect->apply(value.theta, plant);
 }
 
 double shown_value(const EffectParameter& parameter, double value) {
-  return parameter.shown_as == "reciprocal" ? 1.0 / value : value;
+  return parameter.reciprocal ? 1.0 / value : value;
 }
 
 double own_value(const EffectParameter& parameter, double shown) {
-  return parameter.shown_as == "reciprocal" ? 1.0 / shown : shown;
+  return parameter.reciprocal ? 1.0 / shown : shown;
 }
 
 std::vector<ShownParameter> shown_parameters(const Effect& effect, const Vector& theta) {
-  assert(theta.size() == static_cast<Eigen::Index>(effect.parameters.size()));
+  assert(theta.size() == std::ssize(effect.parameters));
   std::vector<ShownParameter> shown;
   for (Eigen::Index i = 0; i < theta.size(); ++i) {
-    const EffectParameter& p = effect.parameters[static_cast<std::size_t>(i)];
-    const bool own = p.shown_as.empty();
-    shown.push_back({own ? p.name : p.shown_name, shown_value(p, theta[i]), own ? p.unit : p.shown_unit});
+    const EffectParameter& p = effect.parameters[i];
+    shown.push_back({p.shown_name(), shown_value(p, theta[i]), p.shown_unit()});
   }
   return shown;
 }
 
-}  // namespace jaculus
+}  // namespace jaculus::effects

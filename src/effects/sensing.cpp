@@ -1,18 +1,12 @@
 // What sensors make of the motion.
 
 #include "effects/families.h"
+#include "jaculus/trajectory/dataset.h"
 
 namespace jaculus::effects {
 namespace {
 
-Effect on_sensing(const std::string& name, const std::string& caption) {
-  Effect effect;
-  effect.name = name;
-  effect.caption = caption;
-  effect.where = Component::sensing;
-  effect.excited_by = {"leap", "self_righting", "tail_bench", "pendulum"};
-  return effect;
-}
+using trajectory::Quantity;
 
 void add_to(std::map<std::string, double>& values, const std::string& key, double sum) {
   values.try_emplace(key, 0.0).first->second += sum;
@@ -22,68 +16,90 @@ void scale_by(std::map<std::string, double>& values, const std::string& key, dou
   values.try_emplace(key, 1.0).first->second *= factor;
 }
 
-}  // namespace
+/// Encoders are sensors, wherever their joints are.
+Effect on_encoders(const JointScope& scope, const std::string& kind, const std::string& caption) {
+  Effect effect = effect_on_joints(scope, kind, "");
+  effect.caption = caption;
+  effect.where = {Component::sensing};
+  return effect;
+}
 
-Effect joint_offset(const Group& group) {
-  const bool legs = &group == &leg_group();
-  Effect effect = on_sensing(legs ? "leg_offset" : group.prefix + "_offset",
-                             "encoders read other angles than those of " + group.caption);
-  effect.excited_by = group.excited_by;
-  const std::string unit = "rad";
-  effect.applies = has_joints(group);
-  if (!legs) {
-    effect.parameters = {{"offset", unit, 0.0, {-0.2, 0.2}, 0.03, "", "", "", kNaN}};
-    effect.apply = [&group](const Vector& theta, Plant& plant) {
-      for (const std::string& joint : joints_of(group, plant.model)) add_to(plant.sensing.offset, joint, theta[0]);
-    };
-    return effect;
+/// One offset for all joints of a scope, or one for each part: both motors of a leg alike, so that
+/// it reads longer or shorter than it is.
+Effect joint_offset(const JointScope& scope) {
+  Effect effect =
+      on_encoders(scope, "offset", "encoders read other angles than those of " + scope.caption);
+  std::vector<JointScope> parts = scope.parts;
+  if (parts.empty()) parts = {scope};
+  for (const JointScope& part : parts) {
+    const std::string name = scope.parts.empty() ? "offset" : part.side;
+    effect.parameters.push_back({name, "rad", 0.0, {-0.2, 0.2}, 0.03});
   }
-  // One for the front and one for the rear legs: both motors of a leg alike, so that it reads longer or shorter than it is.
-  effect.parameters = {{"front", unit, 0.0, {-0.2, 0.2}, 0.03, "", "", "", kNaN},
-                       {"rear", unit, 0.0, {-0.2, 0.2}, 0.03, "", "", "", kNaN}};
-  effect.apply = [](const Vector& theta, Plant& plant) {
-    const JointGroups groups = joint_groups(plant.model);
-    for (const std::string& joint : groups.front) add_to(plant.sensing.offset, joint, theta[0]);
-    for (const std::string& joint : groups.rear) add_to(plant.sensing.offset, joint, theta[1]);
+
+  effect.apply = [parts](const Vector& theta, Plant& plant) {
+    for (std::size_t k = 0; k < parts.size(); ++k)
+      for (const std::string& joint : parts[k].select(plant.model).joints)
+        add_to(plant.sensing.offset, joint, theta[k]);
+  };
+  return effect;
+}
+
+Effect joint_scale(const JointScope& scope) {
+  Effect effect =
+      on_encoders(scope, "sensor_scale",
+                  "encoders read angles of " + scope.caption + " too large or too small");
+  effect.parameters = {{"scale", "-", 1.0, {0.8, 1.2}, 0.03}};
+  effect.apply = [select = scope.select](const Vector& theta, Plant& plant) {
+    for (const std::string& joint : select(plant.model).joints) {
+      scale_by(plant.sensing.scale, joint, theta[0]);
+      scale_by(plant.sensing.scale, channel_name(joint, Quantity::velocity), theta[0]);
+    }
   };
   return effect;
 }
 
 Effect sensor_latency() {
-  Effect effect = on_sensing("sensor_latency", "every sensor stamps its samples late");
-  effect.also = {Component::actuation};
-  effect.parameters = {{"latency", "s", 0.0, {0.0, 0.05}, 0.008, "", "", "", 0.002}};
+  Effect effect;
+  effect.name = "sensor_latency";
+  effect.caption = "every sensor stamps its samples late";
+  effect.where = {Component::sensing, Component::actuation};
+  effect.excited_by = {ExperimentKind::leap, ExperimentKind::self_righting,
+                       ExperimentKind::tail_bench, ExperimentKind::pendulum};
+  effect.parameters = {{"latency", "s", 0.0, {0.0, 0.05}, 0.008, 0.002}};
   effect.applies = [](const PlanarModel&) { return true; };
   effect.apply = [](const Vector& theta, Plant& plant) {
-    for (const std::string stream : {"mocap", "joints"}) add_to(plant.sensing.latency, stream, theta[0]);
+    for (const std::string stream : {trajectory::kMocapStream, trajectory::kJointStream})
+      add_to(plant.sensing.latency, stream, theta[0]);
   };
   return effect;
 }
 
 Effect mocap_scale() {
-  Effect effect = on_sensing("sensor_scale", "motion capture reads lengths too large or too small");
-  effect.excited_by = {"leap"};
-  effect.parameters = {{"scale", "-", 1.0, {0.8, 1.2}, 0.03, "", "", "", kNaN}};
-  effect.applies = [](const PlanarModel& model) { return model.base_free[0] || model.base_free[1]; };
+  Effect effect;
+  effect.name = "sensor_scale";
+  effect.caption = "motion capture reads lengths too large or too small";
+  effect.where = {Component::sensing};
+  effect.excited_by = {ExperimentKind::leap};
+  effect.parameters = {{"scale", "-", 1.0, {0.8, 1.2}, 0.03}};
+  effect.applies = [](const PlanarModel& model) {
+    return model.base_free[0] || model.base_free[1];
+  };
   effect.apply = [](const Vector& theta, Plant& plant) {
     for (const std::string channel : {"x", "z"}) scale_by(plant.sensing.scale, channel, theta[0]);
   };
   return effect;
 }
 
-Effect joint_scale(const Group& group) {
-  Effect effect = on_sensing(group.prefix + "_sensor_scale",
-                             "encoders read angles of " + group.caption + " too large or too small");
-  effect.excited_by = group.excited_by;
-  effect.parameters = {{"scale", "-", 1.0, {0.8, 1.2}, 0.03, "", "", "", kNaN}};
-  effect.applies = has_joints(group);
-  effect.apply = [&group](const Vector& theta, Plant& plant) {
-    for (const std::string& joint : joints_of(group, plant.model)) {
-      scale_by(plant.sensing.scale, joint, theta[0]);
-      scale_by(plant.sensing.scale, joint + "_velocity", theta[0]);
-    }
+}  // namespace
+
+std::vector<Row> sensing() {
+  const JointScope &tail = tail_scope(), &legs = leg_scope(), &other = other_scope();
+  return {
+      {joint_offset, {tail, legs, other}},
+      {sensor_latency},
+      {mocap_scale},
+      {joint_scale, {other}},
   };
-  return effect;
 }
 
 }  // namespace jaculus::effects

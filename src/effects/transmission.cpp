@@ -1,144 +1,174 @@
 // Between a motor and its link: flexing shafts, play, friction, stops.
 
-#include <algorithm>
-
 #include "effects/families.h"
 
 namespace jaculus::effects {
 namespace {
 
+using simulation::JointFriction;
+using simulation::Transmission;
+
+/// Damping ratio of the link on a flank alone: teeth hit one another without much rebound, how much
+/// nobody knows.
+constexpr double kFlankDamping = 0.7;
+
 /// The plant's entry for a joint, made where there is none.
 template <class Entry>
 Entry& entry_of(std::vector<Entry>& entries, const std::string& joint) {
-  const auto found = std::find_if(entries.begin(), entries.end(), [&](const Entry& e) { return e.joint == joint; });
+  const auto found = std::find_if(entries.begin(), entries.end(),
+                                  [&](const Entry& entry) { return entry.joint == joint; });
   if (found != entries.end()) return *found;
+
   entries.push_back({});
   entries.back().joint = joint;
   return entries.back();
 }
 
-/// An effect on every joint of a group.
-Effect on_group(const Group& group, const std::string& kind, const std::string& caption) {
-  Effect effect;
-  effect.name = group.prefix + "_" + kind;
-  effect.caption = caption + " " + group.caption;
-  effect.where = group.where;
-  effect.also = group.also;
-  effect.excited_by = group.excited_by;
-  effect.applies = has_joints(group);
-  return effect;
+using Apply = std::function<void(const Vector&, Plant&)>;
+
+/// An edit of the friction at every joint of a scope.
+Apply on_friction(const JointScope& scope, void (*edit)(const Vector&, JointFriction&)) {
+  return [select = scope.select, edit](const Vector& theta, Plant& plant) {
+    for (const std::string& joint : select(plant.model).joints)
+      edit(theta, entry_of(plant.friction, joint));
+  };
 }
 
-std::function<void(const Vector&, Plant&)> on_friction(const Group& group,
-                                                       std::function<void(const Vector&, JointFriction&)> set) {
-  return [&group, set](const Vector& theta, Plant& plant) {
-    for (const std::string& joint : joints_of(group, plant.model)) set(theta, entry_of(plant.friction, joint));
+/// An edit of the transmission at every joint of a scope; none where the first parameter is zero.
+Apply on_transmission(const JointScope& scope, void (*edit)(const Vector&, Transmission&)) {
+  return [select = scope.select, edit](const Vector& theta, Plant& plant) {
+    if (theta[0] == 0.0) return;
+
+    for (const std::string& joint : select(plant.model).joints)
+      edit(theta, entry_of(plant.transmissions, joint));
   };
 }
 
 /// Shafts flex and gears play where there is a gear or nobody says that there is none.
-bool may_have_gear(const Group& group, const PlanarModel& model) {
-  const std::vector<std::string> joints = joints_of(group, model);
+bool may_have_gear(const JointScope& scope, const PlanarModel& model) {
+  const std::vector<std::string> joints = scope.select(model).joints;
   return std::any_of(joints.begin(), joints.end(), [&](const std::string& joint) {
-    const PlanarMotor& motor = model.motors[static_cast<std::size_t>(model.motor_index(joint))];
+    const PlanarMotor& motor = model.motors[model.motor_index(joint)];
     return motor.ideal() || motor.gear != 1.0;
   });
 }
 
-/// Damping ratio of the link on a flank alone: teeth hit one another without much rebound, how much nobody knows.
-constexpr double kFlankDamping = 0.7;
+/// Whether a joint has an end of its travel.
+bool has_stop(const PlanarModel& model, const std::string& joint) {
+  const int c = model.coordinate_index(joint);
+  if (c < 0) return false;
 
-}  // namespace
+  const Bounds range = model.coordinates[c].range;
+  return range.lower > -kInfinity || range.upper < kInfinity;
+}
 
-Effect compliance(const Group& group) {
-  Effect effect = on_group(group, "compliance", "torsional spring and damper at the root of");
-  effect.parameters = {{"compliance", "rad/(N m)", 0.0, {0.0, 0.05}, 0.01, "reciprocal", "stiffness", "N m/rad", kNaN},
-                       {"damping_ratio", "-", 0.05, {0.0, 1.0}, 0.1, "", "", "", kNaN}};
-  effect.apply = [&group](const Vector& theta, Plant& plant) {
+Effect compliance(const JointScope& scope) {
+  Effect effect =
+      effect_on_joints(scope, "compliance", "torsional spring and damper at the root of");
+  effect.parameters = {{.name = "compliance",
+                        .unit = "rad/(N m)",
+                        .bounds = {0.0, 0.05},
+                        .scale = 0.01,
+                        .reciprocal = {{"stiffness", "N m/rad"}}},
+                       {"damping_ratio", "-", 0.05, {0.0, 1.0}, 0.1}};
+  effect.apply = on_transmission(scope, [](const Vector& theta, Transmission& transmission) {
+    transmission.compliance = theta[0];
+    transmission.damping_ratio = theta[1];
+  });
+  return effect;
+}
+
+Effect backlash(const JointScope& scope) {
+  Effect effect = effect_on_joints(scope, "backlash", "play in the gear of");
+  effect.parameters = {{"play", "rad", 0.0, {0.0, 0.06}, 0.01},
+                       {"flank_damping_ratio", "-", kFlankDamping, {0.1, 1.0}, 0.3}};
+  effect.applies = [scope](const PlanarModel& model) { return may_have_gear(scope, model); };
+  effect.apply = on_transmission(scope, [](const Vector& theta, Transmission& transmission) {
+    transmission.play = theta[0];
+    if (transmission.compliance == 0.0) transmission.damping_ratio = theta[1];
+  });
+  return effect;
+}
+
+Effect coulomb_friction(const JointScope& scope) {
+  const double scale = scope.usual.torque;
+  Effect effect = effect_on_joints(scope, "coulomb_friction", "dry friction at");
+  effect.parameters = {{"torque", "N m", 0.0, {0.0, 10.0 * scale}, scale}};
+  effect.apply = on_friction(
+      scope, [](const Vector& theta, JointFriction& friction) { friction.coulomb = theta[0]; });
+  return effect;
+}
+
+Effect viscous_friction(const JointScope& scope) {
+  const double scale = scope.usual.torque / scope.usual.rate;
+  Effect effect = effect_on_joints(scope, "viscous_friction", "friction in proportion to speed at");
+  effect.parameters = {{"coefficient", "N m s/rad", 0.0, {0.0, 10.0 * scale}, scale}};
+  effect.apply = on_friction(
+      scope, [](const Vector& theta, JointFriction& friction) { friction.viscous = theta[0]; });
+  return effect;
+}
+
+Effect stribeck_friction(const JointScope& scope) {
+  const double torque = scope.usual.torque;
+  Effect effect = effect_on_joints(scope, "stribeck_friction", "stiction that fades with speed at");
+  effect.parameters = {{"torque", "N m", 0.0, {0.0, 40.0 * torque}, 4.0 * torque},
+                       {"rate", "rad/s", 2.0, {0.2, 20.0}, 2.0}};
+  effect.apply = on_friction(scope, [](const Vector& theta, JointFriction& friction) {
     if (theta[0] == 0.0) return;
-    for (const std::string& joint : joints_of(group, plant.model)) {
-      Transmission& transmission = entry_of(plant.transmissions, joint);
-      transmission.compliance = theta[0];
-      transmission.damping_ratio = theta[1];
-    }
-  };
-  return effect;
-}
 
-Effect backlash(const Group& group) {
-  Effect effect = on_group(group, "backlash", "play in the gear of");
-  effect.parameters = {{"play", "rad", 0.0, {0.0, 0.06}, 0.01, "", "", "", kNaN},
-                       {"flank_damping_ratio", "-", kFlankDamping, {0.1, 1.0}, 0.3, "", "", "", kNaN}};
-  effect.applies = [&group](const PlanarModel& model) { return may_have_gear(group, model); };
-  effect.apply = [&group](const Vector& theta, Plant& plant) {
-    if (theta[0] == 0.0) return;
-    for (const std::string& joint : joints_of(group, plant.model)) {
-      Transmission& transmission = entry_of(plant.transmissions, joint);
-      transmission.play = theta[0];
-      if (transmission.compliance == 0.0) transmission.damping_ratio = theta[1];
-    }
-  };
-  return effect;
-}
-
-Effect coulomb_friction(const Group& group) {
-  Effect effect = on_group(group, "coulomb_friction", "dry friction at");
-  effect.parameters = {{"torque", "N m", 0.0, {0.0, 10.0 * group.torque}, group.torque, "", "", "", kNaN}};
-  effect.apply = on_friction(group, [](const Vector& theta, JointFriction& friction) { friction.coulomb = theta[0]; });
-  return effect;
-}
-
-Effect viscous_friction(const Group& group) {
-  const double scale = group.torque / group.rate;
-  Effect effect = on_group(group, "viscous_friction", "friction in proportion to speed at");
-  effect.parameters = {{"coefficient", "N m s/rad", 0.0, {0.0, 10.0 * scale}, scale, "", "", "", kNaN}};
-  effect.apply = on_friction(group, [](const Vector& theta, JointFriction& friction) { friction.viscous = theta[0]; });
-  return effect;
-}
-
-Effect stribeck_friction(const Group& group) {
-  Effect effect = on_group(group, "stribeck_friction", "stiction that fades with speed at");
-  effect.parameters = {{"torque", "N m", 0.0, {0.0, 40.0 * group.torque}, 4.0 * group.torque, "", "", "", kNaN},
-                       {"rate", "rad/s", 2.0, {0.2, 20.0}, 2.0, "", "", "", kNaN}};
-  effect.apply = on_friction(group, [](const Vector& theta, JointFriction& friction) {
-    if (theta[0] == 0.0) return;
     friction.stribeck = theta[0];
     friction.stribeck_rate = theta[1];
   });
   return effect;
 }
 
-Effect load_friction(const Group& group) {
-  Effect effect = on_group(group, "load_friction", "friction in proportion to the motor's torque at");
-  effect.parameters = {{"share", "-", 0.0, {0.0, 0.6}, 0.1, "", "", "", kNaN}};
-  effect.apply = on_friction(group, [](const Vector& theta, JointFriction& friction) { friction.load = theta[0]; });
+Effect load_friction(const JointScope& scope) {
+  Effect effect =
+      effect_on_joints(scope, "load_friction", "friction in proportion to the motor's torque at");
+  effect.parameters = {{"share", "-", 0.0, {0.0, 0.6}, 0.1}};
+  effect.apply = on_friction(
+      scope, [](const Vector& theta, JointFriction& friction) { friction.load = theta[0]; });
   return effect;
 }
 
-Effect stop_restitution() {
+/// Of tails alone: no other joint is driven into a stop by an experiment.
+Effect tail_stop_restitution() {
   Effect effect;
   effect.name = "tail_stop_restitution";
   effect.caption = "the tail bounces off its stop";
-  effect.where = Component::tail_transmission;
-  effect.excited_by = {"self_righting"};
-  effect.parameters = {{"restitution", "-", 0.0, {0.0, 0.95}, 0.25, "", "", "", kNaN}};
-  const auto stopped = [](const PlanarModel& model, const std::string& joint) {
-    const int c = model.coordinate_index(joint);
-    if (c < 0) return false;
-    const Bounds range = model.coordinates[static_cast<std::size_t>(c)].range;
-    return range.lower > -kInfinity || range.upper < kInfinity;
+  effect.where = tail_scope().where;
+  effect.excited_by = {ExperimentKind::self_righting};
+  effect.parameters = {{"restitution", "-", 0.0, {0.0, 0.95}, 0.25}};
+  effect.applies = [](const PlanarModel& model) {
+    const std::vector<std::string> tail = joint_groups(model).tail.joints;
+    return std::any_of(tail.begin(), tail.end(),
+                       [&](const std::string& joint) { return has_stop(model, joint); });
   };
-  effect.applies = [stopped](const PlanarModel& model) {
-    const std::vector<std::string> tail = joint_groups(model).tail;
-    return std::any_of(tail.begin(), tail.end(), [&](const std::string& joint) { return stopped(model, joint); });
-  };
+
   effect.apply = [](const Vector& theta, Plant& plant) {
-    const std::vector<std::string> tail = joint_groups(plant.model).tail;
-    for (JointStop& stop : plant.stops) {
-      if (std::find(tail.begin(), tail.end(), stop.joint) != tail.end()) stop.restitution = theta[0];
+    const std::vector<std::string> tail = joint_groups(plant.model).tail.joints;
+    for (simulation::JointStop& stop : plant.stops) {
+      const bool own = std::find(tail.begin(), tail.end(), stop.joint) != tail.end();
+      if (own) stop.restitution = theta[0];
     }
   };
+
   return effect;
+}
+
+}  // namespace
+
+std::vector<Row> transmission() {
+  const JointScope &tail = tail_scope(), &legs = leg_scope(), &other = other_scope();
+  return {
+      {compliance, {tail, other}},
+      {backlash, {tail, legs, other}},
+      {tail_stop_restitution},
+      {coulomb_friction, {tail, legs, other}},
+      {viscous_friction, {tail, legs, other}},
+      {stribeck_friction, {tail, legs, other}},
+      {load_friction, {tail, legs, other}},
+  };
 }
 
 }  // namespace jaculus::effects

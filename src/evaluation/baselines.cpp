@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <memory>
 #include <numeric>
+#include <optional>
 
-#include "jaculus/diagnosis/forward.h"
-#include "jaculus/diagnosis/screen.h"
+#include "diagnosis/build_problem.h"
+#include "diagnosis/selection/screen.h"
 #include "jaculus/simulation/experiment.h"
 
 namespace jaculus::evaluation {
@@ -18,64 +20,64 @@ constexpr double kNoGap = 1.3;
 constexpr int kTuningSteps = 40;
 
 struct Ready {
-  DiagnosisProblem problem;
-  EvidenceSpace space;
-  Fit base;  ///< nominal, nuisances fitted
-  std::string insufficient;
+  std::shared_ptr<const diagnosis::Problem> problem;
+  diagnosis::Whitening whitening;
+  diagnosis::Fit base;  ///< nominal, nuisances fitted
 };
 
-bool prepare(const Dataset& dataset, Ready& ready) {
-  DiagnosisProblem& problem = ready.problem;
-  problem.observations = observe({dataset}, {dataset_robot(dataset).planar});
-  if (problem.observations.conditions.empty() || !problem.observations.insufficient.empty()) return false;
-  std::vector<const Effect*> effects;
-  for (const Effect& effect : effect_catalogue()) effects.push_back(&effect);
-  const PlantForward forward = plant_forward(problem.observations, effects);
-  problem.hypotheses = forward.hypotheses;
-  problem.forward = forward.predict;
-  const Linearisation about = linearise(problem, problem.hypotheses.nominal());
-  if (!about.at_p.valid) return false;
-  ready.space = evidence_space(problem, about);
-  ready.base = fit_model(problem, ready.space, problem.hypotheses.nuisances, {problem.hypotheses.nominal()});
-  return ready.base.valid && ready.space.rows > 0;
+/// Nothing where the data are insufficient or the nominal model can't be fitted.
+std::optional<Ready> prepare(const trajectory::Dataset& dataset) {
+  const diagnosis::BuiltProblem built = diagnosis::build_problem({dataset}, {});
+  if (!built.forward) return {};
+  const diagnosis::Problem& problem = *built.problem;
+  const Vector nominal = problem.hypotheses.nominal();
+  const diagnosis::NoiseModel noise = diagnosis::estimate_noise(problem, nominal);
+  if (!noise.valid()) return {};
+
+  Ready ready{built.problem, diagnosis::whitening_of(problem, noise), {}};
+  ready.base = fit_model(problem, ready.whitening, problem.hypotheses.nuisances, {nominal});
+  if (!ready.base.valid || ready.whitening.rows == 0) return {};
+  return ready;
 }
 
-/// An answer that ranks candidates by `value`, larger is better; NaN is last.
-CaseAnswer answer_by(const Ready& ready, const std::vector<double>& value) {
-  CaseAnswer answer;
+/// A prediction that ranks candidates by `value`, larger is better; NaN is last.
+Prediction answer_by(const Ready& ready, const std::vector<double>& value) {
+  Prediction prediction;
   const auto better = [&](int a, int b) {
-    const double x = value[static_cast<std::size_t>(a)], y = value[static_cast<std::size_t>(b)];
+    const double x = value[a], y = value[b];
     return !std::isnan(x) && (std::isnan(y) || x > y);
   };
   std::vector<int> order(value.size());
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(), better);
-  const auto& candidates = ready.problem.hypotheses.candidates;
-  for (const Candidate& c : candidates) answer.ranking[c.name] = 0.0;
-  const bool gap = ready.base.chi2 > kNoGap * ready.space.rows;
-  answer.verdict = !gap || order.empty() ? "none" : "effect";
-  if (answer.verdict == "effect")
-    answer.effects.push_back({candidates[static_cast<std::size_t>(order[0])].name, 0, {}, {}});
-  return answer;
+  const auto& candidates = ready.problem->hypotheses.candidates;
+  for (const diagnosis::Candidate& c : candidates) prediction.ranking[c.name] = 0.0;
+  const bool gap = ready.base.chi2 > kNoGap * ready.whitening.rows;
+  const bool named = gap && !order.empty();
+  prediction.verdict = named ? diagnosis::Verdict::effect : diagnosis::Verdict::none;
+  if (named) prediction.effects.push_back({candidates[order[0]].name, 0, {}, {}});
+  return prediction;
 }
 
-CaseAnswer lowest_training_error(const Ready& ready) {
-  const Hypotheses& hypotheses = ready.problem.hypotheses;
+Prediction lowest_training_error(const Ready& ready) {
+  const diagnosis::Hypotheses& hypotheses = ready.problem->hypotheses;
   std::vector<double> value;
-  for (std::size_t i = 0; i < hypotheses.candidates.size(); ++i) {
-    const Candidate& c = hypotheses.candidates[i];
+  for (int i = 0; i < count_of(hypotheses.candidates); ++i) {
+    const diagnosis::Candidate& c = hypotheses.candidates[i];
     Vector probed = ready.base.p;
-    for (std::size_t k = 0; k < c.parameters.size(); ++k) probed[c.parameters[k]] = c.effect->parameters[k].probed();
-    const Fit fit = fit_model(ready.problem, ready.space, hypotheses.freed_by({static_cast<int>(i)}), {probed}, {4});
+    for (std::size_t k = 0; k < c.parameters.size(); ++k)
+      probed[c.parameters[k]] = c.effect->parameters[k].probed();
+    const diagnosis::Fit fit = diagnosis::fit_model(*ready.problem, ready.whitening,
+                                                    hypotheses.freed_by({i}), {probed}, {4});
     value.push_back(fit.valid ? -fit.chi2 : kNaN);
   }
   return answer_by(ready, value);
 }
 
-CaseAnswer correlation(const Ready& ready, const std::vector<Probe>& probes) {
+Prediction correlation(const Ready& ready, const std::vector<diagnosis::Probe>& probes) {
   std::vector<double> value;
   const Vector& r = ready.base.residual;
-  for (const Probe& probe : probes) {
+  for (const diagnosis::Probe& probe : probes) {
     double best = kNaN;
     for (Eigen::Index k = 0; probe.valid && k < probe.full.cols(); ++k) {
       const double both = probe.full.col(k).norm() * r.norm();
@@ -86,31 +88,34 @@ CaseAnswer correlation(const Ready& ready, const std::vector<Probe>& probes) {
   return answer_by(ready, value);
 }
 
-/// dr/du of `free` at the base model: its own from its fit, a candidate's from its probes (of its probing step where the small one does
-/// nothing, as below a threshold).
-Matrix slopes(const Ready& ready, const std::vector<Probe>& probes, const std::vector<int>& free) {
+/// dr/du of `free` at the base model: its own from its fit, a candidate's from its probes (of its
+/// probing step where the small one does nothing, as below a threshold).
+Matrix slopes(const Ready& ready, const std::vector<diagnosis::Probe>& probes,
+              const std::vector<int>& free) {
   std::map<int, Vector> of;
-  for (std::size_t i = 0; i < ready.base.free.size(); ++i)
-    of[ready.base.free[i]] = ready.base.jacobian.col(static_cast<Eigen::Index>(i));
+  for (int i = 0; i < count_of(ready.base.free); ++i)
+    of[ready.base.free[i]] = ready.base.jacobian.col(i);
   for (std::size_t c = 0; c < probes.size(); ++c) {
-    const auto& parameters = ready.problem.hypotheses.candidates[c].parameters;
-    for (std::size_t k = 0; probes[c].valid && k < parameters.size(); ++k) {
-      const auto column = static_cast<Eigen::Index>(k);
-      const bool threshold = probes[c].small.col(column).norm() == 0.0;
-      of[parameters[k]] = -(threshold ? probes[c].full : probes[c].small).col(column);
+    const auto& parameters = ready.problem->hypotheses.candidates[c].parameters;
+    for (int k = 0; probes[c].valid && k < count_of(parameters); ++k) {
+      const bool threshold = probes[c].small.col(k).norm() == 0.0;
+      of[parameters[k]] = -(threshold ? probes[c].full : probes[c].small).col(k);
     }
   }
-  Matrix J = Matrix::Zero(ready.space.rows, static_cast<Eigen::Index>(free.size()));
-  for (std::size_t i = 0; i < free.size(); ++i)
-    if (of.count(free[i]) != 0) J.col(static_cast<Eigen::Index>(i)) = of[free[i]];
+  Matrix J = Matrix::Zero(ready.whitening.rows, free.size());
+  for (int i = 0; i < count_of(free); ++i)
+    if (of.count(free[i]) != 0) J.col(i) = of[free[i]];
   return J;
 }
 
-/// A local optimum of the probability of u, every parameter at once, from the base model on: Levenberg-Marquardt within bounds on |r|^2 + |u|^2, whose slopes
-/// follow by Broyden's update; sixty differences a step with all effects on at once would take minutes.
-Vector tuned(const Ready& ready, const std::vector<Probe>& probes, const std::vector<int>& free) {
-  const Hypotheses& hypotheses = ready.problem.hypotheses;
+/// A local optimum of the probability of u, every parameter at once, from the base model on:
+/// Levenberg-Marquardt within bounds on |r|^2 + |u|^2, whose slopes follow by Broyden's update;
+/// sixty differences a step with all effects on at once would take minutes.
+Vector tuned(const Ready& ready, const std::vector<diagnosis::Probe>& probes,
+             const std::vector<int>& free) {
+  const diagnosis::Hypotheses& hypotheses = ready.problem->hypotheses;
   Matrix J = slopes(ready, probes, free);
+
   Vector u = hypotheses.scaled(free, ready.base.p), r = ready.base.residual;
   double damping = 1e-3;
   for (int k = 0; k < kTuningSteps; ++k) {
@@ -122,7 +127,7 @@ Vector tuned(const Ready& ready, const std::vector<Probe>& probes, const std::ve
     const Vector there = hypotheses.scaled(free, wanted);
     const Vector moved = there - u;
     if (moved.squaredNorm() < 1e-12) break;
-    const Fit next = evaluate_model(ready.problem, ready.space, wanted);
+    const diagnosis::Fit next = diagnosis::evaluate_model(*ready.problem, ready.whitening, wanted);
     damping *= 4.0;
     if (!next.valid) continue;
     J += (next.residual - r - J * moved) * moved.transpose() / moved.squaredNorm();
@@ -131,20 +136,21 @@ Vector tuned(const Ready& ready, const std::vector<Probe>& probes, const std::ve
     r = next.residual;
     damping /= 12.0;
   }
+
   return u;
 }
 
-CaseAnswer tune_everything(const Ready& ready, const std::vector<Probe>& probes) {
-  const Hypotheses& hypotheses = ready.problem.hypotheses;
+Prediction tune_everything(const Ready& ready, const std::vector<diagnosis::Probe>& probes) {
+  const diagnosis::Hypotheses& hypotheses = ready.problem->hypotheses;
   std::vector<int> all(hypotheses.candidates.size());
   std::iota(all.begin(), all.end(), 0);
   const std::vector<int> free = hypotheses.freed_by(all);
   const Vector p = hypotheses.unscaled(free, tuned(ready, probes, free), ready.base.p);
   std::vector<double> value;
-  for (const Candidate& c : hypotheses.candidates) {
+  for (const diagnosis::Candidate& c : hypotheses.candidates) {
     double moved = 0.0;
     for (const int i : c.parameters) {
-      const FreeParameter& parameter = hypotheses.parameters[static_cast<std::size_t>(i)];
+      const diagnosis::FreeParameter& parameter = hypotheses.parameters[i];
       moved = std::max(moved, std::abs(p[i] - parameter.nominal) / parameter.scale);
     }
     value.push_back(moved);
@@ -155,18 +161,22 @@ CaseAnswer tune_everything(const Ready& ready, const std::vector<Probe>& probes)
 }  // namespace
 
 const std::vector<std::string>& baseline_names() {
-  static const std::vector<std::string> names = {"lowest training error", "correlation", "tune everything"};
+  static const std::vector<std::string> names = {"lowest training error", "correlation",
+                                                 "tune everything"};
   return names;
 }
 
-std::vector<CaseAnswer> baseline_answers(const std::filesystem::path& dataset) {
-  Ready ready;
-  if (!prepare(read_dataset(dataset), ready)) {
-    CaseAnswer insufficient;
-    insufficient.verdict = "insufficient";
-    return std::vector<CaseAnswer>(baseline_names().size(), insufficient);
+std::vector<Prediction> baseline_answers(const std::filesystem::path& dataset) {
+  const std::optional<Ready> prepared = prepare(trajectory::read_dataset(dataset));
+  if (!prepared) {
+    Prediction insufficient;
+    insufficient.verdict = diagnosis::Verdict::insufficient;
+    return std::vector<Prediction>(baseline_names().size(), insufficient);
   }
-  const std::vector<Probe> probes = screen(ready.problem, ready.space, ready.base);
+
+  const Ready& ready = *prepared;
+  const std::vector<diagnosis::Probe> probes =
+      diagnosis::screen(*ready.problem, ready.whitening, ready.base);
   return {lowest_training_error(ready), correlation(ready, probes), tune_everything(ready, probes)};
 }
 

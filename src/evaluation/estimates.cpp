@@ -1,9 +1,9 @@
 #include "evaluation/estimates.h"
 
 #include <algorithm>
-#include <boost/math/distributions/beta.hpp>
 #include <boost/math/distributions/binomial.hpp>
 #include <cassert>
+#include <cmath>
 #include <numeric>
 #include <random>
 
@@ -19,17 +19,17 @@ double average(const std::vector<double>& values) {
 ScoreEstimate proportion(int successes, int trials) {
   assert(successes >= 0 && successes <= trials);
   if (trials == 0) return {};
-  using Beta = boost::math::beta_distribution<double>;
-  const double k = successes, n = trials;
-  ScoreEstimate e{k / n, {0.0, 1.0}, trials};
-  if (successes > 0) e.ci95.lower = boost::math::quantile(Beta(k, n - k + 1.0), 0.025);
-  if (successes < trials) e.ci95.upper = boost::math::quantile(Beta(k + 1.0, n - k), 0.975);
-  return e;
+  constexpr double z = 1.959963984540054;  // of 95 %
+  const double n = trials, p = successes / n;
+  const double shrunk = 1.0 + z * z / n;
+  const double middle = (p + 0.5 * z * z / n) / shrunk;
+  const double half = z * std::sqrt(p * (1.0 - p) / n + 0.25 * z * z / (n * n)) / shrunk;
+  return {p, {std::max(0.0, middle - half), std::min(1.0, middle + half)}, trials};
 }
 
 ScoreEstimate mean(const std::vector<double>& values) {
   if (values.empty()) return {};
-  ScoreEstimate e{average(values), {kNaN, kNaN}, static_cast<int>(values.size())};
+  ScoreEstimate e{average(values), {kNaN, kNaN}, count_of(values)};
   if (values.size() == 1) return e;
   constexpr std::size_t kResamples = 4000;
   std::mt19937_64 random(20260101);
@@ -49,9 +49,12 @@ ScoreEstimate median(std::vector<double> values) {
   if (values.empty()) return {};
   std::sort(values.begin(), values.end());
   const std::size_t n = values.size();
-  ScoreEstimate e{n % 2 == 1 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]), {-kInfinity, kInfinity}, 0};
-  e.count = static_cast<int>(n);
-  // The largest r with P(Binomial(n, 1/2) <= r - 1) <= 0.025: values r and n + 1 - r (from one) bound the median.
+  ScoreEstimate e{n % 2 == 1 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]),
+                  {-kInfinity, kInfinity},
+                  0};
+  e.count = count_of(values);
+  // The largest r with P(Binomial(n, 1/2) <= r - 1) <= 0.025: values r and n + 1 - r (from one)
+  // bound the median.
   const boost::math::binomial_distribution<double> flips(static_cast<double>(n), 0.5);
   std::size_t r = 0;
   while (r + 1 <= n / 2 && boost::math::cdf(flips, static_cast<double>(r)) <= 0.025) ++r;

@@ -1,4 +1,5 @@
-// A plan replayed on the testbed's robot, without noise: the base's speed from its own motion capture.
+// A plan replayed on the testbed's robot, without noise: the base's speed from its own motion
+// capture.
 
 #include <cmath>
 #include <filesystem>
@@ -8,7 +9,7 @@
 #include "jaculus/evaluation/replan.h"
 #include "jaculus/testbed/trials.h"
 
-namespace jaculus {
+namespace jaculus::evaluation {
 namespace {
 
 /// Slope at `time` of the parabola through the three samples about it [1/s].
@@ -23,17 +24,20 @@ double slope_at(const Vector& t, const Eigen::RowVectorXd& y, double time) {
 }  // namespace
 
 PlanReplay replay_on_testbed(const std::filesystem::path& folder, const testbed::Changes& changes) {
-  if (!testbed::available()) throw InputError("replan on the testbed: this build was made without MuJoCo");
-  return [folder, changes](const Table& plan) {
+  if (!testbed::available())
+    throw InputError("replan on the testbed: this build was made without MuJoCo");
+
+  return [folder, changes](const trajectory::Table& plan) {
     const evaluation::ScratchFolder scratch("jaculus_plan_");
     const std::filesystem::path file = scratch.path / "plan.csv";
-    write_csv(plan, file);
+    trajectory::write_csv(plan, file);
     testbed::TrialSpec spec;
     spec.trials = 1;
     spec.exact = true;
     spec.sensors.mocap_rate_hz = 2000.0;
-    const Dataset played = testbed::run_trials(testbed::leap(folder, file, "torque"), changes, spec);
-    const Stream* mocap = played.trials.front().stream("mocap");
+    const trajectory::Dataset played = testbed::run_trials(
+        testbed::leap(folder, file, trajectory::Quantity::torque), changes, spec);
+    const trajectory::Stream* mocap = played.trials.front().stream(trajectory::kMocapStream);
     const int x = mocap == nullptr ? -1 : mocap->channel("x");
     const int time = plan.column("time");
     const double end = plan.values(plan.values.rows() - 1, time);
@@ -42,4 +46,4 @@ PlanReplay replay_on_testbed(const std::filesystem::path& folder, const testbed:
   };
 }
 
-}  // namespace jaculus
+}  // namespace jaculus::evaluation

@@ -44,9 +44,10 @@ std::vector<char*> pointers(std::vector<std::string>& texts) {
   return list;
 }
 
-/// In the child: into the folder, output to a file, nothing else open, then the program. Does not return.
-[[noreturn]] void become(const fs::path& folder, const fs::path& log, char* const* arguments, char* const* variables,
-                         pid_t parent) {
+/// In the child: into the folder, output to a file, nothing else open, then the program. Does not
+/// return.
+[[noreturn]] void become(const fs::path& folder, const fs::path& log, char* const* arguments,
+                         char* const* variables, pid_t parent) {
 #ifdef __linux__
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (::getppid() != parent) ::_exit(126);
@@ -90,11 +91,10 @@ std::string last_line(const fs::path& file) {
   return last;
 }
 
-CaseAnswer failed(const std::string& why) {
-  CaseAnswer answer;
-  answer.verdict = "failed";
-  answer.message = why;
-  return answer;
+Prediction failed(const std::string& why) {
+  Prediction prediction;
+  prediction.message = why;
+  return prediction;
 }
 
 void keep(const fs::path& from, const fs::path& folder) {
@@ -102,8 +102,8 @@ void keep(const fs::path& from, const fs::path& folder) {
   fs::copy_file(from, folder / from.filename(), fs::copy_options::overwrite_existing, ignored);
 }
 
-CaseAnswer run_in(const ScratchFolder& scratch, const DiagnosisRun& run) {
-  const fs::path log = scratch.path / "messages.txt", answers = scratch.path / "answer";
+Prediction run_in(const ScratchFolder& scratch, const DiagnosisRun& run) {
+  const fs::path log = scratch.path / "messages.txt", predictions = scratch.path / "answer";
   fs::copy(run.dataset, scratch.path / "dataset", fs::copy_options::recursive);
   std::vector<std::string> arguments = {
       fs::absolute(run.binary).string(), "diagnose", "dataset", "--out",  "answer", "--seed",
@@ -116,20 +116,24 @@ CaseAnswer run_in(const ScratchFolder& scratch, const DiagnosisRun& run) {
   const pid_t child = ::fork();
   if (child < 0) return failed("no process could be started");
   if (child == 0) become(scratch.path, log, argv.data(), envp.data(), parent);
+
   const std::optional<int> status = wait_for(child, run.time_limit_s);
   const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
-  for (const fs::path& file : {answers / "diagnosis.json", answers / "augmented.yaml", log}) keep(file, run.keep);
+  for (const fs::path& file : {predictions / "diagnosis.json", predictions / "augmented.yaml", log})
+    keep(file, run.keep);
   if (!status) return failed(fmt::format("no answer within {} s", run.time_limit_s));
   if (!WIFEXITED(*status)) return failed(fmt::format("ended by signal {}", WTERMSIG(*status)));
-  if (WEXITSTATUS(*status) > 1) return failed(fmt::format("exit code {}: {}", WEXITSTATUS(*status), last_line(log)));
-  CaseAnswer answer = read_answer(answers / "diagnosis.json");
-  answer.seconds = seconds;
-  return answer;
+  if (WEXITSTATUS(*status) > 1)
+    return failed(fmt::format("exit code {}: {}", WEXITSTATUS(*status), last_line(log)));
+
+  Prediction prediction = read_prediction(predictions / "diagnosis.json");
+  prediction.seconds = seconds;
+  return prediction;
 }
 
 }  // namespace
 
-CaseAnswer run_diagnosis(const DiagnosisRun& run) {
+Prediction run_diagnosis(const DiagnosisRun& run) {
   try {
     fs::create_directories(run.keep);
     const ScratchFolder scratch("jaculus_case_");

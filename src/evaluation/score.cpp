@@ -1,38 +1,45 @@
-// Sheets of all answerers and the paired comparison with the diagnosis.
+// Sheets of all predictors and the paired comparison with the diagnosis.
+
+#include "jaculus/evaluation/score.h"
 
 #include <cassert>
 #include <stdexcept>
 
 #include "evaluation/estimates.h"
-#include "evaluation/sheet.h"
+#include "evaluation/metrics.h"
 #include "jaculus/core/error.h"
 
-namespace jaculus {
+namespace jaculus::evaluation {
 
-Score score_answers(const std::vector<SealedTruth>& truths,
-                    const std::map<std::string, std::vector<CaseAnswer>>& answers) {
-  assert(answers.count("diagnosis") == 1 && "score_answers: the diagnosis' own answers are missing");
+Score score_predictions(const std::vector<CaseTruth>& truths,
+                        const std::map<std::string, std::vector<Prediction>>& predictions) {
+  assert(predictions.count("diagnosis") == 1 &&
+         "score_predictions: the diagnosis' own answers are missing");
   Score score;
   score.truths = truths;
-  for (const auto& [answerer, given] : answers) {
-    assert(given.size() == truths.size() && "score_answers: one answer a truth");
-    const bool diagnosis = answerer == "diagnosis";
-    std::vector<CaseAnswer> rated = given;
+  for (const auto& [predictor, given] : predictions) {
+    assert(given.size() == truths.size() && "score_predictions: one answer a truth");
+    const bool diagnosis = predictor == "diagnosis";
+    std::vector<Prediction> rated = given;
     if (!diagnosis) evaluation::give_confidence(truths, rated);
-    ScoreSheet sheet = evaluation::make_sheet(answerer, truths, rated);
-    score.sheets.insert(diagnosis ? score.sheets.begin() : score.sheets.end(), std::move(sheet));
+    Metrics metrics = evaluation::compute_metrics(predictor, truths, rated);
+    score.metrics.insert(diagnosis ? score.metrics.begin() : score.metrics.end(),
+                         std::move(metrics));
   }
-  const ScoreSheet& own = score.sheets.front();
-  for (std::size_t s = 1; s < score.sheets.size(); ++s) {
-    const ScoreSheet& other = score.sheets[s];
+
+  const Metrics& own = score.metrics.front();
+  for (std::size_t s = 1; s < score.metrics.size(); ++s) {
+    const Metrics& other = score.metrics[s];
     std::vector<double> log_gain, credit_gain;
     for (std::size_t i = 0; i < truths.size(); ++i) {
-      log_gain.push_back(own.marks[i].log_score - other.marks[i].log_score);
-      credit_gain.push_back(own.marks[i].credit - other.marks[i].credit);
+      log_gain.push_back(own.scores[i].log_score - other.scores[i].log_score);
+      credit_gain.push_back(own.scores[i].credit - other.scores[i].credit);
     }
-    score.comparisons.push_back({other.answerer, evaluation::mean(log_gain), evaluation::mean(credit_gain)});
+    score.comparisons.push_back(
+        {other.predictor, evaluation::mean(log_gain), evaluation::mean(credit_gain)});
   }
+
   return score;
 }
 
-}  // namespace jaculus
+}  // namespace jaculus::evaluation

@@ -9,7 +9,8 @@
 
 namespace jaculus::evaluation {
 
-/// A folder for temporary files that nobody else has; gone with this value. std::system_error where none can be made.
+/// A folder for temporary files that nobody else has; gone with this value. std::system_error where
+/// none can be made.
 class ScratchFolder {
  public:
   /// Named `prefix` and six characters of its own.

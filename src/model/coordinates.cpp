@@ -1,4 +1,5 @@
-// Loops and generalised coordinates of robot.yaml: which joints are independent, and how they follow from the coordinates.
+// Loops and generalised coordinates of robot.yaml: which joints are independent, and how they
+// follow from the coordinates.
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -11,17 +12,15 @@
 
 #include "model/sections.h"
 
-namespace jaculus {
+namespace jaculus::model {
 namespace {
-
-std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
 bool is_dependent(const PlanarModel& model, int body) {
   return std::find(model.dependent.begin(), model.dependent.end(), body) != model.dependent.end();
 }
 
 bool is_ancestor(const PlanarModel& model, int ancestor, int body) {
-  for (; body >= 0; body = model.bodies[at(body)].parent) {
+  for (; body >= 0; body = model.bodies[body].parent) {
     if (body == ancestor) return true;
   }
   return false;
@@ -30,7 +29,7 @@ bool is_ancestor(const PlanarModel& model, int ancestor, int body) {
 /// Pose (x, z, angle) of a body in the base's frame with all joints at zero.
 Eigen::Vector3d pose_at_zero(const PlanarModel& model, int body) {
   if (body == 0) return Eigen::Vector3d::Zero();
-  const PlanarBody& b = model.bodies[at(body)];
+  const PlanarBody& b = model.bodies[body];
   const Eigen::Vector3d p = pose_at_zero(model, b.parent);
   const double c = std::cos(p[2]);
   const double s = std::sin(p[2]);
@@ -49,41 +48,50 @@ double branch_at_zero(const yaml::Node& node, const PlanarModel& model, const Pl
     const double s = std::sin(pose[2]);
     return Vec2(pose[0] + c * p.x() + s * p.y(), pose[1] - s * p.x() + c * p.y());
   };
+
   const Vec2 pin_a = pin(a, loop.point_a);
   const double size = loop.point_a.norm() + loop.point_b.norm();
   if ((pin_a - pin(b, loop.point_b)).norm() > 1e-3 * size) {
-    throw node.error(fmt::format(
-        "loop '{}' is open with all joints at zero, so its branch must be given; allowed: branch: positive or "
-        "negative",
-        loop.name));
+    throw node.error(
+        fmt::format("loop '{}' is open with all joints at zero, so its branch must be given; "
+                    "allowed: branch: positive or "
+                    "negative",
+                    loop.name));
   }
+
   const double area = cross(b.head<2>() - a.head<2>(), pin_a - a.head<2>());
   if (std::abs(area) < 1e-3 * size * size) {
-    throw node.error(fmt::format(
-        "loop '{}' is stretched with all joints at zero, so its branch must be given; allowed: branch: positive "
-        "or negative",
-        loop.name));
+    throw node.error(
+        fmt::format("loop '{}' is stretched with all joints at zero, so its branch must be given; "
+                    "allowed: branch: positive "
+                    "or negative",
+                    loop.name));
   }
+
   return area > 0.0 ? 1.0 : -1.0;
 }
 
 /// One end of a loop: the link must be the very body that the dependent joint carries.
-std::pair<int, Vec2> loop_end(const yaml::Node& node, const std::string& side, const yaml::Node& joint_node,
-                              const Reduction& reduction, const PlanarModel& model) {
+std::pair<int, Vec2> loop_end(const yaml::Node& node, const std::string& side,
+                              const yaml::Node& joint_node, const Reduction& reduction,
+                              const PlanarModel& model) {
   const yaml::Node link = node.at("link_" + side);
   const LinkPlace& place = link_place(link, link.text(), reduction);
   const std::string joint = joint_node.text();
   const int body = joint_body(joint_node, joint, model);
+
   if (place.body != body) {
-    throw joint_node.error(
-        fmt::format("joint '{}' carries '{}', not '{}'; allowed: '{}', the joint at the root of link_{}", joint,
-                    model.bodies[at(body)].name, link.text(), model.bodies[at(place.body)].joint, side));
+    throw joint_node.error(fmt::format(
+        "joint '{}' carries '{}', not '{}'; allowed: '{}', the joint at the root of link_{}", joint,
+        model.bodies[body].name, link.text(), model.bodies[place.body].joint, side));
   }
-  if (model.bodies[at(body)].kind != JointKind::revolute) {
+  if (model.bodies[body].kind != JointKind::revolute) {
     throw joint_node.error(fmt::format("joint '{}' slides; allowed: joints that turn", joint));
   }
   if (is_dependent(model, body))
-    throw joint_node.error(fmt::format("joint '{}' follows from another loop already; allowed: once", joint));
+    throw joint_node.error(
+        fmt::format("joint '{}' follows from another loop already; allowed: once", joint));
+
   const Vec2 point = node.at("point_" + side).vec2(dimension::length);
   const Vec2 turned(std::cos(place.angle) * point.x() + std::sin(place.angle) * point.y(),
                     -std::sin(place.angle) * point.x() + std::cos(place.angle) * point.y());
@@ -92,6 +100,7 @@ std::pair<int, Vec2> loop_end(const yaml::Node& node, const std::string& side, c
     throw node.at("point_" + side)
         .error(fmt::format("the pin lies on joint '{}' itself; allowed: away from it", joint));
   }
+
   return {body, on_body};
 }
 
@@ -109,43 +118,53 @@ std::vector<Combination> read_combinations(const yaml::Node& robot, const Planar
   if (!section) return list;
   for (const auto& [name, node] : section->entries()) {
     node.only({"of", "range"});
+
     Combination c;
     c.node = node;
     c.coordinate.name = name;
     if (model.body_of_joint(name) >= 0)
       throw node.error(fmt::format("'{}' is the name of a joint; allowed: a new name", name));
+
     for (const auto& [joint, coefficient] : node.at("of").entries()) {
       const int body = joint_body(coefficient, joint, model);
       if (is_dependent(model, body)) {
-        throw coefficient.error(fmt::format("joint '{}' follows from a loop; allowed: independent joints", joint));
+        throw coefficient.error(
+            fmt::format("joint '{}' follows from a loop; allowed: independent joints", joint));
       }
       c.of[body] = coefficient.number(dimension::none);
     }
-    if (c.of.empty()) throw node.at("of").error("no joint given; allowed: {joint: coefficient, ...}");
-    const JointKind kind = model.bodies[at(c.of.begin()->first)].kind;
+    if (c.of.empty())
+      throw node.at("of").error("no joint given; allowed: {joint: coefficient, ...}");
+
+    const JointKind kind = model.bodies[c.of.begin()->first].kind;
     for (const auto& [body, coefficient] : c.of) {
-      if (model.bodies[at(body)].kind != kind) {
-        throw node.at("of").error("joints that turn and joints that slide given; allowed: all of one kind");
+      if (model.bodies[body].kind != kind) {
+        throw node.at("of").error(
+            "joints that turn and joints that slide given; allowed: all of one kind");
       }
     }
     c.coordinate.angular = kind == JointKind::revolute;
     if (const auto range = node.find("range")) {
-      c.coordinate.range = range->bounds(c.coordinate.angular ? dimension::angle : dimension::length);
+      c.coordinate.range =
+          range->bounds(c.coordinate.angular ? dimension::angle : dimension::length);
     }
+
     list.push_back(c);
   }
   return list;
 }
 
 /// The combinations that share joints with `first`, directly or through others.
-std::vector<Combination*> group_of(Combination& first, std::vector<Combination>& all, std::set<int>& joints) {
+std::vector<Combination*> group_of(Combination& first, std::vector<Combination>& all,
+                                   std::set<int>& joints) {
   std::vector<Combination*> group;
   for (const auto& [body, coefficient] : first.of) joints.insert(body);
   for (std::size_t size = 0; size != joints.size();) {
     size = joints.size();
     for (Combination& c : all) {
-      const bool shares =
-          std::any_of(c.of.begin(), c.of.end(), [&](const auto& term) { return joints.count(term.first) != 0; });
+      const bool shares = std::any_of(c.of.begin(), c.of.end(), [&](const auto& term) {
+        return joints.count(term.first) != 0;
+      });
       if (!shares) continue;
       for (const auto& [body, coefficient] : c.of) joints.insert(body);
     }
@@ -157,26 +176,31 @@ std::vector<Combination*> group_of(Combination& first, std::vector<Combination>&
 }
 
 /// theta = C^-1 q for a group of coordinates q = C theta.
-Matrix invert(const std::vector<Combination*>& group, const std::vector<int>& joints, const PlanarModel& model) {
+Matrix invert(const std::vector<Combination*>& group, const std::vector<int>& joints,
+              const PlanarModel& model) {
   std::vector<std::string> names;
-  for (const int body : joints) names.push_back(model.bodies[at(body)].joint);
+  for (const int body : joints) names.push_back(model.bodies[body].joint);
+
   const yaml::Node& node = group.front()->node;
   if (group.size() != joints.size()) {
-    throw node.error(fmt::format("{} coordinate(s) for the {} joints {}; allowed: as many coordinates as joints",
-                                 group.size(), joints.size(), fmt::join(names, ", ")));
+    throw node.error(
+        fmt::format("{} coordinate(s) for the {} joints {}; allowed: as many coordinates as joints",
+                    group.size(), joints.size(), fmt::join(names, ", ")));
   }
-  Matrix C = Matrix::Zero(static_cast<Eigen::Index>(group.size()), static_cast<Eigen::Index>(joints.size()));
-  for (std::size_t r = 0; r < group.size(); ++r) {
-    for (std::size_t j = 0; j < joints.size(); ++j) {
+
+  Matrix C = Matrix::Zero(group.size(), joints.size());
+  for (int r = 0; r < count_of(group); ++r) {
+    for (int j = 0; j < count_of(joints); ++j) {
       const auto term = group[r]->of.find(joints[j]);
-      if (term != group[r]->of.end()) C(static_cast<Eigen::Index>(r), static_cast<Eigen::Index>(j)) = term->second;
+      if (term != group[r]->of.end()) C(r, j) = term->second;
     }
   }
+
   const Eigen::FullPivLU<Matrix> lu(C);
   if (!lu.isInvertible() || !(lu.rcond() > 1e-9)) {
-    throw node.error(
-        fmt::format("the coordinates of the joints {} depend on one another; allowed: independent combinations",
-                    fmt::join(names, ", ")));
+    throw node.error(fmt::format(
+        "the coordinates of the joints {} depend on one another; allowed: independent combinations",
+        fmt::join(names, ", ")));
   }
   return lu.inverse();
 }
@@ -195,8 +219,8 @@ void add_group(Combination& first, std::vector<Combination>& all, PlanarModel& m
   const std::vector<int> joints(joint_set.begin(), joint_set.end());
   const Matrix inverse = invert(group, joints, model);
   const Eigen::Index column = add_columns(model, inverse.cols());
-  for (std::size_t j = 0; j < joints.size(); ++j) {
-    model.joint_map.block(joints[j], column, 1, inverse.cols()) = inverse.row(static_cast<Eigen::Index>(j));
+  for (int j = 0; j < count_of(joints); ++j) {
+    model.joint_map.block(joints[j], column, 1, inverse.cols()) = inverse.row(j);
   }
   for (Combination* c : group) {
     c->emitted = true;
@@ -205,20 +229,20 @@ void add_group(Combination& first, std::vector<Combination>& all, PlanarModel& m
 }
 
 /// Ranges of robot.yaml take the place of the URDF's.
-void read_ranges(const yaml::Node& robot, std::vector<Bounds>& joint_ranges, std::vector<Coordinate>& base,
-                 const PlanarModel& model) {
+void read_ranges(const yaml::Node& robot, std::vector<Bounds>& joint_ranges,
+                 std::vector<Coordinate>& base, const PlanarModel& model) {
   const std::optional<yaml::Node> section = robot.find("ranges");
   if (!section) return;
   for (const auto& [name, node] : section->entries()) {
-    const auto found =
-        std::find_if(base.begin(), base.end(), [&, key = name](const Coordinate& c) { return c.name == key; });
+    const auto found = std::find_if(base.begin(), base.end(),
+                                    [&, key = name](const Coordinate& c) { return c.name == key; });
     if (found != base.end()) {
       found->range = node.bounds(found->angular ? dimension::angle : dimension::length);
       continue;
     }
     const int body = joint_body(node, name, model);
-    const bool slides = model.bodies[at(body)].kind == JointKind::prismatic;
-    joint_ranges[at(body)] = node.bounds(slides ? dimension::length : dimension::angle);
+    const bool slides = model.bodies[body].kind == JointKind::prismatic;
+    joint_ranges[body] = node.bounds(slides ? dimension::length : dimension::angle);
   }
 }
 
@@ -226,7 +250,8 @@ void check_unique(const yaml::Node& robot, const PlanarModel& model) {
   std::set<std::string> seen;
   for (const Coordinate& c : model.coordinates) {
     if (!seen.insert(c.name).second)
-      throw robot.error(fmt::format("two coordinates are called '{}'; allowed: names that differ", c.name));
+      throw robot.error(
+          fmt::format("two coordinates are called '{}'; allowed: names that differ", c.name));
   }
 }
 
@@ -240,23 +265,32 @@ void read_loops(const yaml::Node& robot, const Reduction& reduction, PlanarModel
     const std::vector<yaml::Node> joints = node.at("dependent").items();
     if (joints.size() != 2) {
       throw node.at("dependent")
-          .error(fmt::format("{} joints given; allowed: two, those at the roots of link_a and link_b", joints.size()));
+          .error(
+              fmt::format("{} joints given; allowed: two, those at the roots of link_a and link_b",
+                          joints.size()));
     }
+
     PlanarLoop loop;
     loop.name = name;
     std::tie(loop.body_a, loop.point_a) = loop_end(node, "a", joints[0], reduction, model);
     std::tie(loop.body_b, loop.point_b) = loop_end(node, "b", joints[1], reduction, model);
-    if (is_ancestor(model, loop.body_a, loop.body_b) || is_ancestor(model, loop.body_b, loop.body_a)) {
-      throw node.error("link_a and link_b lie on one branch of the tree; allowed: links of two branches");
+
+    if (is_ancestor(model, loop.body_a, loop.body_b) ||
+        is_ancestor(model, loop.body_b, loop.body_a)) {
+      throw node.error(
+          "link_a and link_b lie on one branch of the tree; allowed: links of two branches");
     }
-    if (model.bodies[at(loop.body_a)].count != model.bodies[at(loop.body_b)].count) {
-      throw node.error("one of link_a and link_b is lumped and the other is not; allowed: both or neither");
+    if (model.bodies[loop.body_a].count != model.bodies[loop.body_b].count) {
+      throw node.error(
+          "one of link_a and link_b is lumped and the other is not; allowed: both or neither");
     }
+
     if (const auto branch = node.find("branch")) {
       loop.branch = branch->choice({"positive", "negative"}) == "positive" ? 1.0 : -1.0;
     } else {
       loop.branch = branch_at_zero(node, model, loop);
     }
+
     model.loops.push_back(loop);
     model.dependent.push_back(loop.body_a);
     model.dependent.push_back(loop.body_b);
@@ -264,7 +298,7 @@ void read_loops(const yaml::Node& robot, const Reduction& reduction, PlanarModel
 }
 
 void read_coordinates(const yaml::Node& robot, const Reduction& reduction, PlanarModel& model) {
-  const auto bodies = static_cast<Eigen::Index>(model.bodies.size());
+  const auto bodies = std::ssize(model.bodies);
   if (model.base_free[0]) model.coordinates.push_back({"x", false, {}});
   if (model.base_free[1]) model.coordinates.push_back({"z", false, {}});
   if (model.base_free[2]) model.coordinates.push_back({"pitch", true, {}});
@@ -274,23 +308,23 @@ void read_coordinates(const yaml::Node& robot, const Reduction& reduction, Plana
   model.joint_offset = Vector::Zero(bodies);
 
   std::vector<Combination> combinations = read_combinations(robot, model);
-  for (int b = 1; b < static_cast<int>(bodies); ++b) {
-    const PlanarBody& body = model.bodies[at(b)];
+  for (int b = 1; b < bodies; ++b) {
+    const PlanarBody& body = model.bodies[b];
     const bool dependent = is_dependent(model, b);
     const auto named = std::find_if(combinations.begin(), combinations.end(),
                                     [&](const Combination& c) { return c.of.count(b) != 0; });
     if (!dependent && named == combinations.end()) {
       const Eigen::Index column = add_columns(model, 1);
       model.joint_map(b, column) = 1.0;
-      model.coordinates.push_back({body.joint, body.kind == JointKind::revolute, ranges[at(b)]});
+      model.coordinates.push_back({body.joint, body.kind == JointKind::revolute, ranges[b]});
       continue;
     }
     if (!dependent && !named->emitted) add_group(*named, combinations, model);
-    if (std::isfinite(ranges[at(b)].lower) || std::isfinite(ranges[at(b)].upper)) {
-      model.joint_ranges.push_back({body.joint, b, ranges[at(b)]});
+    if (std::isfinite(ranges[b].lower) || std::isfinite(ranges[b].upper)) {
+      model.joint_ranges.push_back({body.joint, b, ranges[b]});
     }
   }
   check_unique(robot, model);
 }
 
-}  // namespace jaculus
+}  // namespace jaculus::model

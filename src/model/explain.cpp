@@ -3,12 +3,12 @@
 #include "jaculus/model/robot.h"
 #include "model/fields.h"
 
-namespace jaculus {
+namespace jaculus::model {
 namespace {
 
 const char* const kText = R"(robot.yaml: what robot.urdf can't say about a robot
-Plain numbers are SI (rad); "16 V", "15 deg" carry their unit. Unknown keys are errors. The sagittal plane is x-z, points are
-[x, z] in their link's frame, angles turn about +y.
+Plain numbers are SI (rad); "16 V", "15 deg" carry their unit. Unknown keys are errors. The
+sagittal plane is x-z, points are [x, z] in their link's frame, angles turn about +y.
 
   format          jaculus-robot/1
   urdf            file of the bodies and joints, in the same folder; robot.urdf where absent
@@ -17,30 +17,48 @@ Plain numbers are SI (rad); "16 V", "15 deg" carry their unit. Unknown keys are 
     pose          x [m], z [m], pitch [rad] where held; 0 where absent
   gravity         [m/s^2] along -z; 9.81 where absent
   friction        Coulomb coefficient of feet on the floor [-]; needed where there are feet
-  pairs           left and right parts that move alike, lumped into one planar part (masses and inertias added)
-    joints        planar name: [left joint, right joint]; joints below a pair must be in pairs as well
-    links         planar name: [left link, right link]; without it the left link's name stands for both
+  pairs           left and right parts that move alike, lumped into one planar part (masses and
+                  inertias added)
+    joints        planar name: [left joint, right joint]; joints below a pair must be in pairs too
+    links         planar name: [left link, right link]; the left one's name where absent
   fixed_joints    joint: value [rad or m]; held there, its link is merged into its parent
   loops           name: a loop closure, a pin that joins two links
     link_a, link_b     the links that the pin joins
     point_a, point_b   where the pin is on each [m]
-    dependent          [joint_a, joint_b]: the joints at the roots of link_a and link_b; they follow from the others
-    branch             positive or negative: sign of u_z v_x - u_x v_z, u from joint_a to joint_b, v from joint_a to the pin;
-                       where absent, that of the URDF's zero
-  coordinates     name: a combination of independent joints; joints in none are coordinates of their own
-    of            joint: coefficient [-]; as many coordinates as joints that they share, independent of one another
+    dependent          [joint_a, joint_b]: the joints at the roots of link_a and link_b; they follow
+                       from the others
+    branch             positive or negative: sign of u_z v_x - u_x v_z, u from joint_a to joint_b,
+                       v from joint_a to the pin; where absent, that of the URDF's zero
+  coordinates     name: a combination of independent joints; joints in none stand for themselves
+    of            joint: coefficient [-]; as many coordinates as joints that they share,
+                  independent of one another
     range         [lower, upper] [rad or m]; none where absent
   ranges          joint or base coordinate: [lower, upper] [rad or m], in place of the URDF's limits
+  rest_pose       joint with a motor: where it is while the robot is carried or stands on a bench
+                  [rad or m]; 0 where absent
   feet            name: a point that may touch the floor
     link, point   the link and the position on it [m]
   points          name: any other point, keys as in feet
 )";
 
-std::string section(const std::string& head, const std::vector<Key>& keys) {
+template <class S>
+std::string section(const std::string& head, const std::vector<Key<S>>& keys) {
   std::string text = head;
-  for (const Key& key : keys) {
-    const std::string unit = key.unit.empty() ? "" : fmt::format(" [{}]", key.unit);
+  for (const Key<S>& key : keys) {
+    const bool word = std::holds_alternative<DragKind S::*>(key.member);
+    const std::string unit = word ? "" : fmt::format(" [{}]", unit_name(key.dimension));
     text += fmt::format("    {:<18} {}{}\n", key.name, key.meaning, unit);
+  }
+  return text;
+}
+
+std::string tolerance_section() {
+  std::string text =
+      "  tolerances      what a careful builder can't know: standard deviations; nothing is off by "
+      "more\n                  than two of them\n";
+  for (const ToleranceKey& key : tolerance_keys()) {
+    text += fmt::format("    {:<18} {} [{}]; {:.4g} where absent\n", key.name, key.meaning,
+                        unit_name(key.dimension), Tolerances{}.*key.member);
   }
   return text;
 }
@@ -51,14 +69,17 @@ std::string explain_robot() {
   return kText +
          section(
              "  motors          joint: one motor of its pair\n"
-             "    kind               electric, or ideal (a torque, a force where the joint slides; takes torque_limit "
+             "    kind               electric, or ideal (a torque, a force where the joint slides; "
+             "takes torque_limit "
              "alone)\n",
              motor_keys()) +
          section(
-             "  drag            name: aerodynamic drag of a tail, overridden by the path name.drag.key\n"
+             "  drag            name: aerodynamic drag of a tail, overridden by the path "
+             "name.drag.key\n"
              "    link               the link that carries it; its joint is the pivot\n"
              "    direction          [x, z] along the tail, in the link's frame; any length\n",
-             drag_keys());
+             drag_keys()) +
+         tolerance_section();
 }
 
-}  // namespace jaculus
+}  // namespace jaculus::model

@@ -2,7 +2,11 @@
 
 #include <fmt/format.h>
 
-namespace jaculus {
+#include <cmath>
+
+#include "jaculus/model/values.h"
+
+namespace jaculus::model {
 namespace {
 
 // Where zero is impossible but any positive number is fine, this stands for "more than 0".
@@ -13,84 +17,115 @@ constexpr Bounds kNotNegative{0.0, kInfinity};
 }  // namespace
 
 const std::vector<std::string>& drag_kinds() {
-  static const std::vector<std::string> names = {"none", "distributed", "point", "rotation"};  // in DragKind's order
+  // in DragKind's order
+  static const std::vector<std::string> names = {"none", "distributed", "point", "rotation"};
   return names;
 }
 
-const std::vector<Key>& motor_keys() {
-  static const std::vector<Key> keys = {
-      {"torque_constant", "N m/A", "k_t before the gear, equally V s/rad"},
-      {"resistance", "ohm", "of the winding"},
-      {"saturation_linear", "A/(N m)", "a in i = a tau + c tau^3 before the gear"},
-      {"saturation_cubic", "A/(N m)^3", "c in the same"},
-      {"voltage", "V", "of the bus, as the robot has it"},
-      {"current_limit", "A", "of the driver; may be absent: none"},
-      {"torque_limit", "N m", "before the gear; may be absent: none (N for a sliding joint)"},
-      {"gear", "-", "turns of the motor for one of the joint"},
-      {"efficiency", "-", "of the gear: motor torque = joint torque / (gear * efficiency)"},
-      {"rotor_inertia", "kg m^2", "before the gear; 0 where the link's inertia holds it"},
+const std::vector<Key<PlanarMotor>>& motor_keys() {
+  namespace d = dimension;
+  using M = PlanarMotor;
+  static const std::vector<Key<M>> keys = {
+      {"torque_constant", &M::torque_constant, d::torque_constant, kPositive,
+       "k_t before the gear, equally V s/rad", true},
+      {"resistance", &M::resistance, d::resistance, kPositive, "of the winding", true},
+      {"saturation_linear", &M::saturation_linear, d::saturation_linear, kPositive,
+       "a in i = a tau + c tau^3 before the gear", true},
+      {"saturation_cubic", &M::saturation_cubic, d::saturation_cubic, kNotNegative, "c in the same",
+       true},
+      {"voltage", &M::voltage, d::voltage, kPositive, "of the bus, as the robot has it", true},
+      {"current_limit", &M::current_limit, d::current, kPositive,
+       "of the driver; may be absent: none"},
+      {"torque_limit", &M::torque_limit, d::torque, kPositive,
+       "before the gear; may be absent: none (N for a sliding joint)"},
+      {"gear", &M::gear, d::none, kPositive, "turns of the motor for one of the joint", true},
+      {"efficiency",
+       &M::efficiency,
+       d::none,
+       {kTiny, 1.0},
+       "of the gear: motor torque = joint torque / (gear * efficiency)",
+       true},
+      {"rotor_inertia", &M::rotor_inertia, d::inertia, kNotNegative,
+       "before the gear; 0 where the link's inertia holds it", true},
   };
+
   return keys;
 }
 
-const std::vector<Key>& drag_keys() {
-  static const std::vector<Key> keys = {
-      {"kind", "",
-       "none, distributed (a strip), point (one force) or rotation (a strip that ignores the body's motion)"},
-      {"density", "kg/m^3", "of air"},
-      {"coefficient", "-", "C_D"},
-      {"width", "m", "of the strip (distributed, rotation)"},
-      {"start", "m", "of the strip from the pivot: the shaft before it has no drag"},
-      {"end", "m", "of the strip from the pivot"},
-      {"point_distance", "m", "of the point force from the pivot (point)"},
-      {"point_area", "m^2", "of the point force (point)"},
-      {"wind", "m/s", "velocity of the air, [x, z]; may be absent: still air"},
+const std::vector<Key<PlanarDrag>>& drag_keys() {
+  namespace d = dimension;
+  using D = PlanarDrag;
+  static const std::vector<Key<D>> keys = {
+      {"kind",
+       &D::kind,
+       d::none,
+       {},
+       "none, distributed (a strip), point (one force) or rotation (a strip that ignores the "
+       "body's motion)",
+       true},
+      {"density", &D::density, d::density, kNotNegative, "of air", true},
+      {"coefficient", &D::coefficient, d::none, kNotNegative, "C_D", true},
+      {"width", &D::width, d::length, kNotNegative, "of the strip (distributed, rotation)"},
+      {"start", &D::start, d::length, kNotNegative,
+       "of the strip from the pivot: the shaft before it has no drag"},
+      {"end", &D::end, d::length, kNotNegative, "of the strip from the pivot"},
+      {"point_distance", &D::point_distance, d::length, kNotNegative,
+       "of the point force from the pivot (point)"},
+      {"point_area", &D::point_area, d::area, kNotNegative, "of the point force (point)"},
+      {"wind",
+       &D::wind_W,
+       d::velocity,
+       {},
+       "velocity of the air, [x, z]; may be absent: still air"},
   };
+
   return keys;
 }
 
-std::vector<Field> motor_fields(PlanarMotor& m, bool prismatic) {
-  namespace d = dimension;
-  const std::string p = "motors." + m.joint + ".";
-  const Dimension effort = prismatic ? d::force : d::torque;
-  if (m.ideal()) return {{p + "torque_limit", "", &m.torque_limit, effort, kPositive}};
-  return {{p + "torque_constant", "", &m.torque_constant, d::torque_constant, kPositive},
-          {p + "resistance", "", &m.resistance, d::resistance, kPositive},
-          {p + "saturation_linear", "", &m.saturation_linear, d::saturation_linear, kPositive},
-          {p + "saturation_cubic", "", &m.saturation_cubic, d::saturation_cubic, kNotNegative},
-          {p + "voltage", "", &m.voltage, d::voltage, kPositive},
-          {p + "current_limit", "", &m.current_limit, d::current, kPositive},
-          {p + "torque_limit", "", &m.torque_limit, effort, kPositive},
-          {p + "gear", "", &m.gear, d::none, kPositive},
-          {p + "efficiency", "", &m.efficiency, d::none, {kTiny, 1.0}},
-          {p + "rotor_inertia", "", &m.rotor_inertia, d::inertia, kNotNegative}};
+namespace {
+
+template <class S>
+Field field_of(S& section, const std::string& prefix, const Key<S>& key) {
+  Field field{prefix + std::string(key.name), "", {}, key.dimension, key.allowed, key.required};
+  std::visit([&](auto member) { field.target = &(section.*member); }, key.member);
+  return field;
 }
 
-std::vector<Field> drag_fields(PlanarDrag& t) {
-  namespace d = dimension;
-  const std::string p = t.name + ".drag.";
-  return {{p + "kind", "", &t.kind, d::none, {}},
-          {p + "density", "", &t.density, d::density, kNotNegative},
-          {p + "coefficient", "", &t.coefficient, d::none, kNotNegative},
-          {p + "width", "", &t.width, d::length, kNotNegative},
-          {p + "start", "", &t.start, d::length, kNotNegative},
-          {p + "end", "", &t.end, d::length, kNotNegative},
-          {p + "point_distance", "", &t.point_distance, d::length, kNotNegative},
-          {p + "point_area", "", &t.point_area, d::area, kNotNegative},
-          {p + "wind", "", &t.wind_W, d::velocity, {}}};
+}  // namespace
+
+std::vector<Field> motor_fields(PlanarMotor& motor, bool prismatic) {
+  std::vector<Field> fields;
+  for (const Key<PlanarMotor>& key : motor_keys()) {
+    const bool effort = key.name == "torque_limit";
+    if (motor.ideal() && !effort) continue;
+    fields.push_back(field_of(motor, "motors." + motor.joint + ".", key));
+    if (effort && prismatic) fields.back().dimension = dimension::force;
+  }
+  return fields;
+}
+
+std::vector<Field> drag_fields(PlanarDrag& drag) {
+  std::vector<Field> fields;
+  for (const Key<PlanarDrag>& key : drag_keys())
+    fields.push_back(field_of(drag, drag.name + ".drag.", key));
+  return fields;
 }
 
 std::vector<Field> model_fields(PlanarModel& model) {
   namespace d = dimension;
   std::vector<Field> fields = {{"friction", "", &model.friction, d::none, kNotNegative},
                                {"gravity", "", &model.gravity, d::acceleration, kNotNegative}};
+
   const auto append = [&fields](std::vector<Field> more) {
     for (Field& field : more) fields.push_back(std::move(field));
   };
+
   for (PlanarBody& b : model.bodies) {
     const bool base = &b == &model.bodies.front();
-    const auto add = [&](const std::string& name, auto* target, const Dimension& dimension, const Bounds& allowed) {
-      fields.push_back({"bodies." + b.name + "." + name, b.name + "." + name, target, dimension, allowed});
+    const auto add = [&](const std::string& name, auto* target, const Dimension& dimension,
+                         const Bounds& allowed) {
+      fields.push_back(
+          {"bodies." + b.name + "." + name, b.name + "." + name, target, dimension, allowed});
     };
     // A fixed base may be without mass, like a wall.
     add("mass", &b.mass, d::mass, base ? kNotNegative : kPositive);
@@ -98,25 +133,43 @@ std::vector<Field> model_fields(PlanarModel& model) {
     add("com", &b.com, d::length, {});
     if (!base) add("origin", &b.origin, d::length, {});
   }
+
   for (PlanarMotor& m : model.motors) {
-    const auto body = static_cast<std::size_t>(m.body);
+    const std::size_t body = m.body;
     append(motor_fields(m, model.bodies[body].kind == JointKind::prismatic));
   }
   for (PlanarDrag& t : model.drags) append(drag_fields(t));
-  for (PlanarPoint& p : model.feet) fields.push_back({"feet." + p.name + ".point", "", &p.position, d::length, {}});
-  for (PlanarPoint& p : model.points) fields.push_back({"points." + p.name + ".point", "", &p.position, d::length, {}});
+
+  for (PlanarPoint& p : model.feet)
+    fields.push_back({"feet." + p.name + ".point", "", &p.position, d::length, {}});
+  for (PlanarPoint& p : model.points)
+    fields.push_back({"points." + p.name + ".point", "", &p.position, d::length, {}});
+
   for (Coordinate& c : model.coordinates) {
     fields.push_back({"ranges." + c.name, "", &c.range, c.angular ? d::angle : d::length, {}});
   }
   for (JointRange& r : model.joint_ranges) {
-    const bool slides = model.bodies[static_cast<std::size_t>(r.body)].kind == JointKind::prismatic;
+    const bool slides = model.bodies[r.body].kind == JointKind::prismatic;
     fields.push_back({"ranges." + r.joint, "", &r.range, slides ? d::length : d::angle, {}});
   }
+
   return fields;
 }
 
+std::vector<ModelValue> model_values(const PlanarModel& model) {
+  PlanarModel copy = model;  // fields may be written to
+  std::vector<ModelValue> values;
+  for (const Field& field : model_fields(copy)) {
+    const auto* number = std::get_if<double*>(&field.target);
+    if (number != nullptr && std::isfinite(**number))
+      values.push_back({field.path, field.alias, **number});
+  }
+  return values;
+}
+
 void Field::read(const yaml::Node& node) const {
-  if (auto* const* number = std::get_if<double*>(&target)) **number = node.number(dimension, allowed);
+  if (auto* const* number = std::get_if<double*>(&target))
+    **number = node.number(dimension, allowed);
   if (auto* const* vector = std::get_if<Vec2*>(&target)) **vector = node.vec2(dimension);
   if (auto* const* bounds = std::get_if<Bounds*>(&target)) **bounds = node.bounds(dimension);
   if (auto* const* kind = std::get_if<DragKind*>(&target)) {
@@ -129,7 +182,8 @@ void Field::read(const yaml::Node& node) const {
 
 std::string Field::shown() const {
   const std::string unit = " [" + unit_name(dimension) + "]";
-  if (const auto* number = std::get_if<double*>(&target)) return fmt::format("{}{}", **number, unit);
+  if (const auto* number = std::get_if<double*>(&target))
+    return fmt::format("{}{}", **number, unit);
   if (const auto* vector = std::get_if<Vec2*>(&target))
     return fmt::format("[{}, {}]{}", (*vector)->x(), (*vector)->y(), unit);
   if (const auto* bounds = std::get_if<Bounds*>(&target)) {
@@ -138,4 +192,4 @@ std::string Field::shown() const {
   return drag_kinds()[static_cast<std::size_t>(**std::get_if<DragKind*>(&target))];
 }
 
-}  // namespace jaculus
+}  // namespace jaculus::model

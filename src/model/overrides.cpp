@@ -5,7 +5,7 @@
 
 #include "model/fields.h"
 
-namespace jaculus {
+namespace jaculus::model {
 namespace {
 
 /// Whether `path` fits `pattern`, in which "*" stands for one part between dots.
@@ -26,11 +26,14 @@ bool matches(const std::string& pattern, const Field& field) {
          (!field.alias.empty() && matches(std::string_view(pattern), field.alias));
 }
 
-bool is_reference(const yaml::Node& node) { return node.is_scalar() && node.dump().find('=') != std::string::npos; }
+bool is_reference(const yaml::Node& node) {
+  return node.is_scalar() && node.dump().find('=') != std::string::npos;
+}
 
 class Applier {
  public:
-  Applier(PlanarModel& model, const std::vector<OverrideInput>& overrides) : fields_(model_fields(model)) {
+  Applier(PlanarModel& model, const std::vector<OverrideInput>& overrides)
+      : fields_(model_fields(model)) {
     for (const bool wild : {true, false}) {
       for (const OverrideInput& o : overrides) {
         if ((o.path.find('*') != std::string::npos) == wild) assign(o, wild);
@@ -56,9 +59,9 @@ class Applier {
       found = true;
       const auto old = assigned_.find(f);
       if (old != assigned_.end() && old->second.wild == wild) {
-        throw o.value.error(fmt::format("override '{}' sets {}, which '{}' (line {}) sets as well; allowed: once",
-                                        o.path, fields_[f].path, old->second.source.path,
-                                        old->second.source.value.line()));
+        throw o.value.error(fmt::format(
+            "override '{}' sets {}, which '{}' (line {}) sets as well; allowed: once", o.path,
+            fields_[f].path, old->second.source.path, old->second.source.value.line()));
       }
       assigned_[f] = {o, wild, 0};
     }
@@ -73,7 +76,8 @@ class Applier {
     }
     const std::optional<std::string> near = yaml::nearest_name(path, paths);
     return node.error(
-        fmt::format("unknown model value '{}'{}; allowed: a path that `jaculus check` lists for this robot, as {}",
+        fmt::format("unknown model value '{}'{}; allowed: a path that `jaculus check` lists for "
+                    "this robot, as {}",
                     path, near ? fmt::format(", did you mean '{}'?", *near) : "", examples()));
   }
 
@@ -94,19 +98,22 @@ class Applier {
     const auto found = assigned_.find(f);
     if (found == assigned_.end() || found->second.state == 2) return;
     Assigned& a = found->second;
+
     trail_.push_back(fields_[f].path);
     if (a.state == 1) {
       std::string text;
       for (const std::string& step : trail_) text += (text.empty() ? "" : " -> ") + step;
-      throw a.source.value.error(
-          fmt::format("override goes round in a circle: {}; allowed: a chain that ends in a value", text));
+      throw a.source.value.error(fmt::format(
+          "override goes round in a circle: {}; allowed: a chain that ends in a value", text));
     }
+
     a.state = 1;
     if (is_reference(a.source.value)) {
       copy(a.source.value, f);
     } else {
       fields_[f].read(a.source.value);
     }
+
     a.state = 2;
     trail_.pop_back();
   }
@@ -114,18 +121,25 @@ class Applier {
   void copy(const yaml::Node& node, std::size_t f) {
     std::string path = node.text();
     if (!path.starts_with('='))
-      throw node.error(fmt::format("'{}' given; allowed: a value, or =path of another value", path));
+      throw node.error(
+          fmt::format("'{}' given; allowed: a value, or =path of another value", path));
     path.erase(0, 1);
-    const auto source = std::find_if(fields_.begin(), fields_.end(),
-                                     [&](const Field& field) { return field.path == path || field.alias == path; });
+
+    const auto source = std::find_if(fields_.begin(), fields_.end(), [&](const Field& field) {
+      return field.path == path || field.alias == path;
+    });
     if (path.empty() || source == fields_.end()) throw unknown(node, path);
+
     const Field& target = fields_[f];
-    if (source->target.index() != target.target.index() || !(source->dimension == target.dimension)) {
-      throw node.error(fmt::format("{} is {}, {} is {}; allowed: a value of the same kind and unit", path,
-                                   source->shown(), target.path, target.shown()));
+    if (source->target.index() != target.target.index() ||
+        !(source->dimension == target.dimension)) {
+      throw node.error(fmt::format("{} is {}, {} is {}; allowed: a value of the same kind and unit",
+                                   path, source->shown(), target.path, target.shown()));
     }
-    resolve(static_cast<std::size_t>(source - fields_.begin()));
-    std::visit([&](auto* to) { *to = **std::get_if<decltype(to)>(&source->target); }, target.target);
+
+    resolve(source - fields_.begin());
+    std::visit([&](auto* to) { *to = **std::get_if<decltype(to)>(&source->target); },
+               target.target);
   }
 
   std::vector<Field> fields_;
@@ -139,4 +153,4 @@ void apply_overrides(PlanarModel& model, const std::vector<OverrideInput>& overr
   Applier(model, overrides).run();
 }
 
-}  // namespace jaculus
+}  // namespace jaculus::model

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cassert>
 
-namespace jaculus {
+namespace jaculus::model {
 namespace {
 
 /// Position of the first element for which `match` holds, -1 where there is none.
@@ -29,7 +29,8 @@ int PlanarModel::coordinate_index(const std::string& name) const {
 
 int PlanarModel::body_of_joint(const std::string& joint) const {
   // The base has no joint: its empty name must not answer to an empty question.
-  return joint.empty() ? -1 : find_index(bodies, [&](const PlanarBody& b) { return b.joint == joint; });
+  return joint.empty() ? -1
+                       : find_index(bodies, [&](const PlanarBody& b) { return b.joint == joint; });
 }
 
 int PlanarModel::foot_index(const std::string& name) const {
@@ -50,20 +51,22 @@ PlanarModel lock(const PlanarModel& model, const std::string& coordinate, double
   const int index = model.coordinate_index(coordinate);
   assert(index >= 0 && "lock: no such coordinate");
   PlanarModel locked = model;
-  const int free_base = static_cast<int>(std::count(model.base_free.begin(), model.base_free.end(), true));
+  const int free_base =
+      static_cast<int>(std::count(model.base_free.begin(), model.base_free.end(), true));
   if (index < free_base) {
     int seen = -1;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       if (!model.base_free[axis] || ++seen != index) continue;
       locked.base_free[axis] = false;
-      locked.base_pose[static_cast<Eigen::Index>(axis)] = value;
+      locked.base_pose[axis] = value;
     }
   }
   locked.joint_offset += value * model.joint_map.col(index);
   locked.joint_map = without_column(model.joint_map, index);
   locked.coordinates.erase(locked.coordinates.begin() + index);
 
-  // A joint that moved with this coordinate alone stands still now: its motor can't work, its range is settled.
+  // A joint that moved with this coordinate alone stands still now: its motor can't work, its range
+  // is settled.
   const auto stands = [&](int body) {
     return !model.joint_map.row(body).isZero(0.0) && locked.joint_map.row(body).isZero(0.0);
   };
@@ -72,4 +75,4 @@ PlanarModel lock(const PlanarModel& model, const std::string& coordinate, double
   return locked;
 }
 
-}  // namespace jaculus
+}  // namespace jaculus::model

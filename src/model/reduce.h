@@ -1,11 +1,14 @@
 #pragma once
-// From the spatial tree to planar bodies: fixed joints are merged, pairs lumped, everything is projected on the sagittal plane.
+// From the spatial tree to planar bodies: fixed joints are merged, pairs lumped, everything is
+// projected on the sagittal plane.
 //
 //   mass     m = sum m_i                      over the links that move together, left and right
 //   com      c = sum m_i c_i / m              x and z; y is dropped
-//   inertia  I = sum I_i,yy + m_i |c_i - c|^2 with I_i about the link's own centre of mass, along the root's axes
+//   inertia  I = sum I_i,yy + m_i |c_i - c|^2 with I_i about the link's own centre of mass, along
+//            the root's axes
 //
-// Valid where every moving joint turns about y or slides in x-z, so that links stay parallel to the sagittal plane.
+// Valid where every moving joint turns about y or slides in x-z, so that links stay parallel to the
+// sagittal plane.
 
 #include <map>
 #include <string>
@@ -15,7 +18,7 @@
 #include "jaculus/model/planar.h"
 #include "jaculus/model/urdf.h"
 
-namespace jaculus {
+namespace jaculus::model {
 
 /// Two spatial joints (or links) that are one planar one.
 struct PairSpec {
@@ -41,13 +44,14 @@ struct LinkPlace {
 
 struct Reduction {
   std::vector<PlanarBody> bodies;
-  std::vector<Bounds> ranges;              ///< of each body's joint [rad or m]; infinite for the base
+  std::vector<Bounds> ranges;  ///< of each body's joint [rad or m]; infinite for the base
   std::map<std::string, LinkPlace> links;  ///< by spatial name, and by planar name where lumped
   std::vector<std::string> notes;
 };
 
-/// `joints`, `links`: the pairs. A joint out of the plane, a pair that differs, a moving body without mass: InputError.
-Reduction reduce(const SpatialTree& spatial, const std::vector<PairSpec>& joints, const std::vector<PairSpec>& links,
-                 const std::vector<HeldJoint>& held);
+/// `joints`, `links`: the pairs. A joint out of the plane, a pair that differs, a moving body
+/// without mass: InputError.
+Reduction reduce(const SpatialTree& spatial, const std::vector<PairSpec>& joints,
+                 const std::vector<PairSpec>& links, const std::vector<HeldJoint>& held);
 
-}  // namespace jaculus
+}  // namespace jaculus::model

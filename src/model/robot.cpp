@@ -7,11 +7,12 @@
 #include <cstdlib>
 #include <set>
 
+#include "jaculus/core/installation.h"
 #include "jaculus/model/urdf.h"
 #include "model/fields.h"
 #include "model/sections.h"
 
-namespace jaculus {
+namespace jaculus::model {
 namespace {
 
 namespace fs = std::filesystem;
@@ -20,20 +21,21 @@ const char* const kFormat = "jaculus-robot/1";
 
 bool is_robot(const fs::path& folder) {
   std::error_code code;
-  return fs::is_regular_file(folder / "robot.yaml", code) || fs::is_regular_file(folder / "robot.urdf", code);
+  return fs::is_regular_file(folder / "robot.yaml", code) ||
+         fs::is_regular_file(folder / "robot.urdf", code);
 }
 
-/// Where models stand: JACULUS_MODELS, the source tree, the place of installation, and beside the program.
+/// Where models stand: JACULUS_MODELS, the source tree, the place of installation, and beside the
+/// program.
 std::vector<fs::path> model_folders() {
   std::vector<fs::path> folders;
   if (const char* given = std::getenv("JACULUS_MODELS")) folders.emplace_back(given);
-  folders.push_back(fs::path(JACULUS_SOURCE_DIR) / "models");
-#ifdef JACULUS_SHARE_DIR
-  folders.push_back(fs::path(JACULUS_SHARE_DIR) / "models");
-#endif
+  folders.push_back(source_folder() / "models");
+  folders.push_back(share_folder() / "models");
   std::error_code code;
   const fs::path program = fs::read_symlink("/proc/self/exe", code);
-  if (!code) folders.push_back(program.parent_path().parent_path() / "share" / "jaculus" / "models");
+  if (!code)
+    folders.push_back(program.parent_path().parent_path() / "share" / "jaculus" / "models");
   return folders;
 }
 
@@ -48,19 +50,23 @@ std::vector<std::string> known_robots() {
   return {names.begin(), names.end()};
 }
 
-/// A URDF without a robot.yaml is taken as it is: a fixed base, and a torque at every joint that moves.
+/// A URDF without a robot.yaml is taken as it is: a fixed base, and a torque at every joint that
+/// moves.
 yaml::Node plain_robot(const fs::path& folder) {
   std::string text = fmt::format("format: {}\nbase: fixed\nmotors:\n", kFormat);
   for (const SpatialJoint& joint : read_urdf(folder / "robot.urdf").joints) {
-    if (joint.kind != SpatialJointKind::fixed) text += fmt::format("  \"{}\": {{kind: ideal}}\n", joint.name);
+    if (joint.kind != SpatialJointKind::fixed)
+      text += fmt::format("  \"{}\": {{kind: ideal}}\n", joint.name);
   }
   if (text.ends_with("motors:\n")) text.resize(text.size() - std::string("motors:\n").size());
   return yaml::Node::parse(text, (folder / "robot.yaml").string());
 }
 
 void check_format(const yaml::Node& node) {
-  node.only({"format", "urdf", "base", "gravity", "friction", "pairs", "fixed_joints", "loops", "coordinates", "ranges",
-             "feet", "points", "motors", "drag"});
+  yaml::refuse_other_kind(node, kFormat);
+  node.only({"format", "urdf", "base", "gravity", "friction", "pairs", "fixed_joints", "loops",
+             "coordinates", "ranges", "rest_pose", "feet", "points", "motors", "drag",
+             "tolerances"});
   (void)node.at("format").choice({kFormat});
 }
 
@@ -68,11 +74,13 @@ void check_base(const yaml::Node& node, const PlanarModel& model) {
   const bool moves = model.base_free[0] || model.base_free[1] || model.base_free[2];
   if (moves && !(model.bodies.front().mass > 0.0)) {
     throw node.at("base").error(
-        fmt::format("the base moves but its link '{}' has no mass; allowed: base: fixed, or <inertial> in the URDF",
+        fmt::format("the base moves but its link '{}' has no mass; allowed: base: fixed, or "
+                    "<inertial> in the URDF",
                     model.bodies.front().name));
   }
   if (model.size() == 0)
-    throw node.at("base").error("nothing of this robot can move; allowed: a free base or a joint that moves");
+    throw node.at("base").error(
+        "nothing of this robot can move; allowed: a free base or a joint that moves");
 }
 
 /// The model as the files give it, before overrides.
@@ -80,8 +88,8 @@ Robot read_files(const fs::path& folder, yaml::Node& node) {
   std::error_code code;
   const bool described = fs::exists(folder / "robot.yaml", code);
   if (!described && !fs::exists(folder / "robot.urdf", code)) {
-    throw InputError(
-        fmt::format("{}: no robot here; allowed: a folder with robot.yaml and robot.urdf", folder.string()));
+    throw InputError(fmt::format(
+        "{}: no robot here; allowed: a folder with robot.yaml and robot.urdf", folder.string()));
   }
   node = described ? yaml::Node::load(folder / "robot.yaml") : plain_robot(folder);
   check_format(node);
@@ -92,7 +100,8 @@ Robot read_files(const fs::path& folder, yaml::Node& node) {
   robot.name = tree.name;
   robot.folder = folder;
   if (!described)
-    robot.notes.push_back("no robot.yaml: the base is taken as fixed, every moving joint has an ideal motor");
+    robot.notes.push_back(
+        "no robot.yaml: the base is taken as fixed, every moving joint has an ideal motor");
   robot.notes.insert(robot.notes.end(), tree.notes.begin(), tree.notes.end());
   PlanarModel& model = robot.planar;
   read_base(node, model);
@@ -106,12 +115,15 @@ Robot read_files(const fs::path& folder, yaml::Node& node) {
   model.feet = read_points(node, "feet", reduction, model);
   model.points = read_points(node, "points", reduction, model);
   read_motors(node, model);
+  (void)read_rest_pose(node, model);  // of those who carry the robot; here it is checked alone
   read_drags(node, reduction, model);
   const Bounds not_negative{0.0, kInfinity};
-  if (const auto gravity = node.find("gravity")) model.gravity = gravity->number(dimension::acceleration, not_negative);
+  if (const auto gravity = node.find("gravity"))
+    model.gravity = gravity->number(dimension::acceleration, not_negative);
   if (!model.feet.empty() || node.has("friction"))
     model.friction = node.at("friction").number(dimension::none, not_negative);
   check_base(node, model);
+  robot.tolerances = read_tolerances(node);
   return robot;
 }
 
@@ -119,7 +131,8 @@ Robot read_files(const fs::path& folder, yaml::Node& node) {
 
 fs::path find_robot(const std::string& name, const fs::path& relative_to) {
   std::error_code code;
-  const fs::path beside = fs::is_directory(relative_to, code) ? relative_to : relative_to.parent_path();
+  const fs::path beside =
+      fs::is_directory(relative_to, code) ? relative_to : relative_to.parent_path();
   if (!name.empty()) {
     if (is_robot(beside / name)) return (beside / name).lexically_normal();
     for (const fs::path& folder : model_folders()) {
@@ -128,10 +141,11 @@ fs::path find_robot(const std::string& name, const fs::path& relative_to) {
   }
   const std::vector<std::string> known = known_robots();
   const std::optional<std::string> near = yaml::nearest_name(name, known);
-  throw InputError(fmt::format(
-      "unknown robot '{}'{}; allowed: a folder with robot.yaml and robot.urdf (relative to '{}'), or one of {}", name,
-      near ? fmt::format(", did you mean '{}'?", *near) : "", beside.empty() ? "." : beside.string(),
-      fmt::join(known, ", ")));
+  throw InputError(
+      fmt::format("unknown robot '{}'{}; allowed: a folder with robot.yaml and robot.urdf "
+                  "(relative to '{}'), or one of {}",
+                  name, near ? fmt::format(", did you mean '{}'?", *near) : "",
+                  beside.empty() ? "." : beside.string(), fmt::join(known, ", ")));
 }
 
 Robot read_robot(const fs::path& folder, const std::vector<Override>& overrides) {
@@ -147,8 +161,9 @@ Robot read_robot(const fs::path& folder, const std::vector<Override>& overrides)
 std::vector<std::string> override_paths(const fs::path& folder) {
   Robot robot = read_robot(folder);
   std::vector<std::string> lines;
-  for (const Field& field : model_fields(robot.planar)) lines.push_back(field.path + " = " + field.shown());
+  for (const Field& field : model_fields(robot.planar))
+    lines.push_back(field.path + " = " + field.shown());
   return lines;
 }
 
-}  // namespace jaculus
+}  // namespace jaculus::model

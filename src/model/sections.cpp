@@ -9,12 +9,10 @@
 
 #include "model/fields.h"
 
-namespace jaculus {
+namespace jaculus::model {
 namespace {
 
 constexpr std::array<const char*, 3> kBaseNames = {"x", "z", "pitch"};
-
-std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
 template <typename Element>
 std::vector<std::string> names_of(const std::vector<Element>& elements) {
@@ -34,9 +32,10 @@ Vec2 on_body(const LinkPlace& place, const Vec2& point) {
 InputError unknown_name(const yaml::Node& node, const std::string& what, const std::string& given,
                         const std::vector<std::string>& known) {
   const std::optional<std::string> near = yaml::nearest_name(given, known);
-  return node.error(fmt::format("unknown {} '{}'{}; allowed: {}", what, given,
-                                near ? fmt::format(", did you mean '{}'?", *near) : "",
-                                known.empty() ? "none" : fmt::format("{}", fmt::join(known, ", "))));
+  return node.error(
+      fmt::format("unknown {} '{}'{}; allowed: {}", what, given,
+                  near ? fmt::format(", did you mean '{}'?", *near) : "",
+                  known.empty() ? "none" : fmt::format("{}", fmt::join(known, ", "))));
 }
 
 int joint_body(const yaml::Node& node, const std::string& joint, const PlanarModel& model) {
@@ -47,7 +46,8 @@ int joint_body(const yaml::Node& node, const std::string& joint, const PlanarMod
   throw unknown_name(node, "joint", joint, known);
 }
 
-const LinkPlace& link_place(const yaml::Node& node, const std::string& link, const Reduction& reduction) {
+const LinkPlace& link_place(const yaml::Node& node, const std::string& link,
+                            const Reduction& reduction) {
   const auto found = reduction.links.find(link);
   if (found == reduction.links.end()) {
     std::vector<std::string> known;
@@ -55,8 +55,9 @@ const LinkPlace& link_place(const yaml::Node& node, const std::string& link, con
     throw unknown_name(node, "link", link, known);
   }
   if (!found->second.in_plane) {
-    throw node.error(
-        fmt::format("link '{}' is turned out of the sagittal plane; allowed: a link whose y axis is the root's", link));
+    throw node.error(fmt::format(
+        "link '{}' is turned out of the sagittal plane; allowed: a link whose y axis is the root's",
+        link));
   }
   return found->second;
 }
@@ -67,14 +68,17 @@ void read_base(const yaml::Node& robot, PlanarModel& model) {
     model.base_free.fill(base.choice({"floating", "fixed"}) == "floating");
     return;
   }
+
   base.only({"free", "pose"});
   model.base_free.fill(false);
   for (const yaml::Node& node : base.at("free").items()) {
     const std::string axis = node.choice({"x", "z", "pitch"});
-    const auto index = at(axis == "x" ? 0 : axis == "z" ? 1 : 2);
-    if (model.base_free[index]) throw node.error(fmt::format("'{}' given twice; allowed: once", axis));
+    const auto index = axis == "x" ? 0 : axis == "z" ? 1 : 2;
+    if (model.base_free[index])
+      throw node.error(fmt::format("'{}' given twice; allowed: once", axis));
     model.base_free[index] = true;
   }
+
   const std::optional<yaml::Node> pose = base.find("pose");
   if (!pose) return;
   pose->only({"x", "z", "pitch"});
@@ -82,68 +86,79 @@ void read_base(const yaml::Node& robot, PlanarModel& model) {
     const std::optional<yaml::Node> value = pose->find(kBaseNames[i]);
     if (!value) continue;
     if (model.base_free[i])
-      throw value->error(fmt::format("{} is free, so it has no fixed value; allowed: without it", kBaseNames[i]));
-    model.base_pose[static_cast<Eigen::Index>(i)] = value->number(i == 2 ? dimension::angle : dimension::length);
+      throw value->error(
+          fmt::format("{} is free, so it has no fixed value; allowed: without it", kBaseNames[i]));
+    model.base_pose[i] = value->number(i == 2 ? dimension::angle : dimension::length);
   }
 }
 
-std::vector<PairSpec> read_pairs(const yaml::Node& robot, const std::string& kind, const SpatialTree& tree) {
+std::vector<PairSpec> read_pairs(const yaml::Node& robot, const std::string& kind,
+                                 const SpatialTree& tree) {
   std::vector<PairSpec> pairs;
   const std::optional<yaml::Node> all = robot.find("pairs");
   if (!all) return pairs;
   all->only({"joints", "links"});
   const std::optional<yaml::Node> section = all->find(kind);
   if (!section) return pairs;
+
   const bool joints = kind == "joints";
   const std::vector<std::string> known = joints ? names_of(tree.joints) : names_of(tree.links);
   std::set<std::string> used;
   for (const auto& [name, node] : section->entries()) {
     const std::vector<yaml::Node> sides = node.items();
-    if (sides.size() != 2) throw node.error(fmt::format("{} names given; allowed: two, [left, right]", sides.size()));
+    if (sides.size() != 2)
+      throw node.error(fmt::format("{} names given; allowed: two, [left, right]", sides.size()));
     for (const yaml::Node& side : sides) {
       const std::string given = side.text();
       if (std::find(known.begin(), known.end(), given) == known.end()) {
         throw unknown_name(side, joints ? "joint" : "link", given, known);
       }
-      if (!used.insert(given).second) throw side.error(fmt::format("'{}' is in two pairs; allowed: in one", given));
-      if (joints && tree.joints[at(tree.joint_index(given))].kind == SpatialJointKind::fixed) {
+      if (!used.insert(given).second)
+        throw side.error(fmt::format("'{}' is in two pairs; allowed: in one", given));
+      if (joints && tree.joints[tree.joint_index(given)].kind == SpatialJointKind::fixed) {
         throw side.error(fmt::format("joint '{}' is fixed; allowed: joints that move", given));
       }
     }
     pairs.push_back({name, sides[0].text(), sides[1].text(), node});
   }
+
   for (const PairSpec& pair : pairs) {
     const bool taken = std::find(known.begin(), known.end(), pair.name) != known.end();
     if (taken && pair.name != pair.left && pair.name != pair.right) {
-      throw pair.node.error(fmt::format("'{}' is the name of another one in the URDF; allowed: a new name", pair.name));
+      throw pair.node.error(fmt::format(
+          "'{}' is the name of another one in the URDF; allowed: a new name", pair.name));
     }
   }
   return pairs;
 }
 
-std::vector<HeldJoint> read_held(const yaml::Node& robot, const SpatialTree& tree, const std::vector<PairSpec>& pairs) {
+std::vector<HeldJoint> read_held(const yaml::Node& robot, const SpatialTree& tree,
+                                 const std::vector<PairSpec>& pairs) {
   std::vector<HeldJoint> held;
   const std::optional<yaml::Node> section = robot.find("fixed_joints");
   if (!section) return held;
   for (const auto& [name, node] : section->entries()) {
     const int index = tree.joint_index(name);
     if (index < 0) throw unknown_name(node, "joint", name, names_of(tree.joints));
-    const SpatialJoint& joint = tree.joints[at(index)];
+
+    const SpatialJoint& joint = tree.joints[index];
     if (joint.kind == SpatialJointKind::fixed)
       throw node.error(fmt::format("joint '{}' is fixed already; allowed: joints that move", name));
     for (const PairSpec& pair : pairs) {
       if (pair.left == name || pair.right == name) {
-        throw node.error(fmt::format("joint '{}' is in the pair '{}'; allowed: joints in no pair", name, pair.name));
+        throw node.error(fmt::format("joint '{}' is in the pair '{}'; allowed: joints in no pair",
+                                     name, pair.name));
       }
     }
+
     const bool slides = joint.kind == SpatialJointKind::prismatic;
     held.push_back({name, node.number(slides ? dimension::length : dimension::angle, joint.range)});
   }
   return held;
 }
 
-std::vector<PlanarPoint> read_points(const yaml::Node& robot, const std::string& key, const Reduction& reduction,
-                                     const PlanarModel& model) {
+std::vector<PlanarPoint> read_points(const yaml::Node& robot, const std::string& key,
+                                     const Reduction& reduction, const PlanarModel& model) {
   std::vector<PlanarPoint> points;
   const std::optional<yaml::Node> section = robot.find(key);
   if (!section) return points;
@@ -155,7 +170,7 @@ std::vector<PlanarPoint> read_points(const yaml::Node& robot, const std::string&
     point.name = name;
     point.body = place.body;
     point.position = on_body(place, node.at("point").vec2(dimension::length));
-    point.count = model.bodies[at(place.body)].count;
+    point.count = model.bodies[place.body].count;
     points.push_back(point);
   }
   return points;
@@ -168,26 +183,49 @@ void read_motors(const yaml::Node& robot, PlanarModel& model) {
     PlanarMotor motor;
     motor.joint = name;
     motor.body = joint_body(node, name, model);
-    const PlanarBody& body = model.bodies[at(motor.body)];
+    const PlanarBody& body = model.bodies[motor.body];
     motor.count = body.count;
     const bool slides = body.kind == JointKind::prismatic;
-    if (std::find(model.dependent.begin(), model.dependent.end(), motor.body) != model.dependent.end()) {
-      throw node.error(fmt::format("joint '{}' follows from a loop; allowed: motors at independent joints", name));
+    if (std::find(model.dependent.begin(), model.dependent.end(), motor.body) !=
+        model.dependent.end()) {
+      throw node.error(fmt::format(
+          "joint '{}' follows from a loop; allowed: motors at independent joints", name));
     }
+
     const bool ideal = node.at("kind").choice({"electric", "ideal"}) == "ideal";
-    if (!ideal && slides) throw node.error(fmt::format("joint '{}' slides; allowed: kind: ideal, a force", name));
-    motor.resistance = ideal ? 0.0 : 1.0;  // tells motor_fields which keys there are; read below where electric
+    if (!ideal && slides)
+      throw node.error(fmt::format("joint '{}' slides; allowed: kind: ideal, a force", name));
+    // tells motor_fields which keys there are; read below where electric
+    motor.resistance = ideal ? 0.0 : 1.0;
     motor.voltage = kInfinity;
+
     std::vector<std::string> keys = {"kind"};
-    for (const Field& field : motor_fields(motor, slides)) keys.push_back(field.path.substr(field.path.rfind('.') + 1));
+    for (const Field& field : motor_fields(motor, slides)) keys.push_back(field.key());
     node.only(keys);
-    for (const Field& field : motor_fields(motor, slides)) {
-      const std::string key = field.path.substr(field.path.rfind('.') + 1);
-      const bool optional = key == "current_limit" || key == "torque_limit";
-      if (!optional || node.has(key)) field.read(node.at(key));
-    }
+    for (const Field& field : motor_fields(motor, slides))
+      if (field.required || node.has(field.key())) field.read(node.at(field.key()));
+
     model.motors.push_back(motor);
   }
+}
+
+std::map<std::string, double> read_rest_pose(const yaml::Node& robot, const PlanarModel& model) {
+  std::map<std::string, double> pose;
+  const std::optional<yaml::Node> section = robot.find("rest_pose");
+  if (!section) return pose;
+
+  std::vector<std::string> known;
+  for (const PlanarMotor& motor : model.motors) known.push_back(motor.joint);
+
+  for (const auto& [name, node] : section->entries()) {
+    const int motor = model.motor_index(name);
+    if (motor < 0) throw unknown_name(node, "joint with a motor", name, known);
+
+    const int body = model.motors[motor].body;
+    const bool slides = model.bodies[body].kind == JointKind::prismatic;
+    pose[name] = node.number(slides ? dimension::length : dimension::angle);
+  }
+  return pose;
 }
 
 void read_drags(const yaml::Node& robot, const Reduction& reduction, PlanarModel& model) {
@@ -195,26 +233,27 @@ void read_drags(const yaml::Node& robot, const Reduction& reduction, PlanarModel
   if (!section) return;
   for (const auto& [name, node] : section->entries()) {
     std::vector<std::string> keys = {"link", "direction"};
-    for (const Key& key : drag_keys()) keys.emplace_back(key.name);
+    for (const Key<PlanarDrag>& key : drag_keys()) keys.emplace_back(key.name);
     node.only(keys);
+
     PlanarDrag drag;
     drag.name = name;
     const yaml::Node link = node.at("link");
     const LinkPlace& place = link_place(link, link.text(), reduction);
     if (place.body == 0 || place.position.norm() > 1e-9) {
-      throw link.error(
-          fmt::format("link '{}' does not begin at a joint; allowed: a link that a moving joint carries", link.text()));
+      throw link.error(fmt::format(
+          "link '{}' does not begin at a joint; allowed: a link that a moving joint carries",
+          link.text()));
     }
+
     drag.body = place.body;
     const Vec2 direction = node.at("direction").vec2(dimension::none);
     if (!(direction.norm() > 1e-6))
       throw node.at("direction").error("a direction of length 0 given; allowed: any other");
     drag.direction = on_body(place, direction.normalized()) - place.position;
-    for (const Field& field : drag_fields(drag)) {
-      const std::string key = field.path.substr(field.path.rfind('.') + 1);
-      const bool needed = key == "kind" || key == "density" || key == "coefficient";
-      if (needed || node.has(key)) field.read(node.at(key));
-    }
+
+    for (const Field& field : drag_fields(drag))
+      if (field.required || node.has(field.key())) field.read(node.at(field.key()));
     model.drags.push_back(drag);
   }
 }
@@ -225,13 +264,17 @@ void check_drags(const yaml::Node& robot, const PlanarModel& model) {
     const auto refuse = [&](const std::string& key, const std::string& what) {
       return node.error(fmt::format("{}.drag.{}: {}", drag.name, key, what));
     };
+
     const bool strip = drag.kind == DragKind::distributed || drag.kind == DragKind::rotation;
     const std::string kind = drag_kinds()[static_cast<std::size_t>(drag.kind)];
-    if (strip && !(drag.width > 0.0)) throw refuse("width", "must be given and above 0 m where kind is " + kind);
+    if (strip && !(drag.width > 0.0))
+      throw refuse("width", "must be given and above 0 m where kind is " + kind);
     if (strip && !(drag.end > drag.start)) {
       throw refuse("end",
-                   fmt::format("{:.10g} m given with start {:.10g} m; allowed: end above start", drag.end, drag.start));
+                   fmt::format("{:.10g} m given with start {:.10g} m; allowed: end above start",
+                               drag.end, drag.start));
     }
+
     if (drag.kind == DragKind::point && !(drag.point_distance > 0.0)) {
       throw refuse("point_distance", "must be given and above 0 m where kind is point");
     }
@@ -241,4 +284,4 @@ void check_drags(const yaml::Node& robot, const PlanarModel& model) {
   }
 }
 
-}  // namespace jaculus
+}  // namespace jaculus::model

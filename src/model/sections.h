@@ -1,6 +1,8 @@
 #pragma once
-// The sections of robot.yaml, each read and checked against the bodies that the URDF gave. Keys: explain_robot().
+// The sections of robot.yaml, each read and checked against the bodies that the URDF gave. Keys:
+// explain_robot().
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -8,16 +10,18 @@
 #include "jaculus/model/planar.h"
 #include "model/reduce.h"
 
-namespace jaculus {
+namespace jaculus::model {
 
 /// base: floating | fixed | {free: [...], pose: {...}}
 void read_base(const yaml::Node& robot, PlanarModel& model);
 
 /// pairs: {joints: {name: [left, right]}, links: {...}}
-std::vector<PairSpec> read_pairs(const yaml::Node& robot, const std::string& kind, const SpatialTree& tree);
+std::vector<PairSpec> read_pairs(const yaml::Node& robot, const std::string& kind,
+                                 const SpatialTree& tree);
 
 /// fixed_joints: {joint: value}
-std::vector<HeldJoint> read_held(const yaml::Node& robot, const SpatialTree& tree, const std::vector<PairSpec>& pairs);
+std::vector<HeldJoint> read_held(const yaml::Node& robot, const SpatialTree& tree,
+                                 const std::vector<PairSpec>& pairs);
 
 /// loops: {name: {...}}; fills model.loops and model.dependent.
 void read_loops(const yaml::Node& robot, const Reduction& reduction, PlanarModel& model);
@@ -26,26 +30,32 @@ void read_loops(const yaml::Node& robot, const Reduction& reduction, PlanarModel
 void read_coordinates(const yaml::Node& robot, const Reduction& reduction, PlanarModel& model);
 
 /// feet, points: {name: {link, point}}
-std::vector<PlanarPoint> read_points(const yaml::Node& robot, const std::string& key, const Reduction& reduction,
-                                     const PlanarModel& model);
+std::vector<PlanarPoint> read_points(const yaml::Node& robot, const std::string& key,
+                                     const Reduction& reduction, const PlanarModel& model);
 
 /// motors: {joint: {...}}
 void read_motors(const yaml::Node& robot, PlanarModel& model);
 
+/// rest_pose: {joint: value}, of joints with a motor, where they are while the robot is carried
+/// [rad or m]
+std::map<std::string, double> read_rest_pose(const yaml::Node& robot, const PlanarModel& model);
+
 /// drag: {name: {link, direction, kind, ...}}
 void read_drags(const yaml::Node& robot, const Reduction& reduction, PlanarModel& model);
 
-/// What only the whole model shows, after overrides: drag that needs a key which is not there, a strip that ends before it starts.
+/// What only the whole model shows, after overrides: drag that needs a key which is not there, a
+/// strip that ends before it starts.
 void check_drags(const yaml::Node& robot, const PlanarModel& model);
 
 /// Body of a joint named in `node`, or InputError with the nearest name.
 int joint_body(const yaml::Node& node, const std::string& joint, const PlanarModel& model);
 
 /// Place of a link named in `node`; its x-z plane is the sagittal plane, or InputError.
-const LinkPlace& link_place(const yaml::Node& node, const std::string& link, const Reduction& reduction);
+const LinkPlace& link_place(const yaml::Node& node, const std::string& link,
+                            const Reduction& reduction);
 
 /// "given 'x', did you mean 'y'?; allowed: a, b, c" as an error at `node`.
 InputError unknown_name(const yaml::Node& node, const std::string& what, const std::string& given,
                         const std::vector<std::string>& known);
 
-}  // namespace jaculus
+}  // namespace jaculus::model

@@ -11,7 +11,7 @@
 #include "core/text_file.h"
 #include "model/urdf_check.h"
 
-namespace jaculus {
+namespace jaculus::model {
 namespace {
 
 /// Keeps what urdfdom would print, so that a fault is one message and nothing else.
@@ -22,7 +22,8 @@ class Capture : public console_bridge::OutputHandler {
   Capture(const Capture&) = delete;
   Capture& operator=(const Capture&) = delete;
 
-  void log(const std::string& text, console_bridge::LogLevel level, const char* /*file*/, int /*line*/) override {
+  void log(const std::string& text, console_bridge::LogLevel level, const char* /*file*/,
+           int /*line*/) override {
     if (level >= console_bridge::CONSOLE_BRIDGE_LOG_ERROR && text_.empty()) text_ = text;
   }
   [[nodiscard]] const std::string& text() const { return text_; }
@@ -33,26 +34,36 @@ class Capture : public console_bridge::OutputHandler {
 
 Vec3 vector(const urdf::Vector3& v) { return {v.x, v.y, v.z}; }
 
-Mat3 matrix(const urdf::Rotation& r) { return Eigen::Quaterniond(r.w, r.x, r.y, r.z).normalized().toRotationMatrix(); }
+Mat3 matrix(const urdf::Rotation& r) {
+  return Eigen::Quaterniond(r.w, r.x, r.y, r.z).normalized().toRotationMatrix();
+}
 
-/// A body's inertia is that of a mass distribution: positive definite, and no principal moment above the sum of the others.
+/// A body's inertia is that of a mass distribution: positive definite, and no principal moment
+/// above the sum of the others.
 void check_inertia(const SpatialLink& link, const std::filesystem::path& file) {
   const auto refuse = [&](const std::string& what) {
     return urdf_error(file, link.line, "link '" + link.name + "': " + what);
   };
-  if (!(link.mass > 0.0)) throw refuse(fmt::format("mass {:.10g} kg given; allowed: more than 0", link.mass));
-  const Vec3 moments = Eigen::SelfAdjointEigenSolver<Mat3>(link.inertia, Eigen::EigenvaluesOnly).eigenvalues();
-  const std::string shown = fmt::format("{:.6g}, {:.6g}, {:.6g} kg m^2", moments[0], moments[1], moments[2]);
+  if (!(link.mass > 0.0))
+    throw refuse(fmt::format("mass {:.10g} kg given; allowed: more than 0", link.mass));
+
+  const Vec3 moments =
+      Eigen::SelfAdjointEigenSolver<Mat3>(link.inertia, Eigen::EigenvaluesOnly).eigenvalues();
+  const std::string shown =
+      fmt::format("{:.6g}, {:.6g}, {:.6g} kg m^2", moments[0], moments[1], moments[2]);
+
   if (!(moments[0] > 0.0)) {
-    throw refuse(fmt::format("inertia with principal moments {} given; allowed: all above 0", shown));
+    throw refuse(
+        fmt::format("inertia with principal moments {} given; allowed: all above 0", shown));
   }
+
   // Files are rounded to a few digits, thin rods and plates sit on the limit.
   constexpr double kRounding = 1e-3;
   if (moments[2] > (moments[0] + moments[1]) * (1.0 + kRounding)) {
-    throw refuse(
-        fmt::format("inertia with principal moments {} given, which no body can have; allowed: the largest at "
-                    "most the sum of the other two",
-                    shown));
+    throw refuse(fmt::format(
+        "inertia with principal moments {} given, which no body can have; allowed: the largest at "
+        "most the sum of the other two",
+        shown));
   }
 }
 
@@ -64,8 +75,8 @@ SpatialLink read_link(const urdf::Link& source, int line, const std::filesystem:
   const urdf::Inertial& inertial = *source.inertial;
   const Mat3 R_LI = matrix(inertial.origin.rotation);
   Mat3 inertia;
-  inertia << inertial.ixx, inertial.ixy, inertial.ixz, inertial.ixy, inertial.iyy, inertial.iyz, inertial.ixz,
-      inertial.iyz, inertial.izz;
+  inertia << inertial.ixx, inertial.ixy, inertial.ixz, inertial.ixy, inertial.iyy, inertial.iyz,
+      inertial.ixz, inertial.iyz, inertial.izz;
   link.mass = inertial.mass;
   link.com = vector(inertial.origin.position);
   link.inertia = R_LI * inertia * R_LI.transpose();
@@ -82,61 +93,74 @@ SpatialJoint read_joint(const urdf::Joint& source, const SpatialTree& tree, int 
   joint.origin = vector(source.parent_to_joint_origin_transform.position);
   joint.rotation = matrix(source.parent_to_joint_origin_transform.rotation);
   if (source.type == urdf::Joint::FIXED) return joint;
-  joint.kind = source.type == urdf::Joint::PRISMATIC ? SpatialJointKind::prismatic : SpatialJointKind::revolute;
+
+  joint.kind = source.type == urdf::Joint::PRISMATIC ? SpatialJointKind::prismatic
+                                                     : SpatialJointKind::revolute;
   joint.axis = vector(source.axis);
   if (!(joint.axis.norm() > 1e-6)) {
-    throw urdf_error(tree.file, line,
-                     fmt::format("joint '{}': axis of length 0 given; allowed: a direction", joint.name));
+    throw urdf_error(
+        tree.file, line,
+        fmt::format("joint '{}': axis of length 0 given; allowed: a direction", joint.name));
   }
   joint.axis.normalize();
+
   if (source.type == urdf::Joint::CONTINUOUS) return joint;
   joint.range = {source.limits->lower, source.limits->upper};
   if (joint.range.lower > joint.range.upper) {
     throw urdf_error(
         tree.file, line,
-        fmt::format("joint '{}': lower limit {:.10g} is above upper limit {:.10g}; allowed: lower <= upper", joint.name,
-                    joint.range.lower, joint.range.upper));
+        fmt::format(
+            "joint '{}': lower limit {:.10g} is above upper limit {:.10g}; allowed: lower <= upper",
+            joint.name, joint.range.lower, joint.range.upper));
   }
+
   return joint;
 }
 
 /// One root, one parent a link, no cycle. urdfdom would say so without a line.
 void connect(SpatialTree& tree) {
-  for (int j = 0; j < static_cast<int>(tree.joints.size()); ++j) {
-    const SpatialJoint& joint = tree.joints[static_cast<std::size_t>(j)];
-    SpatialLink& child = tree.links[static_cast<std::size_t>(joint.child)];
+  for (int j = 0; j < count_of(tree.joints); ++j) {
+    const SpatialJoint& joint = tree.joints[j];
+    SpatialLink& child = tree.links[joint.child];
+
     if (joint.child == joint.parent) {
-      throw urdf_error(tree.file, joint.line,
-                       fmt::format("joint '{}' connects link '{}' with itself", joint.name, child.name));
+      throw urdf_error(
+          tree.file, joint.line,
+          fmt::format("joint '{}' connects link '{}' with itself", joint.name, child.name));
     }
     if (child.joint >= 0) {
       throw urdf_error(
           tree.file, joint.line,
-          fmt::format("link '{}' is the child of both joint '{}' and joint '{}'; allowed: one (loops are closed "
+          fmt::format("link '{}' is the child of both joint '{}' and joint '{}'; allowed: one "
+                      "(loops are closed "
                       "in robot.yaml)",
-                      child.name, tree.joints[static_cast<std::size_t>(child.joint)].name, joint.name));
+                      child.name, tree.joints[child.joint].name, joint.name));
     }
     child.joint = j;
   }
+
   int roots = 0;
-  for (int l = 0; l < static_cast<int>(tree.links.size()); ++l) {
-    const SpatialLink& link = tree.links[static_cast<std::size_t>(l)];
+  for (int l = 0; l < count_of(tree.links); ++l) {
+    const SpatialLink& link = tree.links[l];
     if (link.joint >= 0) continue;
     if (++roots == 2) {
       throw urdf_error(
           tree.file, link.line,
-          fmt::format("links '{}' and '{}' both have no parent; allowed: one root, all others connected to it",
-                      tree.links[static_cast<std::size_t>(tree.root)].name, link.name));
+          fmt::format("links '{}' and '{}' both have no parent; allowed: one root, all others "
+                      "connected to it",
+                      tree.links[tree.root].name, link.name));
     }
     tree.root = l;
   }
+
   if (roots == 0) {
     throw urdf_error(tree.file, tree.joints.front().line,
                      "every link has a parent (the joints form a cycle); allowed: one root");
   }
 }
 
-/// The structure without values, checked with lines; urdfdom refuses a broken tree without saying where.
+/// The structure without values, checked with lines; urdfdom refuses a broken tree without saying
+/// where.
 SpatialTree skeleton(const UrdfOutline& outline, const std::filesystem::path& file) {
   SpatialTree tree;
   tree.file = file;
@@ -147,13 +171,16 @@ SpatialTree skeleton(const UrdfOutline& outline, const std::filesystem::path& fi
     link.line = source.line;
     tree.links.push_back(link);
   }
+
   if (tree.links.empty()) throw urdf_error(file, 1, "no <link> given; allowed: at least one");
   // Walks of the tree recurse; no robot comes near this.
   constexpr std::size_t kMaxLinks = 1000;
   if (tree.links.size() > kMaxLinks) {
-    throw urdf_error(file, tree.links[kMaxLinks].line,
-                     fmt::format("{} links given; allowed: at most {}", tree.links.size(), kMaxLinks));
+    throw urdf_error(
+        file, tree.links[kMaxLinks].line,
+        fmt::format("{} links given; allowed: at most {}", tree.links.size(), kMaxLinks));
   }
+
   for (const UrdfOutline::Joint& source : outline.joints) {
     SpatialJoint joint;
     joint.name = source.name;
@@ -162,6 +189,7 @@ SpatialTree skeleton(const UrdfOutline& outline, const std::filesystem::path& fi
     joint.child = tree.link_index(source.child);
     tree.joints.push_back(joint);
   }
+
   connect(tree);
   place_links(tree);
   return tree;
@@ -170,15 +198,15 @@ SpatialTree skeleton(const UrdfOutline& outline, const std::filesystem::path& fi
 }  // namespace
 
 int SpatialTree::link_index(const std::string& link) const {
-  for (std::size_t i = 0; i < links.size(); ++i) {
-    if (links[i].name == link) return static_cast<int>(i);
+  for (int i = 0; i < count_of(links); ++i) {
+    if (links[i].name == link) return i;
   }
   return -1;
 }
 
 int SpatialTree::joint_index(const std::string& joint) const {
-  for (std::size_t i = 0; i < joints.size(); ++i) {
-    if (joints[i].name == joint) return static_cast<int>(i);
+  for (int i = 0; i < count_of(joints); ++i) {
+    if (joints[i].name == joint) return i;
   }
   return -1;
 }
@@ -186,47 +214,55 @@ int SpatialTree::joint_index(const std::string& joint) const {
 /// Poses at joint zero, walking outwards; links that the walk never reaches hang in a cycle.
 void place_links(SpatialTree& tree) {
   std::vector<bool> reached(tree.links.size(), false);
-  reached[static_cast<std::size_t>(tree.root)] = true;
+  reached[tree.root] = true;
   for (bool moved = true; moved;) {
     moved = false;
     for (const SpatialJoint& joint : tree.joints) {
-      if (!reached[static_cast<std::size_t>(joint.parent)] || reached[static_cast<std::size_t>(joint.child)]) continue;
-      const SpatialLink& parent = tree.links[static_cast<std::size_t>(joint.parent)];
-      SpatialLink& child = tree.links[static_cast<std::size_t>(joint.child)];
+      if (!reached[joint.parent] || reached[joint.child]) continue;
+      const SpatialLink& parent = tree.links[joint.parent];
+      SpatialLink& child = tree.links[joint.child];
       child.R_BL = parent.R_BL * joint.rotation;
       child.p_BL = parent.p_BL + parent.R_BL * joint.origin;
-      reached[static_cast<std::size_t>(joint.child)] = true;
+      reached[joint.child] = true;
       moved = true;
     }
   }
+
   for (std::size_t l = 0; l < tree.links.size(); ++l) {
     if (reached[l]) continue;
     throw urdf_error(
         tree.file, tree.links[l].line,
-        fmt::format("link '{}' is not connected to the root '{}' (its joints form a cycle); allowed: one tree",
-                    tree.links[l].name, tree.links[static_cast<std::size_t>(tree.root)].name));
+        fmt::format("link '{}' is not connected to the root '{}' (its joints form a cycle); "
+                    "allowed: one tree",
+                    tree.links[l].name, tree.links[tree.root].name));
   }
 }
 
 SpatialTree parse_urdf(const std::string& text, const std::filesystem::path& file) {
   SpatialTree tree = skeleton(check_urdf_text(text, file), file);
+
   Capture capture;
   urdf::ModelInterfaceSharedPtr model;
   try {
     model = urdf::parseURDF(text);
   } catch (const std::exception& e) {
-    throw urdf_error(file, 1, fmt::format("urdfdom refuses the file: {}; allowed: a URDF file", e.what()));
+    throw urdf_error(file, 1,
+                     fmt::format("urdfdom refuses the file: {}; allowed: a URDF file", e.what()));
   }
   if (!model) {
-    throw urdf_error(file, 1, fmt::format("urdfdom refuses the file: {}; allowed: a URDF file", capture.text()));
+    throw urdf_error(
+        file, 1, fmt::format("urdfdom refuses the file: {}; allowed: a URDF file", capture.text()));
   }
+
   tree.name = model->getName();
   for (SpatialLink& link : tree.links) {
     const int joint = link.joint;
     link = read_link(*model->getLink(link.name), link.line, file);
     link.joint = joint;
   }
-  for (SpatialJoint& joint : tree.joints) joint = read_joint(*model->getJoint(joint.name), tree, joint.line);
+  for (SpatialJoint& joint : tree.joints)
+    joint = read_joint(*model->getJoint(joint.name), tree, joint.line);
+
   place_links(tree);
   return tree;
 }
@@ -235,4 +271,4 @@ SpatialTree read_urdf(const std::filesystem::path& file) {
   return parse_urdf(read_text_file(file, "a URDF file"), file);
 }
 
-}  // namespace jaculus
+}  // namespace jaculus::model

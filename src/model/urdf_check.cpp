@@ -13,12 +13,13 @@
 
 #include "jaculus/core/yaml.h"
 
-namespace jaculus {
+namespace jaculus::model {
 namespace {
 
 using Names = std::vector<std::string>;
 
-/// What an element may hold: attributes ("!" first where they must be there) and children; numbers are checked.
+/// What an element may hold: attributes ("!" first where they must be there) and children; numbers
+/// are checked.
 struct Schema {
   Names attributes;
   Names children;
@@ -39,15 +40,22 @@ const std::map<std::string, Schema>& schemas() {
       {"origin", {{"xyz", "rpy"}, {}, {}, {"xyz:3", "rpy:3"}}},
       {"joint",
        {{"!name", "!type"},
-        {"origin", "parent", "child", "axis", "limit", "dynamics", "calibration", "safety_controller"},
-        {"origin", "parent", "child", "axis", "limit", "dynamics", "calibration", "safety_controller"},
+        {"origin", "parent", "child", "axis", "limit", "dynamics", "calibration",
+         "safety_controller"},
+        {"origin", "parent", "child", "axis", "limit", "dynamics", "calibration",
+         "safety_controller"},
         {}}},
       {"parent", {{"!link"}, {}, {}, {}}},
       {"child", {{"!link"}, {}, {}, {}}},
       {"axis", {{"!xyz"}, {}, {}, {"xyz:3"}}},
-      {"limit", {{"lower", "upper", "!effort", "!velocity"}, {}, {}, {"lower:1", "upper:1", "effort:1", "velocity:1"}}},
+      {"limit",
+       {{"lower", "upper", "!effort", "!velocity"},
+        {},
+        {},
+        {"lower:1", "upper:1", "effort:1", "velocity:1"}}},
       {"dynamics", {{"damping", "friction"}, {}, {}, {"damping:1", "friction:1"}}},
   };
+
   return table;
 }
 
@@ -61,10 +69,14 @@ class Checker {
   explicit Checker(const std::filesystem::path& file) : file_(file) {}
 
   UrdfOutline run(const TiXmlElement& robot) {
-    if (robot.ValueStr() != "robot") fail(robot, fmt::format("<{}> given; allowed: <robot>", robot.ValueStr()));
-    if (!robot.Attribute("name")) fail(robot, "<robot>: attribute 'name' is missing; it must be given");
+    if (robot.ValueStr() != "robot")
+      fail(robot, fmt::format("<{}> given; allowed: <robot>", robot.ValueStr()));
+    if (!robot.Attribute("name"))
+      fail(robot, "<robot>: attribute 'name' is missing; it must be given");
     for (const TiXmlElement* e = robot.FirstChildElement(); e; e = e->NextSiblingElement()) top(*e);
-    for (const TiXmlElement* e = robot.FirstChildElement("joint"); e; e = e->NextSiblingElement("joint")) ends(*e);
+    for (const TiXmlElement* e = robot.FirstChildElement("joint"); e;
+         e = e->NextSiblingElement("joint"))
+      ends(*e);
     return outline_;
   }
 
@@ -77,18 +89,26 @@ class Checker {
     static const Names allowed = {"link", "joint", "material", "gazebo", "transmission", "mujoco"};
     const std::string kind = e.ValueStr();
     if (std::find(allowed.begin(), allowed.end(), kind) == allowed.end()) {
-      fail(e, fmt::format("unknown element <{}>{}; allowed: {}", kind, hint(kind, allowed), fmt::join(allowed, ", ")));
+      fail(e, fmt::format("unknown element <{}>{}; allowed: {}", kind, hint(kind, allowed),
+                          fmt::join(allowed, ", ")));
     }
+
     if (kind != "link" && kind != "joint") {
-      if (kind != "material") outline_.notes.push_back(fmt::format("URDF: <{}> is for other tools and not read", kind));
+      if (kind != "material")
+        outline_.notes.push_back(fmt::format("URDF: <{}> is for other tools and not read", kind));
       return;
     }
+
     element(e, kind);
     const std::string name = e.Attribute("name");
     if (name.empty()) fail(e, fmt::format("<{}>: the name is empty; allowed: a word", kind));
+
     auto& lines = kind == "link" ? link_lines_ : joint_lines_;
     const auto [old, fresh] = lines.emplace(name, e.Row());
-    if (!fresh) fail(e, fmt::format("{} '{}' given twice (first in line {}); allowed: once", kind, name, old->second));
+    if (!fresh)
+      fail(e, fmt::format("{} '{}' given twice (first in line {}); allowed: once", kind, name,
+                          old->second));
+
     if (kind == "link") {
       link(e, name);
       outline_.links.push_back({name, e.Row()});
@@ -104,7 +124,8 @@ class Checker {
     if (!inertial) return;
     for (const char* part : {"mass", "inertia"}) {
       if (!inertial->FirstChildElement(part)) {
-        fail(*inertial, fmt::format("link '{}': <inertial> has no <{}>; it must be given", name, part));
+        fail(*inertial,
+             fmt::format("link '{}': <inertial> has no <{}>; it must be given", name, part));
       }
     }
   }
@@ -113,25 +134,34 @@ class Checker {
     static const Names types = {"fixed", "revolute", "continuous", "prismatic"};
     const std::string type = e.Attribute("type");
     if (std::find(types.begin(), types.end(), type) == types.end()) {
-      fail(e, fmt::format("joint '{}': type '{}' given{}; allowed: {}", name, type, hint(type, types),
-                          fmt::join(types, ", ")));
+      fail(e, fmt::format("joint '{}': type '{}' given{}; allowed: {}", name, type,
+                          hint(type, types), fmt::join(types, ", ")));
     }
+
     for (const char* part : {"parent", "child"}) {
-      if (!e.FirstChildElement(part)) fail(e, fmt::format("joint '{}' has no <{}>; it must be given", name, part));
+      if (!e.FirstChildElement(part))
+        fail(e, fmt::format("joint '{}' has no <{}>; it must be given", name, part));
     }
     if (type != "fixed" && !e.FirstChildElement("axis")) {
       fail(e, fmt::format("joint '{}' has no <axis>; it must be given where a joint moves", name));
     }
+
     const TiXmlElement* limit = e.FirstChildElement("limit");
     if ((type == "revolute" || type == "prismatic") &&
         (!limit || !limit->Attribute("lower") || !limit->Attribute("upper"))) {
       fail(limit ? *limit : e,
-           fmt::format("joint '{}' ({}) needs <limit> with lower, upper, effort and velocity", name, type));
+           fmt::format("joint '{}' ({}) needs <limit> with lower, upper, effort and velocity", name,
+                       type));
     }
+
     if (limit)
-      note_once("URDF: effort and velocity limits of joints are not read; motors in robot.yaml have their own");
+      note_once(
+          "URDF: effort and velocity limits of joints are not read; motors in robot.yaml have "
+          "their own");
+
     const TiXmlElement* dynamics = e.FirstChildElement("dynamics");
-    if (dynamics) note_once(fmt::format("URDF: damping and friction of joint '{}' are not read", name));
+    if (dynamics)
+      note_once(fmt::format("URDF: damping and friction of joint '{}' are not read", name));
   }
 
   /// Both ends of a joint must be links of this file.
@@ -142,25 +172,32 @@ class Checker {
       const TiXmlElement& e = *joint.FirstChildElement(part);
       const std::string link = e.Attribute("link");
       if (link_lines_.count(link) != 0) continue;
-      fail(e, fmt::format("joint '{}': {} link '{}' is unknown{}; allowed: {}", joint.Attribute("name"), part, link,
-                          hint(link, names), fmt::join(names, ", ")));
+      fail(e, fmt::format("joint '{}': {} link '{}' is unknown{}; allowed: {}",
+                          joint.Attribute("name"), part, link, hint(link, names),
+                          fmt::join(names, ", ")));
     }
   }
 
   /// Attributes, numbers and children against the schema, recursively.
   void element(const TiXmlElement& e, const std::string& where) {
     const auto found = schemas().find(e.ValueStr());
-    if (found == schemas().end()) return;  // looks (<visual>, <collision>) and the like: urdfdom checks what it reads
+    // looks (<visual>, <collision>) and the like: urdfdom checks what it reads
+    if (found == schemas().end()) return;
     const Schema& schema = found->second;
     attributes(e, schema, where);
+
     std::set<std::string> seen;
-    for (const TiXmlElement* child = e.FirstChildElement(); child; child = child->NextSiblingElement()) {
+    for (const TiXmlElement* child = e.FirstChildElement(); child;
+         child = child->NextSiblingElement()) {
       const std::string name = child->ValueStr();
-      if (std::find(schema.children.begin(), schema.children.end(), name) == schema.children.end()) {
+      if (std::find(schema.children.begin(), schema.children.end(), name) ==
+          schema.children.end()) {
         fail(*child, fmt::format("unknown element <{}> in <{}>{}; allowed: {}", name, e.ValueStr(),
                                  hint(name, schema.children), fmt::join(schema.children, ", ")));
       }
-      const bool once = std::find(schema.once.begin(), schema.once.end(), name) != schema.once.end();
+
+      const bool once =
+          std::find(schema.once.begin(), schema.once.end(), name) != schema.once.end();
       if (!seen.insert(name).second && once)
         fail(*child, fmt::format("<{}> given twice in <{}>; allowed: once", name, e.ValueStr()));
       element(*child, name);
@@ -169,19 +206,25 @@ class Checker {
 
   void attributes(const TiXmlElement& e, const Schema& schema, const std::string& where) const {
     Names allowed;
-    for (const std::string& a : schema.attributes) allowed.push_back(a.starts_with('!') ? a.substr(1) : a);
+    for (const std::string& a : schema.attributes)
+      allowed.push_back(a.starts_with('!') ? a.substr(1) : a);
+
     for (const TiXmlAttribute* a = e.FirstAttribute(); a; a = a->Next()) {
       const std::string name = a->Name();
       if (std::find(allowed.begin(), allowed.end(), name) == allowed.end()) {
-        fail(e, fmt::format("<{}>: unknown attribute '{}'{}; allowed: {}", where, name, hint(name, allowed),
-                            allowed.empty() ? "none" : fmt::format("{}", fmt::join(allowed, ", "))));
+        fail(e, fmt::format(
+                    "<{}>: unknown attribute '{}'{}; allowed: {}", where, name, hint(name, allowed),
+                    allowed.empty() ? "none" : fmt::format("{}", fmt::join(allowed, ", "))));
       }
     }
+
     for (const std::string& a : schema.attributes) {
       if (a.starts_with('!') && !e.Attribute(a.substr(1).c_str())) {
-        fail(e, fmt::format("<{}>: attribute '{}' is missing; it must be given", where, a.substr(1)));
+        fail(e,
+             fmt::format("<{}>: attribute '{}' is missing; it must be given", where, a.substr(1)));
       }
     }
+
     for (const std::string& a : schema.numbers) {
       const std::size_t colon = a.find(':');
       const char* text = e.Attribute(a.substr(0, colon).c_str());
@@ -189,7 +232,8 @@ class Checker {
     }
   }
 
-  void numbers(const TiXmlElement& e, const std::string& name, const std::string& text, int count) const {
+  void numbers(const TiXmlElement& e, const std::string& name, const std::string& text,
+               int count) const {
     std::istringstream words(text);
     std::string word;
     int found = 0;
@@ -198,11 +242,12 @@ class Checker {
       double value = 0.0;
       const char* begin = word.data() + (word.starts_with('+') ? 1 : 0);
       const auto [end, code] = std::from_chars(begin, word.data() + word.size(), value);
-      good = good && code == std::errc() && end == word.data() + word.size() && std::isfinite(value);
+      good =
+          good && code == std::errc() && end == word.data() + word.size() && std::isfinite(value);
     }
     if (good && found == count) return;
-    fail(e, fmt::format("<{}>: {}='{}' given; allowed: {} finite number{}", e.ValueStr(), name, text.substr(0, 60),
-                        count, count == 1 ? "" : "s"));
+    fail(e, fmt::format("<{}>: {}='{}' given; allowed: {} finite number{}", e.ValueStr(), name,
+                        text.substr(0, 60), count, count == 1 ? "" : "s"));
   }
 
   void note_once(const std::string& note) {
@@ -220,14 +265,15 @@ void check_nesting(const std::string& text, const std::filesystem::path& file) {
   constexpr int kMaxDepth = 50;
   int depth = 0;
   int line = 1;
+
   for (std::size_t at = 0; at < text.size(); ++at) {
     const char c = text[at];
     if (c == '\n') ++line;
     if (c == '\0') throw urdf_error(file, line, "byte 0x00 found; allowed: XML text");
+
     if (c == '<' && text.compare(at, 4, "<!--") == 0) {
       const std::size_t end = std::min(text.find("-->", at), text.size());
-      line += static_cast<int>(std::count(text.begin() + static_cast<std::ptrdiff_t>(at),
-                                          text.begin() + static_cast<std::ptrdiff_t>(end), '\n'));
+      line += static_cast<int>(std::count(text.begin() + at, text.begin() + end, '\n'));
       at = end;
     } else if (c == '<' && at + 1 < text.size()) {
       const char next = text[at + 1];
@@ -235,8 +281,10 @@ void check_nesting(const std::string& text, const std::filesystem::path& file) {
     } else if (c == '/' && at + 1 < text.size() && text[at + 1] == '>') {
       --depth;
     }
+
     if (depth > kMaxDepth)
-      throw urdf_error(file, line, fmt::format("elements nested deeper than {}; allowed: less", kMaxDepth));
+      throw urdf_error(file, line,
+                       fmt::format("elements nested deeper than {}; allowed: less", kMaxDepth));
   }
 }
 
@@ -259,4 +307,4 @@ UrdfOutline check_urdf_text(const std::string& text, const std::filesystem::path
   return Checker(file).run(*robot);
 }
 
-}  // namespace jaculus
+}  // namespace jaculus::model

@@ -1,6 +1,7 @@
 #pragma once
-// What is checked of a URDF's text before urdfdom reads it. urdfdom knows no line numbers and takes many faults silently
-// (unknown elements, NaN, a second <inertial>), so they are found here, each with its line.
+// What is checked of a URDF's text before urdfdom reads it. urdfdom knows no line numbers and takes
+// many faults silently (unknown elements, NaN, a second <inertial>), so they are found here, each
+// with its line.
 
 #include <filesystem>
 #include <string>
@@ -8,9 +9,10 @@
 
 #include "jaculus/core/error.h"
 
-namespace jaculus {
+namespace jaculus::model {
 
-/// The skeleton of the tree with the lines of its elements, and what the file holds beyond bodies and joints.
+/// The skeleton of the tree with the lines of its elements, and what the file holds beyond bodies
+/// and joints.
 struct UrdfOutline {
   struct Link {
     std::string name;
@@ -33,4 +35,4 @@ UrdfOutline check_urdf_text(const std::string& text, const std::filesystem::path
 /// "file:line: what".
 InputError urdf_error(const std::filesystem::path& file, int line, const std::string& what);
 
-}  // namespace jaculus
+}  // namespace jaculus::model

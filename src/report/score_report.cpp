@@ -5,22 +5,24 @@
 #include <cmath>
 #include <set>
 
-namespace jaculus {
+#include "report/document/document.h"
+
+namespace jaculus::report {
 namespace {
 
-std::string shown(const ScoreEstimate& e) {
-  return std::isnan(e.value)
-             ? "–"
-             : fmt::format("{:.3f} ({:.3f} to {:.3f}), {} cases", e.value, e.ci95.lower, e.ci95.upper, e.count);
+std::string shown(const evaluation::ScoreEstimate& e) {
+  return std::isnan(e.value) ? "–"
+                             : fmt::format("{:.3f} ({:.3f} to {:.3f}), {} cases", e.value,
+                                           e.ci95.lower, e.ci95.upper, e.count);
 }
 
-Bars::Item item(const std::string& label, const ScoreEstimate& e) {
+Bars::Item item(const std::string& label, const evaluation::ScoreEstimate& e) {
   return {label, e.value, e.ci95.lower, e.ci95.upper, fmt::format("{} cases", e.count)};
 }
 
-HeatMap confusion(const ScoreSheet& sheet) {
-  HeatMap map{report_id("confusion_" + sheet.answerer),
-              fmt::format("What {} states of which truth, cases", sheet.answerer),
+HeatMap confusion(const evaluation::Metrics& metrics) {
+  HeatMap map{report_id("confusion_" + metrics.predictor),
+              fmt::format("What {} states of which truth, cases", metrics.predictor),
               "truth",
               "stated",
               {},
@@ -28,10 +30,11 @@ HeatMap confusion(const ScoreSheet& sheet) {
               {},
               ""};
   std::set<std::string> stated;
-  for (const auto& [truth, row] : sheet.confusion)
+  for (const auto& [truth, row] : metrics.confusion)
     for (const auto& [name, count] : row) stated.insert(name);
   map.columns.assign(stated.begin(), stated.end());
-  for (const auto& [truth, row] : sheet.confusion) {
+
+  for (const auto& [truth, row] : metrics.confusion) {
     map.rows.push_back(truth);
     map.values.emplace_back();
     for (const std::string& column : map.columns) {
@@ -39,10 +42,11 @@ HeatMap confusion(const ScoreSheet& sheet) {
       map.values.back().push_back(found == row.end() ? 0.0 : found->second);
     }
   }
+
   return map;
 }
 
-Chart calibration(const Score& score) {
+Chart calibration(const evaluation::Score& score) {
   Chart chart;
   chart.id = "calibration";
   chart.title = "Calibration: how often a statement of a probability is right";
@@ -50,9 +54,10 @@ Chart calibration(const Score& score) {
   chart.x = {"stated probability", "-", false, {0.0, 1.0}};
   chart.y = {"share that is right", "-", false, {0.0, 1.0}};
   chart.series.push_back({"ideal", {0.0, 1.0}, {0.0, 1.0}, SeriesStyle::dashed, 7});
-  for (std::size_t i = 0; i < score.sheets.size(); ++i) {
-    Series s{score.sheets[i].answerer, {}, {}, SeriesStyle::line, static_cast<int>(i)};
-    for (const ReliabilityBin& bin : score.sheets[i].reliability) {
+
+  for (std::size_t i = 0; i < score.metrics.size(); ++i) {
+    Series s{score.metrics[i].predictor, {}, {}, SeriesStyle::line, static_cast<int>(i)};
+    for (const evaluation::ReliabilityBin& bin : score.metrics[i].reliability) {
       if (bin.right.count == 0) continue;
       s.x.push_back(bin.stated);
       s.y.push_back(bin.right.value);
@@ -64,105 +69,121 @@ Chart calibration(const Score& score) {
     chart.series.push_back(s);
     if (i == 0) chart.series.push_back(points);
   }
+
   return chart;
 }
 
 /// One point a case: credit against the strength of its gap.
-Chart strength(const Score& score) {
+Chart strength(const evaluation::Score& score) {
   Chart chart;
   chart.id = "credit_and_strength";
   chart.title = "Credit of each case against the strength of its gap";
   chart.x = {"gap", "noise floors"};
   chart.y = {"credit", "-"};
-  const ScoreSheet& sheet = score.sheets.front();
-  for (const char* kind : {"single", "pair", "none", "outside"}) {
-    Series s{kind, {}, {}, SeriesStyle::points, static_cast<int>(chart.series.size())};
-    for (std::size_t i = 0; i < score.truths.size() && i < sheet.marks.size(); ++i) {
+  const evaluation::Metrics& metrics = score.metrics.front();
+  for (const char* kind : {"single", "pair", "none", "outside", "mixed"}) {
+    Series s{kind, {}, {}, SeriesStyle::points, count_of(chart.series)};
+    for (std::size_t i = 0; i < score.truths.size() && i < metrics.scores.size(); ++i) {
       if (score.truths[i].kind != kind) continue;
       s.x.push_back(score.truths[i].strength_in_noise_floors);
-      s.y.push_back(sheet.marks[i].credit);
+      s.y.push_back(metrics.scores[i].credit);
     }
     if (!s.x.empty()) chart.series.push_back(s);
   }
   return chart;
 }
 
-ReportTable estimates_table(const Score& score) {
+ReportTable estimates_table(const evaluation::Score& score) {
   ReportTable table{"In figures", {"figure"}, {}, "Intervals: 95 %."};
   std::set<std::string> names;
-  for (const ScoreSheet& sheet : score.sheets) {
-    table.columns.push_back(sheet.answerer);
-    for (const auto& [name, estimate] : sheet.by) names.insert(name);
+  for (const evaluation::Metrics& metrics : score.metrics) {
+    table.columns.push_back(metrics.predictor);
+    for (const auto& [name, estimate] : metrics.by) names.insert(name);
   }
+
   for (const std::string& name : names) {
     std::vector<std::string> row{name};
-    for (const ScoreSheet& sheet : score.sheets) {
-      const auto found = sheet.by.find(name);
-      row.push_back(found == sheet.by.end() ? "–" : shown(found->second));
+    for (const evaluation::Metrics& metrics : score.metrics) {
+      const auto found = metrics.by.find(name);
+      row.push_back(found == metrics.by.end() ? "–" : shown(found->second));
     }
     table.rows.push_back(row);
   }
+
   std::vector<std::string> row{"calibration error"};
-  for (const ScoreSheet& sheet : score.sheets) row.push_back(fmt::format("{:.3f}", sheet.calibration_error));
+  for (const evaluation::Metrics& metrics : score.metrics)
+    row.push_back(fmt::format("{:.3f}", metrics.calibration_error));
   table.rows.push_back(row);
   return table;
 }
 
-ReportTable case_table(const Score& score) {
-  ReportTable table{"", {"case", "kind", "truth", "gap [noise floors]", "stated", "confidence", "credit"}, {}, ""};
-  const ScoreSheet& sheet = score.sheets.front();
-  for (std::size_t i = 0; i < score.truths.size() && i < sheet.marks.size(); ++i) {
-    const SealedTruth& truth = score.truths[i];
+ReportTable case_table(const evaluation::Score& score) {
+  ReportTable table{
+      "",
+      {"case", "kind", "truth", "gap [noise floors]", "stated", "confidence", "credit"},
+      {},
+      ""};
+  const evaluation::Metrics& metrics = score.metrics.front();
+  for (std::size_t i = 0; i < score.truths.size() && i < metrics.scores.size(); ++i) {
+    const evaluation::CaseTruth& truth = score.truths[i];
     std::string effects;
     for (const std::string& e : truth.effects) effects += (effects.empty() ? "" : " + ") + e;
     table.rows.push_back({truth.case_id, truth.kind, effects.empty() ? "–" : effects,
-                          fmt::format("{:.2f}", truth.strength_in_noise_floors), sheet.marks[i].stated,
-                          fmt::format("{:.2f}", sheet.marks[i].confidence),
-                          fmt::format("{:.2f}", sheet.marks[i].credit)});
+                          fmt::format("{:.2f}", truth.strength_in_noise_floors),
+                          metrics.scores[i].stated,
+                          fmt::format("{:.2f}", metrics.scores[i].confidence),
+                          fmt::format("{:.2f}", metrics.scores[i].credit)});
   }
   return table;
 }
 
-ReportTable comparison_table(const Score& score) {
-  ReportTable table{
-      "The diagnosis against baselines, paired", {"baseline", "gain of log score", "gain of accuracy"}, {}, ""};
-  for (const Comparison& c : score.comparisons)
-    table.rows.push_back({c.answerer, shown(c.log_score_gain), shown(c.accuracy_gain)});
+ReportTable comparison_table(const evaluation::Score& score) {
+  ReportTable table{"The diagnosis against baselines, paired",
+                    {"baseline", "gain of log score", "gain of accuracy"},
+                    {},
+                    ""};
+  for (const evaluation::Comparison& c : score.comparisons)
+    table.rows.push_back({c.predictor, shown(c.log_score_gain), shown(c.accuracy_gain)});
   return table;
 }
 
 }  // namespace
 
-Report score_report(const Score& score) {
-  Report report;
-  report.kind = "score";
-  report.title = fmt::format("{} sealed cases scored", score.truths.size());
-  report.caption = score.provenance;
-  if (score.sheets.empty()) {
-    report.notices.emplace_back("Nothing was scored.");
-    return report;
+Report score_report(const evaluation::Score& score) {
+  Document document;
+  document.kind = "score";
+  document.title = fmt::format("{} blinded cases scored", score.truths.size());
+  document.caption = score.provenance;
+  if (score.metrics.empty()) {
+    document.notices.emplace_back("Nothing was scored.");
+    return finished(std::move(document));
   }
-  const ScoreSheet& sheet = score.sheets.front();
-  report.facts = {{"cases", fmt::format("{}", score.truths.size())},
-                  {"calibration error", fmt::format("{:.3f}", sheet.calibration_error)}};
+
+  const evaluation::Metrics& metrics = score.metrics.front();
+  document.facts = {{"cases", fmt::format("{}", score.truths.size())},
+                    {"calibration error", fmt::format("{:.3f}", metrics.calibration_error)}};
   Section figures{"Result", {}, {}, {estimates_table(score)}};
   if (!score.comparisons.empty()) figures.tables.push_back(comparison_table(score));
-  report.sections.push_back(std::move(figures));
+  document.sections.push_back(std::move(figures));
   Section accuracy{"Accuracy"};
-  Bars by_strength{"credit_by_strength", "Credit by strength of the gap", "-", {}, "Intervals: 95 %."};
-  for (const auto& [name, e] : sheet.credit_by_strength) by_strength.items.push_back(item(name, e));
+  Bars by_strength{
+      "credit_by_strength", "Credit by strength of the gap", "-", {}, "Intervals: 95 %."};
+
+  for (const auto& [name, e] : metrics.credit_by_strength)
+    by_strength.items.push_back(item(name, e));
   Bars by_effect{"credit_by_effect", "Credit by effect", "-", {}, "Intervals: 95 %."};
-  for (const auto& [name, e] : sheet.credit_by_effect) by_effect.items.push_back(item(name, e));
+  for (const auto& [name, e] : metrics.credit_by_effect) by_effect.items.push_back(item(name, e));
   accuracy.bars = {by_strength, by_effect};
   accuracy.charts = {calibration(score), strength(score)};
-  report.sections.push_back(std::move(accuracy));
+  document.sections.push_back(std::move(accuracy));
   Section mixed{"Confusion"};
-  for (const ScoreSheet& s : score.sheets) mixed.heat_maps.push_back(confusion(s));
-  report.sections.push_back(std::move(mixed));
+  for (const evaluation::Metrics& s : score.metrics) mixed.heat_maps.push_back(confusion(s));
+  document.sections.push_back(std::move(mixed));
   Section cases{"All cases", {}, {}, {case_table(score)}};
   cases.folded = true;
-  report.sections.push_back(std::move(cases));
-  return report;
+  document.sections.push_back(std::move(cases));
+
+  return finished(std::move(document));
 }
 
-}  // namespace jaculus
+}  // namespace jaculus::report

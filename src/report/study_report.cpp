@@ -8,53 +8,62 @@
 
 #include "report/study_parts.h"
 
-namespace jaculus {
+namespace jaculus::report {
 namespace {
 
 constexpr std::size_t kMostRows = 600;   // of the table of all rows
 constexpr std::size_t kMostCharts = 12;  // where the file asks for none in particular
 
-std::string cell(const StudyJson& value) {
+std::string cell(const studies::StudyJson& value) {
   if (value.is_null()) return "–";
   if (value.is_number()) return fmt::format("{:.5g}", value.get<double>());
   return value.is_string() ? value.get<std::string>() : value.dump();
 }
 
-bool numeric(const StudyResult& study, const std::string& column) {
+bool numeric(const studies::StudyResult& study, const std::string& column) {
   return std::any_of(study.rows.begin(), study.rows.end(),
-                     [&](const StudyJson& r) { return r.at(column).is_number(); });
+                     [&](const studies::StudyJson& r) { return r.at(column).is_number(); });
 }
 
 /// Distinct values of a column in the order in which they come.
-std::vector<StudyJson> values_of(const StudyResult& study, const std::string& column) {
-  std::vector<StudyJson> values;
-  for (const StudyJson& row : study.rows) {
-    if (std::find(values.begin(), values.end(), row.at(column)) == values.end()) values.push_back(row.at(column));
+std::vector<studies::StudyJson> values_of(const studies::StudyResult& study,
+                                          const std::string& column) {
+  std::vector<studies::StudyJson> values;
+  for (const studies::StudyJson& row : study.rows) {
+    if (std::find(values.begin(), values.end(), row.at(column)) == values.end())
+      values.push_back(row.at(column));
   }
   return values;
 }
 
-double number(const StudyJson& value) { return value.is_number() ? value.get<double>() : kNaN; }
+double number(const studies::StudyJson& value) {
+  return value.is_number() ? value.get<double>() : kNaN;
+}
 
-std::string value_name(const std::string& column, const StudyJson& value) {
+std::string value_name(const std::string& column, const studies::StudyJson& value) {
   if (!value.is_number()) return cell(value);
   const ChartAxis axis = column_axis(column);
-  return fmt::format("{} {:.5g}{}", axis.name, value.get<double>(), axis.unit == "-" ? "" : " " + axis.unit);
+  return fmt::format("{} {:.5g}{}", axis.name, value.get<double>(),
+                     axis.unit == "-" ? "" : " " + axis.unit);
 }
 
 /// The lines of a plot: one for each column of y and value of `by`.
-std::vector<Series> plot_series(const StudyResult& study, const StudyPlot& plot) {
-  const std::vector<StudyJson> groups = plot.by.empty() ? std::vector<StudyJson>{nullptr} : values_of(study, plot.by);
+std::vector<Series> plot_series(const studies::StudyResult& study, const studies::StudyPlot& plot) {
+  const std::vector<studies::StudyJson> groups =
+      plot.by.empty() ? std::vector<studies::StudyJson>{nullptr} : values_of(study, plot.by);
+
   std::vector<Series> all;
   for (std::size_t k = 0; k < plot.y.size(); ++k) {
     for (std::size_t g = 0; g < groups.size(); ++g) {
       Series s;
       const std::string column = column_axis(plot.y[k]).name;
       const std::string group = plot.by.empty() ? "" : value_name(plot.by, groups[g]);
-      s.name = plot.by.empty() ? column : plot.y.size() == 1 ? group : fmt::format("{}, {}", column, group);
+      s.name = plot.by.empty()      ? column
+               : plot.y.size() == 1 ? group
+                                    : fmt::format("{}, {}", column, group);
       s.style = k == 0 ? SeriesStyle::line : SeriesStyle::dashed;
       s.colour = static_cast<int>(plot.by.empty() ? k : g);
-      for (const StudyJson& row : study.rows) {
+      for (const studies::StudyJson& row : study.rows) {
         if (!plot.by.empty() && row.at(plot.by) != groups[g]) continue;
         s.x.push_back(number(row.at(plot.x)));
         s.y.push_back(number(row.at(plot.y[k])));
@@ -62,10 +71,11 @@ std::vector<Series> plot_series(const StudyResult& study, const StudyPlot& plot)
       all.push_back(std::move(s));
     }
   }
+
   return all;
 }
 
-Chart plot_chart(const StudyResult& study, const StudyPlot& plot) {
+Chart plot_chart(const studies::StudyResult& study, const studies::StudyPlot& plot) {
   Chart chart;
   chart.id = report_id(fmt::format("{}_{}", study.name, plot.y[0]));
   chart.title = plot.title;
@@ -74,82 +84,97 @@ Chart plot_chart(const StudyResult& study, const StudyPlot& plot) {
   for (const std::string& other : plot.y)  // columns of several names share their unit at most
     if (other != plot.y[0] && !other.starts_with(plot.y[0])) chart.y.name = "value";
   chart.series = plot_series(study, plot);
-  for (const StudyMark& mark : plot.marks)
+  for (const studies::StudyMark& mark : plot.marks)
     chart.marks.push_back({mark.label, MarkKind::published, mark.x, mark.y, mark.x_to});
   return chart;
 }
 
 /// What is drawn where the file does not say: every output against the longest axis of the grid.
-std::vector<StudyPlot> default_plots(const StudyResult& study) {
-  std::vector<StudyPlot> plots;
+std::vector<studies::StudyPlot> default_plots(const studies::StudyResult& study) {
+  std::vector<studies::StudyPlot> plots;
   if (study.axes.empty() || study.rows.empty()) return plots;
   std::string x = study.axes[0];
   for (const std::string& axis : study.axes)
-    if (numeric(study, axis) && values_of(study, axis).size() > values_of(study, x).size()) x = axis;
+    if (numeric(study, axis) && values_of(study, axis).size() > values_of(study, x).size())
+      x = axis;
   if (!numeric(study, x) || values_of(study, x).size() < 3) return plots;
+
   std::string by;
   for (const std::string& axis : study.axes)
     if (axis != x && values_of(study, axis).size() > 1) by = axis;
   for (const std::string& column : study.columns) {
-    if (std::find(study.axes.begin(), study.axes.end(), column) != study.axes.end() || !numeric(study, column))
+    if (std::find(study.axes.begin(), study.axes.end(), column) != study.axes.end() ||
+        !numeric(study, column))
       continue;
-    if (plots.size() < kMostCharts) plots.push_back({column_axis(column).name, x, {column}, by, {}});
+    if (plots.size() < kMostCharts)
+      plots.push_back({column_axis(column).name, x, {column}, by, {}});
   }
+
   return plots;
 }
 
 /// Outputs of named cases side by side.
-std::vector<Bars> case_bars(const StudyResult& study) {
+std::vector<Bars> case_bars(const studies::StudyResult& study) {
   std::vector<Bars> all;
-  const bool cases = std::find(study.columns.begin(), study.columns.end(), "case") != study.columns.end();
+  const bool cases =
+      std::find(study.columns.begin(), study.columns.end(), "case") != study.columns.end();
   if (!cases || study.axes.size() > 1 || study.kind != "reorientation") return all;
   for (const std::string& column : study.columns) {
     if (!numeric(study, column) || all.size() == kMostCharts) continue;
     const ChartAxis axis = column_axis(column);
-    Bars bars{report_id(study.name + "_" + column), axis.name, axis.unit == "-" ? "" : axis.unit, {}, ""};
-    for (const StudyJson& row : study.rows)
+    Bars bars{
+        report_id(study.name + "_" + column), axis.name, axis.unit == "-" ? "" : axis.unit, {}, ""};
+    for (const studies::StudyJson& row : study.rows)
       bars.items.push_back({cell(row.at("case")), number(row.at(column)), kNaN, kNaN, ""});
     all.push_back(std::move(bars));
   }
   return all;
 }
 
-ReportTable reference_table(const StudyResult& study) {
-  ReportTable table{
-      "The paper's figures beside the computed ones", {"quantity", "paper", "computed", "differs by", "note"}, {}, ""};
-  for (const StudyReference& r : study.references) {
-    const std::string by = std::isnan(r.deviation) ? "" : fmt::format("{:+.1f} %", 100.0 * r.deviation);
-    table.rows.push_back(
-        {r.quantity, cell(r.paper), cell(r.computed), r.disagrees ? by + " (beyond its digits)" : by, r.note});
+ReportTable reference_table(const studies::StudyResult& study) {
+  ReportTable table{"The paper's figures beside the computed ones",
+                    {"quantity", "paper", "computed", "differs by", "note"},
+                    {},
+                    ""};
+  for (const studies::StudyReference& r : study.references) {
+    const std::string by =
+        std::isnan(r.deviation) ? "" : fmt::format("{:+.1f} %", 100.0 * r.deviation);
+    table.rows.push_back({r.quantity, cell(r.paper), cell(r.computed),
+                          r.disagrees ? by + " (beyond its digits)" : by, r.note});
   }
   return table;
 }
 
-Section rows_section(const StudyResult& study) {
+Section rows_section(const studies::StudyResult& study) {
   ReportTable table{"", {}, {}, ""};
   for (const std::string& column : study.columns) {
     const ChartAxis axis = column_axis(column);
-    table.columns.push_back(axis.unit == "-" ? axis.name : fmt::format("{} [{}]", axis.name, axis.unit));
+    table.columns.push_back(axis.unit == "-" ? axis.name
+                                             : fmt::format("{} [{}]", axis.name, axis.unit));
   }
-  for (const StudyJson& row : study.rows) {
+
+  for (const studies::StudyJson& row : study.rows) {
     if (table.rows.size() == kMostRows) break;
     std::vector<std::string> cells;
     for (const std::string& column : study.columns) cells.push_back(cell(row.at(column)));
     table.rows.push_back(cells);
   }
+
   if (study.rows.size() > kMostRows)
-    table.note = fmt::format("The first {} of {} rows; study.csv has them all.", kMostRows, study.rows.size());
+    table.note = fmt::format("The first {} of {} rows; study.csv has them all.", kMostRows,
+                             study.rows.size());
   Section section{fmt::format("All rows of {}", study.name)};
   section.tables.push_back(table);
   section.folded = true;
   return section;
 }
 
-Section study_section(const StudyResult& study) {
+Section study_section(const studies::StudyResult& study) {
   Section section{study.name, {study.caption}};
   if (!study.references.empty()) section.tables.push_back(reference_table(study));
-  const std::vector<StudyPlot> plots = study.plots.empty() ? default_plots(study) : study.plots;
-  for (const StudyPlot& plot : plots) {
+  const std::vector<studies::StudyPlot> plots =
+      study.plots.empty() ? default_plots(study) : study.plots;
+  for (const studies::StudyPlot& plot : plots) {
     Chart chart = plot_chart(study, plot);
     const auto taken = [&](const Chart& other) { return other.id == chart.id; };
     for (int k = 2; std::any_of(section.charts.begin(), section.charts.end(), taken); ++k)
@@ -164,44 +189,26 @@ Section study_section(const StudyResult& study) {
 
 }  // namespace
 
-ChartAxis column_axis(const std::string& column) {
-  struct Suffix {
-    const char* written;
-    const char* unit;
-  };
-  static constexpr std::array<Suffix, 22> kSuffixes{
-      {{"_N_m_s2", "N m s²"}, {"_N_m_s", "N m s"}, {"_N_m_rad", "N m/rad"}, {"_kg_m2", "kg m²"},
-       {"_rad_s2", "rad/s²"}, {"_rad_s", "rad/s"}, {"_kg_m3", "kg/m³"},     {"_m_s2", "m/s²"},
-       {"_m_s", "m/s"},       {"_N_m", "N m"},     {"_N_s", "N s"},         {"_N_m_A", "N m/A"},
-       {"_deg", "°"},         {"_rad", "rad"},     {"_kg", "kg"},           {"_ohm", "Ω"},
-       {"_V", "V"},           {"_A", "A"},         {"_Hz", "Hz"},           {"_m", "m"},
-       {"_s", "s"},           {"_N", "N"}}};
-  ChartAxis axis{column, "-"};
-  for (const Suffix& suffix : kSuffixes) {
-    if (!column.ends_with(suffix.written)) continue;
-    axis.name = column.substr(0, column.size() - std::string_view(suffix.written).size());
-    axis.unit = suffix.unit;
-    break;
-  }
-  std::replace(axis.name.begin(), axis.name.end(), '_', ' ');
-  return axis;
-}
-
-Report study_report(const std::vector<StudyResult>& studies) {
-  Report report;
-  report.kind = "study";
-  report.title = studies.size() == 1 ? studies[0].name : fmt::format("{} studies", studies.size());
-  report.caption = studies.size() == 1 ? studies[0].caption : "";
-  for (const StudyResult& study : studies) {
-    if (!study.complete) report.notices.push_back(fmt::format("{} is not complete: points are missing.", study.name));
-    for (const std::string& note : study.notes) report.notices.push_back(fmt::format("{}: {}", study.name, note));
-    report.facts.emplace_back(study.name, fmt::format("{} rows", study.rows.size()));
+Report study_report(const std::vector<studies::StudyResult>& studies) {
+  Document document;
+  document.kind = "study";
+  document.title =
+      studies.size() == 1 ? studies[0].name : fmt::format("{} studies", studies.size());
+  document.caption = studies.size() == 1 ? studies[0].caption : "";
+  for (const studies::StudyResult& study : studies) {
+    if (!study.complete)
+      document.notices.push_back(
+          fmt::format("{} is not complete: points are missing.", study.name));
+    for (const std::string& note : study.notes)
+      document.notices.push_back(fmt::format("{}: {}", study.name, note));
+    document.facts.emplace_back(study.name, fmt::format("{} rows", study.rows.size()));
     Section section = study_section(study);
     if (studies.size() == 1) section.title = "Result", section.text.clear();
-    report.sections.push_back(std::move(section));
+    document.sections.push_back(std::move(section));
   }
-  for (const StudyResult& study : studies) report.sections.push_back(rows_section(study));
-  return report;
+  for (const studies::StudyResult& study : studies)
+    document.sections.push_back(rows_section(study));
+  return finished(std::move(document));
 }
 
-}  // namespace jaculus
+}  // namespace jaculus::report

@@ -5,27 +5,39 @@
 #include <algorithm>
 #include <cmath>
 
-#include "jaculus/report/summary.h"
-#include "jaculus/report/text_table.h"
+#include "jaculus/report/plan_report.h"
+#include "report/document/text_table.h"
 
-namespace jaculus {
+namespace jaculus::report {
 namespace {
+
+using solver::LimitGain;
+using solver::MotorFigures;
+using solver::PhaseFigures;
+using solver::PlanLimit;
+using solver::RowFigure;
+using solver::Summary;
+using solver::VerificationFigures;
 
 std::string beside(const Summary& s, const char* key, int digits) {
   const auto found = s.reference.find(key);
-  return found == s.reference.end() ? "" : fmt::format("   (published: {})", fixed(found->second, digits));
+  return found == s.reference.end()
+             ? ""
+             : fmt::format("   (published: {})", fixed(found->second, digits));
 }
 
 std::string head(const Summary& s, bool colour) {
   std::string text = coloured(s.name, Colour::bold, colour);
   if (!s.caption.empty()) text += ": " + s.caption;
-  text += fmt::format("\n  status        {}, {} iterations",
-                      s.converged ? coloured(s.status, Colour::green, colour) : coloured(s.status, Colour::red, colour),
-                      s.iterations);
+  text += fmt::format(
+      "\n  status        {}, {} iterations",
+      coloured(to_string(s.status), s.converged() ? Colour::green : Colour::red, colour),
+      s.iterations);
   if (!s.message.empty()) text += fmt::format(" ({})", s.message);
-  text += fmt::format("\n  size          {} variables, {} rows, {} Jacobian and {} Hessian entries\n", s.size.variables,
-                      s.size.constraints, s.size.jacobian_nonzeros, s.size.hessian_nonzeros);
-  if (!s.converged) text += "  not a solution: the figures below are those of the last iterate\n";
+  text += fmt::format(
+      "\n  size          {} variables, {} rows, {} Jacobian and {} Hessian entries\n",
+      s.size.variables, s.size.constraints, s.size.jacobian_nonzeros, s.size.hessian_nonzeros);
+  if (!s.converged()) text += "  not a solution: the figures below are those of the last iterate\n";
   return text;
 }
 
@@ -39,7 +51,8 @@ std::string figures(const Summary& s) {
                       fixed(s.liftoff_velocity_com, 3));
   text += fmt::format("  duration      {} s{}\n", fixed(s.duration, 5), beside(s, "duration_s", 5));
   for (const PhaseFigures& p : s.phases) {
-    text += fmt::format("    {:<18} {} s{}\n", p.name, fixed(p.duration, 5), p.at_bound ? ", at its bound" : "");
+    text += fmt::format("    {:<18} {} s{}\n", p.name, fixed(p.duration, 5),
+                        p.at_bound ? ", at its bound" : "");
   }
   if (!std::isnan(s.tail_momentum_share)) {
     text += fmt::format("  drag's share of momentum {:.1f} %\n", 100.0 * s.tail_momentum_share);
@@ -49,19 +62,23 @@ std::string figures(const Summary& s) {
 
 std::string motors(const Summary& s) {
   if (s.motors.empty()) return "";
-  const bool slides = std::any_of(s.motors.begin(), s.motors.end(), [](const auto& m) { return m.slides; });
+  const bool slides =
+      std::any_of(s.motors.begin(), s.motors.end(), [](const auto& m) { return m.slides; });
   const std::string unit = slides ? "N m or N" : "N m";
-  TextTable table({"  motor", fmt::format("at the joint [{}]", unit), fmt::format("at the motor [{}]", unit),
-                   "current [A]", "voltage [V]"});
+  TextTable table({"  motor", fmt::format("at the joint [{}]", unit),
+                   fmt::format("at the motor [{}]", unit), "current [A]", "voltage [V]"});
   const auto of = [](double peak, double limit) {
     return std::isfinite(limit) ? fmt::format("{} of {:g}", fixed(peak, 2), limit) : fixed(peak, 2);
   };
+
   for (const MotorFigures& m : s.motors) {
-    table.row({fmt::format("  {}{}", m.motor, m.count > 1 ? fmt::format(" (x{})", m.count) : ""),
-               fixed(m.joint_torque, 2), of(m.motor_torque, m.torque_limit), of(m.current, m.current_limit),
-               of(m.voltage, m.voltage_limit)});
+    table.row({fmt::format("  {}{}", m.joint, m.count > 1 ? fmt::format(" (x{})", m.count) : ""),
+               fixed(m.joint_torque, 2), of(m.motor_torque, m.torque_limit),
+               of(m.current, m.current_limit), of(m.voltage, m.voltage_limit)});
   }
-  return "\npeaks at nodes and middles of intervals, of what a plan may use, one motor (what is passed between: see "
+
+  return "\npeaks at nodes and middles of intervals, of what a plan may use, one motor (what is "
+         "passed between: see "
          "below)\n" +
          table.text();
 }
@@ -70,35 +87,45 @@ std::string limits(const Summary& s) {
   std::string text;
   if (!s.active_limits.empty()) {
     TextTable table({"  limit", "phase", "from [s]", "to [s]", "nodes"});
-    for (const ActiveLimit& a : s.active_limits) {
-      table.row({"  " + a.name, a.phase, fixed(a.from, 4), fixed(a.to, 4), fmt::format("{}", a.nodes)});
+    for (const PlanLimit& a : s.active_limits) {
+      table.row(
+          {"  " + a.name, a.phase, fixed(a.from, 4), fixed(a.to, 4), fmt::format("{}", a.nodes)});
     }
     text += "\nactive limits\n" + table.text();
   }
-  if (!s.prices.empty()) {
+  if (!s.gains.empty()) {
     text += "\nwhat a little more of a limit would gain\n";
-    for (const PriceFigure& p : s.prices) text += fmt::format("  {:<20} {:+.4g} {}\n", p.limit, p.price, p.unit);
+    for (const LimitGain& g : s.gains)
+      text += fmt::format("  {:<20} {:+.4g} {}\n", g.limit, g.gain, g.unit);
   }
   return text;
 }
 
 std::string violation(const RowFigure& v) {
-  return v.row.empty() ? std::string("none") : fmt::format("{:.2g} {} ({})", v.value, v.unit, v.row);
+  return v.row.empty() ? std::string("none")
+                       : fmt::format("{:.2g} {} ({})", v.value, v.unit, v.row);
 }
 
 std::string verification(const Summary& s, bool colour) {
-  const Verification& v = s.verification;
-  std::string text = fmt::format("\nverification: {}\n", v.passed ? coloured("passed", Colour::green, colour)
-                                                                  : coloured("NOT PASSED", Colour::red, colour));
+  const VerificationFigures& v = s.verification;
+  std::string text =
+      fmt::format("\nverification: {}\n", v.passed ? coloured("passed", Colour::green, colour)
+                                                   : coloured("NOT PASSED", Colour::red, colour));
   if (!v.reintegration_error.empty()) {
     text += "  re-integration, largest error:";
-    for (const auto& [name, error] : v.reintegration_error) text += fmt::format(" {} {:.1e}", name, error);
+    for (const auto& [name, error] : v.reintegration_error)
+      text += fmt::format(" {} {:.1e}", name, error);
     text += "\n";
   }
-  text +=
-      fmt::format("  worst row {}; between nodes {}\n", violation(v.worst_violation), violation(v.off_node_violation));
-  const auto balance = [](double value) { return std::isnan(value) ? "does not apply" : fmt::format("{:.1e}", value); };
-  text += fmt::format("  balances: momentum {}, energy {}\n", balance(v.momentum_balance), balance(v.energy_balance));
+
+  text += fmt::format("  worst row {}; between nodes {}\n", violation(v.worst_violation),
+                      violation(v.off_node_violation));
+  const auto balance = [](double value) {
+    return std::isnan(value) ? "does not apply" : fmt::format("{:.1e}", value);
+  };
+
+  text += fmt::format("  balances: momentum {}, energy {}\n", balance(v.momentum_balance),
+                      balance(v.energy_balance));
   for (const std::string& failure : v.failures)
     text += "  " + coloured("fails", Colour::red, colour) + ": " + failure + "\n";
   return text;
@@ -106,15 +133,17 @@ std::string verification(const Summary& s, bool colour) {
 
 }  // namespace
 
-std::string to_text(const Summary& s, bool colour) {
+std::string summary_text(const solver::Summary& s, bool colour) {
   std::string text = head(s, colour) + figures(s) + motors(s) + limits(s) + verification(s, colour);
   if (!s.violated_rows.empty()) {
     text += "\nrows that do not hold, worst first\n";
-    for (const RowFigure& v : s.violated_rows) text += fmt::format("  {}: {:.3g} {}\n", v.row, v.value, v.unit);
+    for (const RowFigure& v : s.violated_rows)
+      text += fmt::format("  {}: {:.3g} {}\n", v.row, v.value, v.unit);
   }
   if (!s.conflict.empty()) {
     text += "\nwhat can't hold together: these rows must give way for all others to hold\n";
-    for (const RowFigure& v : s.conflict) text += fmt::format("  {}: by {:.3g} {}\n", v.row, v.value, v.unit);
+    for (const RowFigure& v : s.conflict)
+      text += fmt::format("  {}: by {:.3g} {}\n", v.row, v.value, v.unit);
     if (!s.conflict_against.empty()) text += "  they strain against\n";
     for (const std::string& limit : s.conflict_against) text += "    " + limit + "\n";
   }
@@ -123,4 +152,4 @@ std::string to_text(const Summary& s, bool colour) {
   return text;
 }
 
-}  // namespace jaculus
+}  // namespace jaculus::report

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-namespace jaculus {
+namespace jaculus::solver {
 namespace {
 
 /// The row's distance beyond the bound it passes.
@@ -14,7 +14,8 @@ double beyond(double value, double lower, double upper) {
   return value < lower ? value - lower : 0.0;
 }
 
-std::vector<Relaxation> relaxed_rows(Nlp& nlp, const Vector& excess, const Vector& x, double tolerance) {
+std::vector<Relaxation> relaxed_rows(transcription::Nlp& nlp, const Vector& excess, const Vector& x,
+                                     double tolerance) {
   Vector values(nlp.rows());
   std::vector<Relaxation> relaxed;
   if (!nlp.constraints(x, values)) return relaxed;
@@ -25,33 +26,43 @@ std::vector<Relaxation> relaxed_rows(Nlp& nlp, const Vector& excess, const Vecto
     if (excess[i] == 0.0 || scaled <= tolerance) continue;
     relaxed.push_back({i, nlp.row_name(i), nlp.row_unit(i), amount, scaled});
   }
-  std::stable_sort(relaxed.begin(), relaxed.end(), [](const auto& a, const auto& b) { return a.scaled > b.scaled; });
+  std::stable_sort(relaxed.begin(), relaxed.end(),
+                   [](const auto& a, const auto& b) { return a.scaled > b.scaled; });
   return relaxed;
 }
 
-/// Limits with a price in the sum of slacks, without the relaxed rows themselves.
-std::vector<LimitPrice> straining_limits(const ElasticNlp& elastic, int variables, const NlpResult& result,
-                                         const std::vector<Relaxation>& relaxed, std::size_t most) {
-  std::vector<LimitPrice> prices = limit_prices(elastic, result, {.threshold = 1e-3, .equalities = true});
-  std::erase_if(prices, [&](const LimitPrice& price) {
-    if (!price.is_row) return price.index >= variables;  // bounds of the slacks
-    return std::any_of(relaxed.begin(), relaxed.end(), [&](const auto& r) { return r.row == price.index; });
+/// Limits that change the sum of slacks, without the relaxed rows themselves.
+std::vector<LimitSensitivity> opposing_limits(const ElasticNlp& elastic, int variables,
+                                              const NlpResult& result,
+                                              const std::vector<Relaxation>& relaxed,
+                                              std::size_t most) {
+  std::vector<LimitSensitivity> limits =
+      limit_sensitivities(elastic, result, {.threshold = 1e-3, .equalities = true});
+  std::erase_if(limits, [&](const LimitSensitivity& limit) {
+    if (!limit.is_row) return limit.index >= variables;  // bounds of the slacks
+    return std::any_of(relaxed.begin(), relaxed.end(),
+                       [&](const auto& r) { return r.row == limit.index; });
   });
-  if (prices.size() > most) prices.resize(most);
-  return prices;
+  if (limits.size() > most) limits.resize(most);
+  return limits;
 }
 
 }  // namespace
 
-ElasticNlp::ElasticNlp(Nlp& nlp, Vector reference, const std::function<bool(int row)>& may_relax, double proximity)
-    : nlp_(nlp), n_(nlp.variables()), reference_(std::move(reference)), jacobian_(nlp.jacobian_sparsity()) {
+ElasticNlp::ElasticNlp(transcription::Nlp& nlp, Vector reference,
+                       const std::function<bool(int row)>& may_relax, double proximity)
+    : nlp_(nlp),
+      n_(nlp.variables()),
+      reference_(std::move(reference)),
+      jacobian_(nlp.jacobian_sparsity()) {
   assert(reference_.size() == n_);
   for (int i = 0; i < nlp.rows(); ++i) {
     if (may_relax && !may_relax(i)) continue;
     if (nlp.row_upper()[i] < kInfinity) slacks_.push_back({i, -1.0});
     if (nlp.row_lower()[i] > -kInfinity) slacks_.push_back({i, 1.0});
   }
-  const auto count = static_cast<Eigen::Index>(slacks_.size());
+
+  const auto count = std::ssize(slacks_);
   pull_ = proximity * nlp.variable_scale().array().square().inverse();
   lower_.resize(n_ + count);
   lower_ << nlp.variable_lower(), Vector::Zero(count);
@@ -59,12 +70,13 @@ ElasticNlp::ElasticNlp(Nlp& nlp, Vector reference, const std::function<bool(int 
   upper_ << nlp.variable_upper(), Vector::Constant(count, kInfinity);
   scale_.resize(n_ + count);
   scale_.head(n_) = nlp.variable_scale();
-  for (int k = 0; k < static_cast<int>(count); ++k) {
-    const int row = slacks_[static_cast<std::size_t>(k)].row;
+  for (int k = 0; k < count; ++k) {
+    const int row = slacks_[k].row;
     scale_[n_ + k] = nlp.row_scale()[row];
     jacobian_.rows.push_back(row);
     jacobian_.columns.push_back(n_ + k);
   }
+
   hessian_ = nlp.hessian_sparsity();
   for (int i = 0; i < n_; ++i) {
     hessian_.rows.push_back(i);
@@ -77,41 +89,42 @@ Vector ElasticNlp::start() {
   point.head(n_) = reference_.cwiseMax(nlp_.variable_lower()).cwiseMin(nlp_.variable_upper());
   Vector values(rows());
   if (!nlp_.constraints(point.head(n_), values)) return point;
-  for (std::size_t k = 0; k < slacks_.size(); ++k) {
+  for (int k = 0; k < count_of(slacks_); ++k) {
     const int i = slacks_[k].row;
     const double amount = -slacks_[k].sign * beyond(values[i], row_lower()[i], row_upper()[i]);
-    point[n_ + static_cast<Eigen::Index>(k)] = std::max(amount, 0.0);
+    point[n_ + k] = std::max(amount, 0.0);
   }
   return point;
 }
 
 Vector ElasticNlp::excess(const Vector& point) const {
   Vector sum = Vector::Zero(rows());
-  for (std::size_t k = 0; k < slacks_.size(); ++k) {
-    sum[slacks_[k].row] -= slacks_[k].sign * point[n_ + static_cast<Eigen::Index>(k)];
+  for (int k = 0; k < count_of(slacks_); ++k) {
+    sum[slacks_[k].row] -= slacks_[k].sign * point[n_ + k];
   }
   return sum;
 }
 
 std::string ElasticNlp::variable_name(int column) const {
   if (column < n_) return nlp_.variable_name(column);
-  const Slack& slack = slacks_[static_cast<std::size_t>(column - n_)];
-  return nlp_.row_name(slack.row) + (slack.sign > 0.0 ? ", short of its lower bound" : ", over its upper bound");
+  const Slack& slack = slacks_[column - n_];
+  return nlp_.row_name(slack.row) +
+         (slack.sign > 0.0 ? ", short of its lower bound" : ", over its upper bound");
 }
 
 std::string ElasticNlp::variable_unit(int column) const {
-  return column < n_ ? nlp_.variable_unit(column) : nlp_.row_unit(slacks_[static_cast<std::size_t>(column - n_)].row);
+  return column < n_ ? nlp_.variable_unit(column) : nlp_.row_unit(slacks_[column - n_].row);
 }
 
 bool ElasticNlp::objective(const ConstVectorRef& x, double& value) {
-  const auto count = static_cast<Eigen::Index>(slacks_.size());
-  value =
-      x.tail(count).cwiseQuotient(scale_.tail(count)).sum() + 0.5 * (x.head(n_) - reference_).cwiseAbs2().dot(pull_);
+  const auto count = std::ssize(slacks_);
+  value = x.tail(count).cwiseQuotient(scale_.tail(count)).sum() +
+          0.5 * (x.head(n_) - reference_).cwiseAbs2().dot(pull_);
   return true;
 }
 
 bool ElasticNlp::gradient(const ConstVectorRef& x, VectorRef gradient) {
-  const auto count = static_cast<Eigen::Index>(slacks_.size());
+  const auto count = std::ssize(slacks_);
   gradient.head(n_) = pull_.cwiseProduct(x.head(n_) - reference_);
   gradient.tail(count) = scale_.tail(count).cwiseInverse();
   return true;
@@ -119,24 +132,25 @@ bool ElasticNlp::gradient(const ConstVectorRef& x, VectorRef gradient) {
 
 bool ElasticNlp::constraints(const ConstVectorRef& x, VectorRef values) {
   if (!nlp_.constraints(x.head(n_), values)) return false;
-  for (std::size_t k = 0; k < slacks_.size(); ++k) {
-    values[slacks_[k].row] += slacks_[k].sign * x[n_ + static_cast<Eigen::Index>(k)];
+  for (int k = 0; k < count_of(slacks_); ++k) {
+    values[slacks_[k].row] += slacks_[k].sign * x[n_ + k];
   }
   return true;
 }
 
 bool ElasticNlp::jacobian(const ConstVectorRef& x, VectorRef values) {
   const Eigen::Index own = nlp_.jacobian_sparsity().size();
-  for (std::size_t k = 0; k < slacks_.size(); ++k) values[own + static_cast<Eigen::Index>(k)] = slacks_[k].sign;
+  for (int k = 0; k < count_of(slacks_); ++k) values[own + k] = slacks_[k].sign;
   return nlp_.jacobian(x.head(n_), values.head(own));
 }
 
-bool ElasticNlp::hessian(const ConstVectorRef& x, double sigma, const ConstVectorRef& lambda, VectorRef values) {
+bool ElasticNlp::hessian(const ConstVectorRef& x, double sigma, const ConstVectorRef& lambda,
+                         VectorRef values) {
   values.tail(n_) = sigma * pull_;
   return nlp_.hessian(x.head(n_), 0.0, lambda, values.head(nlp_.hessian_sparsity().size()));
 }
 
-Conflict find_conflict(Nlp& nlp, const Vector& x, const ElasticOptions& options) {
+Conflict find_conflict(transcription::Nlp& nlp, const Vector& x, const ElasticOptions& options) {
   ElasticNlp elastic(nlp, x, options.may_relax, options.proximity);
   const NlpResult result = solve_nlp(elastic, {elastic.start(), {}}, options.solver);
   Conflict conflict;
@@ -145,13 +159,14 @@ Conflict find_conflict(Nlp& nlp, const Vector& x, const ElasticOptions& options)
   conflict.wall_seconds = result.wall_seconds;
   if (result.last_iterate().size() == 0) return conflict;  // contradictory bounds: nothing ran
   conflict.x = result.last_iterate().head(nlp.variables());
-  conflict.relaxed = relaxed_rows(nlp, elastic.excess(result.last_iterate()), conflict.x, options.tolerance);
+  conflict.relaxed =
+      relaxed_rows(nlp, elastic.excess(result.last_iterate()), conflict.x, options.tolerance);
   conflict.feasible = result.converged() && conflict.relaxed.empty();
   if (result.converged() && !conflict.feasible) {
-    conflict.against = straining_limits(elastic, nlp.variables(), result, conflict.relaxed,
-                                        static_cast<std::size_t>(std::max(options.most, 0)));
+    conflict.against = opposing_limits(elastic, nlp.variables(), result, conflict.relaxed,
+                                       std::max(options.most, 0));
   }
   return conflict;
 }
 
-}  // namespace jaculus
+}  // namespace jaculus::solver

@@ -7,7 +7,7 @@
 
 #include "jaculus/core/interrupt.h"
 
-namespace jaculus::detail {
+namespace jaculus::solver::detail {
 namespace {
 
 using ConstMap = Eigen::Map<const Vector>;
@@ -16,14 +16,15 @@ using Map = Eigen::Map<Vector>;
 constexpr double kIpoptInfinity = 2e19;  // beyond Ipopt's default of 1e19 for "no bound"
 
 void copy_bounds(const Vector& from, double* to) {
-  for (Eigen::Index i = 0; i < from.size(); ++i) to[i] = std::clamp(from[i], -kIpoptInfinity, kIpoptInfinity);
+  for (Eigen::Index i = 0; i < from.size(); ++i)
+    to[i] = std::clamp(from[i], -kIpoptInfinity, kIpoptInfinity);
 }
 
 void copy(const Vector& from, double* to) { std::copy(from.data(), from.data() + from.size(), to); }
 
 }  // namespace
 
-Vector clamp_into_bounds(const Nlp& nlp, const Vector& x) {
+Vector clamp_into_bounds(const transcription::Nlp& nlp, const Vector& x) {
   return x.cwiseMax(nlp.variable_lower()).cwiseMin(nlp.variable_upper());
 }
 
@@ -31,10 +32,12 @@ double linear_seconds(Ipopt::TimingStatistics& timing) {
   return timing.StdAugSystemSolverMultiSolve().TotalWallclockTime();
 }
 
-IpoptAdapter::IpoptAdapter(Nlp& nlp, const Start& start, const SolverOptions& options)
+IpoptAdapter::IpoptAdapter(transcription::Nlp& nlp, const Start& start,
+                           const SolverOptions& options)
     : nlp_(nlp), start_(start), options_(options), point_(start.x) {
   assert(start.x.size() == nlp.variables());
-  assert(nlp.variable_scale().size() == nlp.variables() && (nlp.variable_scale().array() > 0.0).all());
+  assert(nlp.variable_scale().size() == nlp.variables() &&
+         (nlp.variable_scale().array() > 0.0).all());
   assert(nlp.row_scale().size() == nlp.rows() && (nlp.row_scale().array() > 0.0).all());
   assert(nlp.objective_scale() > 0.0);
   result.row_multipliers = Vector::Zero(nlp.rows());
@@ -47,7 +50,8 @@ double IpoptAdapter::elapsed() const {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
 }
 
-bool IpoptAdapter::get_nlp_info(Index& n, Index& m, Index& nnz_jac_g, Index& nnz_h_lag, IndexStyleEnum& index_style) {
+bool IpoptAdapter::get_nlp_info(Index& n, Index& m, Index& nnz_jac_g, Index& nnz_h_lag,
+                                IndexStyleEnum& index_style) {
   n = nlp_.variables();
   m = nlp_.rows();
   nnz_jac_g = nlp_.jacobian_sparsity().size();
@@ -56,7 +60,8 @@ bool IpoptAdapter::get_nlp_info(Index& n, Index& m, Index& nnz_jac_g, Index& nnz
   return true;
 }
 
-bool IpoptAdapter::get_bounds_info(Index, Number* x_l, Number* x_u, Index, Number* g_l, Number* g_u) {
+bool IpoptAdapter::get_bounds_info(Index, Number* x_l, Number* x_u, Index, Number* g_l,
+                                   Number* g_u) {
   copy_bounds(nlp_.variable_lower(), x_l);
   copy_bounds(nlp_.variable_upper(), x_u);
   copy_bounds(nlp_.row_lower(), g_l);
@@ -64,8 +69,9 @@ bool IpoptAdapter::get_bounds_info(Index, Number* x_l, Number* x_u, Index, Numbe
   return true;
 }
 
-bool IpoptAdapter::get_scaling_parameters(Number& obj_scaling, bool& use_x_scaling, Index, Number* x_scaling,
-                                          bool& use_g_scaling, Index, Number* g_scaling) {
+bool IpoptAdapter::get_scaling_parameters(Number& obj_scaling, bool& use_x_scaling, Index,
+                                          Number* x_scaling, bool& use_g_scaling, Index,
+                                          Number* g_scaling) {
   obj_scaling = 1.0 / nlp_.objective_scale();
   use_x_scaling = use_g_scaling = true;
   copy(nlp_.variable_scale().cwiseInverse(), x_scaling);
@@ -73,8 +79,8 @@ bool IpoptAdapter::get_scaling_parameters(Number& obj_scaling, bool& use_x_scali
   return true;
 }
 
-bool IpoptAdapter::get_starting_point(Index, bool init_x, Number* x, bool init_z, Number* z_l, Number* z_u, Index,
-                                      bool init_lambda, Number* lambda) {
+bool IpoptAdapter::get_starting_point(Index, bool init_x, Number* x, bool init_z, Number* z_l,
+                                      Number* z_u, Index, bool init_lambda, Number* lambda) {
   if (init_x) copy(clamp_into_bounds(nlp_, start_.x), x);
   if ((init_z || init_lambda) && !start_.duals) return false;
   if (init_z) {
@@ -86,7 +92,8 @@ bool IpoptAdapter::get_starting_point(Index, bool init_x, Number* x, bool init_z
 }
 
 template <class Evaluate>
-bool IpoptAdapter::evaluate(const char* name, int& count, const Number* values, int size, Evaluate&& run) {
+bool IpoptAdapter::evaluate(const char* name, int& count, const Number* values, int size,
+                            Evaluate&& run) {
   const double before = elapsed();
   ++count;
   const bool defined = run() && ConstMap(values, size).allFinite();
@@ -115,10 +122,10 @@ bool IpoptAdapter::eval_g(Index n, const Number* x, bool, Index m, Number* g) {
   return defined;
 }
 
-bool IpoptAdapter::eval_jac_g(Index n, const Number* x, bool, Index, Index nele_jac, Index* rows, Index* columns,
-                              Number* values) {
+bool IpoptAdapter::eval_jac_g(Index n, const Number* x, bool, Index, Index nele_jac, Index* rows,
+                              Index* columns, Number* values) {
   if (values == nullptr) {
-    const Sparsity& sparsity = nlp_.jacobian_sparsity();
+    const transcription::Sparsity& sparsity = nlp_.jacobian_sparsity();
     std::copy(sparsity.rows.begin(), sparsity.rows.end(), rows);
     std::copy(sparsity.columns.begin(), sparsity.columns.end(), columns);
     return true;
@@ -127,10 +134,11 @@ bool IpoptAdapter::eval_jac_g(Index n, const Number* x, bool, Index, Index nele_
                   [&] { return nlp_.jacobian(ConstMap(x, n), Map(values, nele_jac)); });
 }
 
-bool IpoptAdapter::eval_h(Index n, const Number* x, bool, Number obj_factor, Index m, const Number* lambda, bool,
-                          Index nele_hess, Index* rows, Index* columns, Number* values) {
+bool IpoptAdapter::eval_h(Index n, const Number* x, bool, Number obj_factor, Index m,
+                          const Number* lambda, bool, Index nele_hess, Index* rows, Index* columns,
+                          Number* values) {
   if (values == nullptr) {
-    const Sparsity& sparsity = nlp_.hessian_sparsity();
+    const transcription::Sparsity& sparsity = nlp_.hessian_sparsity();
     std::copy(sparsity.rows.begin(), sparsity.rows.end(), rows);
     std::copy(sparsity.columns.begin(), sparsity.columns.end(), columns);
     return true;
@@ -140,9 +148,11 @@ bool IpoptAdapter::eval_h(Index n, const Number* x, bool, Number obj_factor, Ind
   });
 }
 
-bool IpoptAdapter::current_point(const Ipopt::IpoptData* data, Ipopt::IpoptCalculatedQuantities* quantities) {
+bool IpoptAdapter::current_point(const Ipopt::IpoptData* data,
+                                 Ipopt::IpoptCalculatedQuantities* quantities) {
   if (data == nullptr || quantities == nullptr) return false;
-  if (original_ == nullptr) {  // iteration 0 belongs to the problem itself, later ones may be the restoration's
+  // iteration 0 belongs to the problem itself, later ones may be the restoration's
+  if (original_ == nullptr) {
     original_ = dynamic_cast<Ipopt::OrigIpoptNLP*>(GetRawPtr(quantities->GetIpoptNLP()));
     if (original_ == nullptr) return false;
   }
@@ -166,44 +176,52 @@ double IpoptAdapter::row_violation() {
     }
   }
   if (nlp_.rows() == 0) return 0.0;
-  return std::max({0.0, (nlp_.row_lower() - row_values_).maxCoeff(), (row_values_ - nlp_.row_upper()).maxCoeff()});
+  return std::max({0.0, (nlp_.row_lower() - row_values_).maxCoeff(),
+                   (row_values_ - nlp_.row_upper()).maxCoeff()});
 }
 
-bool IpoptAdapter::intermediate_callback(Ipopt::AlgorithmMode mode, Index iter, Number obj_value, Number inf_pr,
-                                         Number inf_du, Number mu, Number, Number, Number, Number, Index,
-                                         const Ipopt::IpoptData* ip_data, Ipopt::IpoptCalculatedQuantities* ip_cq) {
+bool IpoptAdapter::intermediate_callback(Ipopt::AlgorithmMode mode, Index iter, Number obj_value,
+                                         Number inf_pr, Number inf_du, Number mu, Number, Number,
+                                         Number, Number, Index, const Ipopt::IpoptData* ip_data,
+                                         Ipopt::IpoptCalculatedQuantities* ip_cq) {
   IterationInfo info;
   info.iteration = iter;
   info.objective = obj_value;
   info.infeasibility = inf_pr;
   info.restoration = mode == Ipopt::RestorationPhaseMode;
+
   if (current_point(ip_data, ip_cq)) {
     info.infeasibility = row_violation();
     // The restoration reports an objective of its own.
     if (info.restoration && !nlp_.objective(point_, info.objective)) info.objective = kNaN;
   }
+
   if (info.restoration && ip_data != nullptr) {
-    const double spent = linear_seconds(const_cast<Ipopt::IpoptData*>(ip_data)->TimingStats());  // no const access
+    // no const access
+    const double spent = linear_seconds(const_cast<Ipopt::IpoptData*>(ip_data)->TimingStats());
     if (spent < restoration_s_) restorations_s_ += restoration_s_;
     restoration_s_ = spent;
   }
+
   info.dual_infeasibility = inf_du;
   info.barrier = mu;
   info.elapsed_s = elapsed();
   result.history.push_back(info);
+
   if (options_.progress && !options_.progress(info)) stop_reason = Status::stopped;
   if (info.elapsed_s > options_.time_limit_s) stop_reason = Status::time_limit;
   if (options_.stop_on_interrupt && interrupt_requested()) stop_reason = Status::interrupted;
   return !stop_reason;
 }
 
-void IpoptAdapter::finalize_solution(Ipopt::SolverReturn, Index n, const Number* x, const Number* z_l,
-                                     const Number* z_u, Index m, const Number*, const Number* lambda, Number,
-                                     const Ipopt::IpoptData*, Ipopt::IpoptCalculatedQuantities*) {
+void IpoptAdapter::finalize_solution(Ipopt::SolverReturn, Index n, const Number* x,
+                                     const Number* z_l, const Number* z_u, Index m, const Number*,
+                                     const Number* lambda, Number, const Ipopt::IpoptData*,
+                                     Ipopt::IpoptCalculatedQuantities*) {
   result.set_iterate(ConstMap(x, n));
   result.lower_multipliers = ConstMap(z_l, n);
   result.upper_multipliers = ConstMap(z_u, n);
   result.row_multipliers = ConstMap(lambda, m);
 }
 
-}  // namespace jaculus::detail
+}  // namespace jaculus::solver::detail

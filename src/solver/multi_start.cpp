@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
-namespace jaculus {
+namespace jaculus::solver {
 namespace {
 
 const NlpResult* converged_result(const StartOutcome& start) {
@@ -23,11 +23,13 @@ bool within(double value, double best, double relative) {
 void choose(MultiStart& all, const MultiStartOptions& options) {
   double lowest = kInfinity, least_violation = kInfinity;
   for (const StartOutcome& start : all.starts) {
-    if (const NlpResult* result = converged_result(start)) lowest = std::min(lowest, result->objective);
+    if (const NlpResult* result = converged_result(start))
+      lowest = std::min(lowest, result->objective);
   }
+
   int near = 0;
-  for (int i = 0; i < static_cast<int>(all.starts.size()); ++i) {
-    const StartOutcome& start = all.starts[static_cast<std::size_t>(i)];
+  for (int i = 0; i < count_of(all.starts); ++i) {
+    const StartOutcome& start = all.starts[i];
     if (start.task == TaskState::done && start.result.max_scaled_violation < least_violation) {
       least_violation = start.result.max_scaled_violation;
       all.least_bad = i;
@@ -38,6 +40,7 @@ void choose(MultiStart& all, const MultiStartOptions& options) {
     if (within(result->objective, lowest, options.near)) ++near;
     if (all.best < 0 && within(result->objective, lowest, options.tie)) all.best = i;
   }
+
   const double count = std::max<double>(1.0, static_cast<double>(all.starts.size()));
   all.converged_share = all.converged / count;
   all.near_share = near / count;
@@ -47,16 +50,17 @@ void choose(MultiStart& all, const MultiStartOptions& options) {
 
 const NlpResult& MultiStart::best_result() const {
   if (best < 0) throw std::logic_error("no start converged: there is no best one");
-  return starts[static_cast<std::size_t>(best)].result;
+  return starts[best].result;
 }
 
-MultiStart multi_start(int count, const std::function<NlpResult(int start, std::uint64_t seed)>& solve,
+MultiStart multi_start(int count,
+                       const std::function<NlpResult(int start, std::uint64_t seed)>& solve,
                        const MultiStartOptions& options) {
   assert(count >= 0);
   TaskOptions tasks = options.tasks;
   tasks.fingerprint += fmt::format("; seed {}", options.seed);
   const auto job = [&](int start) {
-    return serialise(solve(start, task_seed(options.seed, static_cast<std::uint64_t>(start))));
+    return serialise(solve(start, task_seed(options.seed, start)));
   };
   std::vector<TaskResult> results = run_tasks(count, job, tasks);
   MultiStart all;
@@ -69,4 +73,4 @@ MultiStart multi_start(int count, const std::function<NlpResult(int start, std::
   return all;
 }
 
-}  // namespace jaculus
+}  // namespace jaculus::solver

@@ -3,65 +3,74 @@
 #include "jaculus/core/interrupt.h"
 #include "solver/plan_solve.h"
 
-namespace jaculus {
+namespace jaculus::solver {
 namespace {
 
 constexpr int kMostViolations = 12;
 
 void diagnose(Plan& plan) {
-  Programme& programme = *plan.programme;
+  transcription::NonlinearProgram& program = *plan.program;
   const Vector x = plan.result.last_iterate();
-  if (x.size() != programme.variables()) return;
-  if (auto ranked = ranked_violations(programme, x, kMostViolations, programme.problem().solver.tolerance))
+  if (x.size() != program.variables()) return;
+  if (auto ranked =
+          ranked_violations(program, x, kMostViolations, program.problem().solver.tolerance))
     plan.violations = std::move(*ranked);
   if (interrupt_requested() || plan.result.status == Status::stopped) return;
   ElasticOptions elastic;
-  elastic.solver.max_iterations = programme.problem().solver.max_iterations;
-  elastic.solver.linear_solver = programme.problem().solver.linear_solver;
-  plan.conflict = find_conflict(programme, x, elastic);
+  elastic.solver.max_iterations = program.problem().solver.max_iterations;
+  elastic.solver.linear_solver = program.problem().solver.linear_solver;
+  plan.conflict = find_conflict(program, x, elastic);
 }
 
 }  // namespace
 
-bool EarlierPlan::fits(const Programme& programme) const {
-  if (static_cast<int>(variables.size()) != programme.variables() || static_cast<int>(rows.size()) != programme.rows())
-    return false;
-  for (int i = 0; i < programme.variables(); ++i)
-    if (variables[static_cast<std::size_t>(i)] != programme.variable_name(i)) return false;
-  for (int i = 0; i < programme.rows(); ++i)
-    if (rows[static_cast<std::size_t>(i)] != programme.row_name(i)) return false;
+bool EarlierPlan::fits(const transcription::NonlinearProgram& program) const {
+  if (count_of(variables) != program.variables() || count_of(rows) != program.rows()) return false;
+  for (int i = 0; i < program.variables(); ++i)
+    if (variables[i] != program.variable_name(i)) return false;
+  for (int i = 0; i < program.rows(); ++i)
+    if (rows[i] != program.row_name(i)) return false;
   return true;
 }
 
-Plan make_plan(const Problem& problem, const PlanarModel& model, const PlanOptions& options) {
-  const PlanarModel planned = planning_model(problem, model);
+Plan make_plan(const transcription::Problem& problem, const model::PlanarModel& model,
+               const PlanOptions& options) {
+  const model::PlanarModel planned = transcription::planning_model(problem, model);
   Plan plan;
-  plan.programme = std::make_unique<Programme>(problem, planned);
+  plan.program = std::make_unique<transcription::NonlinearProgram>(problem, planned);
+
   std::optional<EarlierPlan> earlier;
   if (problem.guess.kind == "file") earlier = read_earlier_plan(problem.guess.file, planned);
-  plan.result.conflicts = bound_conflicts(*plan.programme);
+
+  plan.result.conflicts = bound_conflicts(*plan.program);
   if (!plan.result.conflicts.empty()) {
     plan.result.status = Status::contradictory_bounds;
     plan.result.message = "bounds that nothing can satisfy; nothing was run";
     for (const BoundConflict& c : plan.result.conflicts)
-      plan.violations.push_back({false, 0, c.name, c.unit, kNaN, c.lower, c.upper, c.lower - c.upper, kNaN});
+      plan.violations.push_back(
+          {false, 0, c.name, c.unit, kNaN, c.lower, c.upper, c.lower - c.upper, kNaN});
     return plan;
   }
-  if (earlier && !earlier->fits(*plan.programme)) plan.notes = guess_gaps(*plan.programme, earlier->trajectory);
+
+  if (earlier && !earlier->fits(*plan.program))
+    plan.notes = transcription::guess_gaps(*plan.program, earlier->trajectory);
   plan.result = detail::solve_starts(plan, earlier, options);
   detail::refine_mesh(plan, problem, planned, options);
+
   const Vector x = plan.result.last_iterate();
-  if (x.size() == plan.programme->variables() && plan.programme->evaluate_at(x)) {
-    plan.trajectory = to_trajectory(*plan.programme, x);
-    plan.verification = verify_plan(*plan.programme, x);
+  if (x.size() == plan.program->variables() && plan.program->evaluate_at(x)) {
+    plan.trajectory = transcription::to_trajectory(*plan.program, x);
+    plan.verification = verify_plan(*plan.program, x);
   }
+
   if (plan.converged()) {
-    plan.limits = active_limits(*plan.programme, plan.result);
-    price_limits(plan);
+    plan.limits = active_limits(*plan.program, plan.result);
+    find_sensitivities(plan);
   } else {
     diagnose(plan);
   }
+
   return plan;
 }
 
-}  // namespace jaculus
+}  // namespace jaculus::solver

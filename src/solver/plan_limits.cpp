@@ -4,17 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <numbers>
 
 #include "jaculus/components/motor.h"
 #include "jaculus/solver/plan.h"
 
-namespace jaculus {
+namespace jaculus::solver {
 namespace {
 
-constexpr double kActive = 1e-4;   // of the scale: nearer to a limit than this counts as active
-constexpr double kNoPrice = 1e-6;  // smallest price that is shown
+constexpr double kActive = 1e-4;      // of the scale: nearer to a limit than this counts as active
+constexpr double kNegligible = 1e-6;  // smallest gain that is shown
 
 bool active(double value, double lower, double upper, double scale) {
   if (lower == upper) return false;  // an equality holds always and holds nothing back
@@ -40,10 +38,10 @@ class LimitList {
   std::vector<PlanLimit> list_;
 };
 
-std::vector<double> interval_starts(const Programme& programme) {
+std::vector<double> interval_starts(const transcription::NonlinearProgram& program) {
   std::vector<double> starts;
   double time = 0.0;
-  for (const Interval& interval : programme.intervals()) {
+  for (const transcription::Interval& interval : program.intervals()) {
     starts.push_back(time);
     time += interval.length();
   }
@@ -52,68 +50,73 @@ std::vector<double> interval_starts(const Programme& programme) {
 
 /// Unit and weight of the objective where all its terms of the wanted direction are of one type.
 void name_objective(Plan& plan) {
-  static const std::map<std::string, std::string> kUnits = {
-      {"mean_acceleration", "m/s^2"},  {"final_velocity", "m/s"}, {"distance", "m"}, {"height", "m"}, {"time", "s"},
-      {"torque_squared", "N^2 m^2 s"}, {"electrical_energy", "J"}};
-  const TermSpec* main = nullptr;
-  for (const TermSpec& term : plan.programme->problem().objective) {
+  const transcription::TermSpec* main = nullptr;
+  for (const transcription::TermSpec& term : plan.program->problem().objective) {
     if (term.weight <= 0.0) continue;  // the lesser part, in the other direction
     if (main != nullptr) return;
     main = &term;
   }
-  if (main == nullptr) return;
-  const auto unit = kUnits.find(main->type);
-  if (unit == kUnits.end()) return;
-  plan.objective_unit = unit->second;
+  if (main == nullptr || main->declared->unit.empty()) return;
+  plan.objective_unit = main->declared->unit;
   plan.objective_weight = main->weight;
 }
 
 /// Improvement of the objective by limit, summed over rows, in order of first appearance.
-class PriceSums {
+class SensitivitySums {
  public:
   void add(const std::string& limit, const std::string& unit, double gain) {
-    for (PlanPrice& price : list_) {
-      if (price.limit != limit) continue;
-      price.gain += gain;
+    for (PlanSensitivity& item : list_) {
+      if (item.limit != limit) continue;
+      item.gain += gain;
       return;
     }
     list_.push_back({limit, unit, gain});
   }
-  std::vector<PlanPrice> take(double weight) {
-    for (PlanPrice& price : list_) price.gain /= weight;
-    std::erase_if(list_, [](const PlanPrice& price) { return !(std::abs(price.gain) > kNoPrice); });
+  std::vector<PlanSensitivity> take(double weight) {
+    for (PlanSensitivity& item : list_) item.gain /= weight;
+    std::erase_if(list_,
+                  [](const PlanSensitivity& item) { return !(std::abs(item.gain) > kNegligible); });
     return std::move(list_);
   }
 
  private:
-  std::vector<PlanPrice> list_;
+  std::vector<PlanSensitivity> list_;
 };
 
-void add_row_prices(const Programme& programme, const Interval& interval, const Vector& lambda, PriceSums& sums) {
-  for (const PathRows& path : interval.path) {
-    const PathTerm& term = *path.term;
-    for (int i = 0; i < static_cast<int>(term.rows.size()); ++i) {
-      const double multiplier = lambda[path.row + i];
-      if (programme.row_lower()[path.row + i] == programme.row_upper()[path.row + i]) continue;
-      if (term.kind == LimitKind::voltage) {
-        sums.add("voltage", "V", std::abs(multiplier));
-      } else if (term.kind == LimitKind::friction) {
-        const EquationsPoint& point = interval.point(path.point);
-        const auto slot = std::find(point.feet.begin(), point.feet.end(), term.foot) - point.feet.begin();
-        sums.add("friction", "unit of friction", -multiplier * point.force[2 * slot + 1]);
-      } else if (term.kind == LimitKind::normal_force) {
-        const int count = programme.equations().model().feet[static_cast<std::size_t>(term.foot)].count;
-        sums.add("normal force a foot", "N", multiplier * count);
-      }
+/// Gains of the rows of path terms that state which figure limits them. An equality holds nothing
+/// back.
+void add_row_sensitivities(const transcription::NonlinearProgram& program,
+                           const transcription::Interval& interval, const Vector& lambda,
+                           SensitivitySums& sums) {
+  for (const transcription::PathRows& path : interval.path) {
+    const transcription::Sensitivity& sensitivity = path.term->sensitivity;
+    if (sensitivity.figure.empty()) continue;
+    for (int i = 0; i < count_of(path.term->rows); ++i) {
+      const int row = path.row + i;
+      if (program.row_lower()[row] == program.row_upper()[row]) continue;
+      sums.add(sensitivity.figure, sensitivity.unit,
+               sensitivity.gain(i, lambda[row], &interval.point(path.point)));
     }
   }
 }
 
+/// Gains of the rows of a node term; a value that is imposed there is a figure of the problem too.
+void add_node_sensitivities(const transcription::NonlinearProgram::PlacedRows& placed,
+                            const Vector& lambda, SensitivitySums& sums) {
+  const transcription::Sensitivity& sensitivity = placed.term->sensitivity;
+  if (sensitivity.figure.empty()) return;
+  for (int i = 0; i < count_of(placed.term->rows); ++i)
+    sums.add(sensitivity.figure, sensitivity.unit,
+             sensitivity.gain(i, lambda[placed.row + i], nullptr));
+}
+
 /// How the usable joint torque grows with the limit that sets it: torque or current of the motor.
-void add_torque_price(const Problem& problem, PlanarMotor motor, double multiplier, PriceSums& sums) {
+void add_torque_sensitivities(const transcription::Problem& problem, model::PlanarMotor motor,
+                              double multiplier, SensitivitySums& sums) {
   if (problem.torque) motor.torque_limit = *problem.torque;
   if (problem.current) motor.current_limit = *problem.current;
-  const double ratio = motor.gear * motor.efficiency, tau = usable_torque(problem, motor) / ratio;
+  const double ratio = motor.gear * motor.efficiency,
+               tau = transcription::usable_torque(problem, motor) / ratio;
   if (motor.ideal() || tau >= motor.torque_limit * (1.0 - 1e-9)) {
     sums.add("motor torque", "N m", multiplier * ratio);
   } else {
@@ -122,89 +125,104 @@ void add_torque_price(const Problem& problem, PlanarMotor motor, double multipli
   }
 }
 
-void add_bound_prices(const Programme& programme, const NlpResult& result, PriceSums& sums) {
-  const Layout& layout = programme.layout();
-  const std::vector<PlanarMotor>& motors = programme.equations().model().motors;
+void add_bound_sensitivities(const transcription::NonlinearProgram& program,
+                             const NlpResult& result, SensitivitySums& sums) {
+  const transcription::Layout& layout = program.layout();
+  const std::vector<model::PlanarMotor>& motors = program.equations().model().motors;
+
   std::vector<int> columns;
-  for (const IntervalBlock& interval : layout.intervals) {
+  for (const transcription::IntervalBlock& interval : layout.intervals) {
     for (int m = 0; m < layout.n_u; ++m) {
       columns.push_back(interval.u_first + m);
       if (!layout.held) columns.push_back(interval.u_last + m);
     }
   }
+
   std::sort(columns.begin(), columns.end());
   columns.erase(std::unique(columns.begin(), columns.end()), columns.end());
-  for (std::size_t k = 0; k < columns.size(); ++k) {
+
+  for (int k = 0; k < count_of(columns); ++k) {
     const int c = columns[k];
     if (!std::isfinite(layout.upper[c])) continue;
-    const std::size_t motor = k % static_cast<std::size_t>(layout.n_u);
-    add_torque_price(programme.problem(), motors[motor], result.lower_multipliers[c] + result.upper_multipliers[c],
-                     sums);
+    const int motor = k % layout.n_u;
+    add_torque_sensitivities(program.problem(), motors[motor],
+                             result.lower_multipliers[c] + result.upper_multipliers[c], sums);
   }
-  const NodeBlock& last = layout.nodes.back();
+
+  const transcription::NodeBlock& last = layout.nodes.back();
   for (int i = 0; i < 2 * layout.n; ++i) {
     const int c = last.q + i;
     if (layout.lower[c] == layout.upper[c]) continue;
     const double gain = result.upper_multipliers[c] - result.lower_multipliers[c];
-    sums.add(fmt::format("bound on {}", layout.names[static_cast<std::size_t>(c)]),
-             layout.units[static_cast<std::size_t>(c)], gain);
+    sums.add(fmt::format("bound on {}", layout.names[c]), layout.units[c], gain);
   }
 }
 
-/// Bounds of coordinates at nodes, of durations and of what terms added, and rows that hold at one node.
-void add_single_limits(const Programme& programme, const Vector& x, const Vector& g, const std::vector<double>& starts,
-                       LimitList& list) {
-  const Layout& layout = programme.layout();
-  const auto bound = [&](int c) { return active(x[c], layout.lower[c], layout.upper[c], layout.scale[c]); };
+/// Bounds of coordinates at nodes, of durations and of what terms added, and rows that hold at one
+/// node.
+void add_single_limits(const transcription::NonlinearProgram& program, const Vector& x,
+                       const Vector& g, const std::vector<double>& starts, LimitList& list) {
+  const transcription::Layout& layout = program.layout();
+  const auto bound = [&](int c) {
+    return active(x[c], layout.lower[c], layout.upper[c], layout.scale[c]);
+  };
+
   std::vector<double> times(layout.nodes.size(), 0.0);
   for (std::size_t k = 0; k < starts.size(); ++k) {
-    const IntervalBlock& block = layout.intervals[k];
-    times[static_cast<std::size_t>(block.first)] = starts[k];
-    times[static_cast<std::size_t>(block.last)] = starts[k] + programme.intervals()[k].length();
+    const transcription::IntervalBlock& block = layout.intervals[k];
+    times[block.first] = starts[k];
+    times[block.last] = starts[k] + program.intervals()[k].length();
   }
+
   for (std::size_t k = 0; k < layout.nodes.size(); ++k) {
-    const NodeBlock& node = layout.nodes[k];
-    const std::string& phase = layout.phases[static_cast<std::size_t>(node.phase)].name;
+    const transcription::NodeBlock& node = layout.nodes[k];
+    const std::string& phase = layout.phases[node.phase].name;
     for (int i = 0; i < layout.n; ++i) {
-      const std::string& name = programme.equations().model().coordinates[static_cast<std::size_t>(i)].name;
+      const std::string& name = program.equations().model().coordinates[i].name;
       if (bound(node.q + i)) list.add("bound on " + name, phase, times[k], times[k]);
       if (bound(node.v + i)) list.add("bound on " + name + " velocity", phase, times[k], times[k]);
     }
   }
+
   const double end = times.back();
-  for (const PhaseBlock& phase : layout.phases)
+  for (const transcription::PhaseBlock& phase : layout.phases)
     if (bound(phase.duration)) list.add("bound on duration", phase.name, 0.0, end);
   for (int c = layout.first_extra; c < layout.columns(); ++c)
-    if (bound(c)) list.add("bound on " + layout.names[static_cast<std::size_t>(c)], "whole plan", 0.0, end);
-  for (const Programme::PlacedRows& placed : programme.node_rows()) {
-    for (int i = 0; i < static_cast<int>(placed.term->rows.size()); ++i) {
+    if (bound(c)) list.add("bound on " + layout.names[c], "whole plan", 0.0, end);
+
+  for (const transcription::NonlinearProgram::PlacedRows& placed : program.node_rows()) {
+    for (int i = 0; i < count_of(placed.term->rows); ++i) {
       const int row = placed.row + i;
-      if (active(g[row], programme.row_lower()[row], programme.row_upper()[row], programme.row_scale()[row]))
-        list.add(placed.term->rows[static_cast<std::size_t>(i)].name, "whole plan", 0.0, end);
+      if (active(g[row], program.row_lower()[row], program.row_upper()[row],
+                 program.row_scale()[row]))
+        list.add(placed.term->rows[i].name, "whole plan", 0.0, end);
     }
   }
 }
 
 /// Path constraints and inputs, interval by interval.
-void add_path_limits(const Programme& programme, const Vector& x, const Vector& g, const std::vector<double>& starts,
-                     LimitList& list) {
-  const Layout& layout = programme.layout();
+void add_path_limits(const transcription::NonlinearProgram& program, const Vector& x,
+                     const Vector& g, const std::vector<double>& starts, LimitList& list) {
+  const transcription::Layout& layout = program.layout();
   for (std::size_t k = 0; k < starts.size(); ++k) {
-    const Interval& interval = programme.intervals()[k];
-    const IntervalBlock& block = layout.intervals[k];
-    const std::string& phase = layout.phases[static_cast<std::size_t>(block.phase)].name;
-    for (const PathRows& path : interval.path) {
+    const transcription::Interval& interval = program.intervals()[k];
+    const transcription::IntervalBlock& block = layout.intervals[k];
+
+    const std::string& phase = layout.phases[block.phase].name;
+    for (const transcription::PathRows& path : interval.path) {
       const double time = starts[k] + 0.5 * path.point * interval.length();
-      for (int i = 0; i < static_cast<int>(path.term->rows.size()); ++i) {
+      for (int i = 0; i < count_of(path.term->rows); ++i) {
         const int row = path.row + i;
-        if (active(g[row], programme.row_lower()[row], programme.row_upper()[row], programme.row_scale()[row]))
-          list.add(path.term->rows[static_cast<std::size_t>(i)].name, phase, time, time);
+        if (active(g[row], program.row_lower()[row], program.row_upper()[row],
+                   program.row_scale()[row]))
+          list.add(path.term->rows[i].name, phase, time, time);
       }
     }
+
     for (int m = 0; m < layout.n_u; ++m) {
       const int c = block.u_first + m;
       if (active(x[c], layout.lower[c], layout.upper[c], layout.scale[c]))
-        list.add(programme.equations().model().motors[static_cast<std::size_t>(m)].joint + " torque", phase, starts[k],
+        list.add(program.equations().model().motors[m].joint + " torque", phase, starts[k],
                  starts[k] + interval.length());
     }
   }
@@ -212,31 +230,30 @@ void add_path_limits(const Programme& programme, const Vector& x, const Vector& 
 
 }  // namespace
 
-std::vector<PlanLimit> active_limits(Programme& programme, const NlpResult& result) {
+std::vector<PlanLimit> active_limits(transcription::NonlinearProgram& program,
+                                     const NlpResult& result) {
   const Vector& x = result.x();
-  Vector g(programme.rows());
+  Vector g(program.rows());
   LimitList list;
-  if (!programme.constraints(x, g) || !programme.evaluate_at(x)) return {};
-  const std::vector<double> starts = interval_starts(programme);
-  add_path_limits(programme, x, g, starts, list);
-  add_single_limits(programme, x, g, starts, list);
+  if (!program.constraints(x, g) || !program.evaluate_at(x)) return {};
+  const std::vector<double> starts = interval_starts(program);
+  add_path_limits(program, x, g, starts, list);
+  add_single_limits(program, x, g, starts, list);
   return list.take();
 }
 
-void price_limits(Plan& plan) {
-  Programme& programme = *plan.programme;
+void find_sensitivities(Plan& plan) {
+  transcription::NonlinearProgram& program = *plan.program;
   name_objective(plan);
-  PriceSums sums;
-  if (!programme.evaluate_at(plan.result.x())) return;
-  for (const Interval& interval : programme.intervals())
-    add_row_prices(programme, interval, plan.result.row_multipliers, sums);
-  for (const Programme::PlacedRows& placed : programme.node_rows()) {
-    if (placed.term->kind != LimitKind::touchdown_pitch) continue;
-    const double multiplier = plan.result.row_multipliers[placed.row + placed.term->kind_row];
-    sums.add("touchdown pitch", "deg", multiplier * std::numbers::pi / 180.0);
+  SensitivitySums sums;
+  if (!program.evaluate_at(plan.result.x())) return;
+  for (const transcription::Interval& interval : program.intervals())
+    add_row_sensitivities(program, interval, plan.result.row_multipliers, sums);
+  for (const transcription::NonlinearProgram::PlacedRows& placed : program.node_rows()) {
+    add_node_sensitivities(placed, plan.result.row_multipliers, sums);
   }
-  add_bound_prices(programme, plan.result, sums);
-  plan.prices = sums.take(plan.objective_weight);
+  add_bound_sensitivities(program, plan.result, sums);
+  plan.sensitivities = sums.take(plan.objective_weight);
 }
 
-}  // namespace jaculus
+}  // namespace jaculus::solver

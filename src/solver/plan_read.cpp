@@ -1,4 +1,5 @@
-// solution.json written, and earlier plans read back: solution.json or any CSV with the columns of plan.csv.
+// solution.json written, and earlier plans read back: solution.json or any CSV with the columns of
+// plan.csv.
 
 #include <fmt/format.h>
 
@@ -10,13 +11,15 @@
 #include "jaculus/solver/plan.h"
 #include "jaculus/trajectory/csv.h"
 
-namespace jaculus {
+namespace jaculus::solver {
 namespace {
 
 using Json = nlohmann::ordered_json;
 constexpr const char* kFormat = "jaculus-solution/1";
 
-Json array(const ConstVectorRef& values) { return std::vector<double>(values.data(), values.data() + values.size()); }
+Json array(const ConstVectorRef& values) {
+  return std::vector<double>(values.data(), values.data() + values.size());
+}
 
 Json matrix(const Matrix& values) {
   Json rows = Json::array();
@@ -26,43 +29,54 @@ Json matrix(const Matrix& values) {
 
 Vector vector_from(const Json& json) {
   const auto values = json.get<std::vector<double>>();
-  return Eigen::Map<const Vector>(values.data(), static_cast<Eigen::Index>(values.size()));
+  return Eigen::Map<const Vector>(values.data(), values.size());
 }
 
 Matrix matrix_from(const Json& json, std::size_t rows, Eigen::Index columns) {
   if (json.size() != rows) throw std::runtime_error("a table whose rows do not match its names");
-  Matrix values(static_cast<Eigen::Index>(rows), columns);
+  Matrix values(rows, columns);
   for (std::size_t i = 0; i < rows; ++i) {
     const Vector row = vector_from(json[i]);
     if (row.size() != columns) throw std::runtime_error("a row that is not as long as its plan");
-    values.row(static_cast<Eigen::Index>(i)) = row.transpose();
+    values.row(i) = row.transpose();
   }
   return values;
 }
 
-Json trajectory_json(const Trajectory& t) {
+Json trajectory_json(const trajectory::Trajectory& t) {
   Json phases = Json::array();
-  for (const PhaseSpan& span : t.phases)
-    phases.push_back({{"name", span.name}, {"contacts", span.contacts}, {"first", span.first}, {"last", span.last}});
-  return {{"coordinates", t.coordinates},   {"motors", t.motors},        {"phases", phases},
-          {"input_hold", t.input_hold},     {"time", array(t.time)},     {"position", matrix(t.position)},
-          {"velocity", matrix(t.velocity)}, {"torque", matrix(t.torque)}};
+  for (const trajectory::PhaseSpan& span : t.phases)
+    phases.push_back({{"name", span.name},
+                      {"contacts", span.contacts},
+                      {"first", span.first},
+                      {"last", span.last}});
+  return {{"coordinates", t.coordinates},
+          {"motors", t.motors},
+          {"phases", phases},
+          {"input_hold", t.input_hold},
+          {"time", array(t.time)},
+          {"position", matrix(t.position)},
+          {"velocity", matrix(t.velocity)},
+          {"torque", matrix(t.torque)}};
 }
 
-Trajectory trajectory_from(const Json& json) {
-  Trajectory t;
+trajectory::Trajectory trajectory_from(const Json& json) {
+  trajectory::Trajectory t;
   t.coordinates = json.at("coordinates").get<std::vector<std::string>>();
   t.motors = json.at("motors").get<std::vector<std::string>>();
   t.input_hold = json.at("input_hold").get<std::string>();
   t.time = vector_from(json.at("time"));
   const int samples = t.samples();
+
   for (const Json& phase : json.at("phases")) {
-    PhaseSpan span{phase.at("name").get<std::string>(), phase.at("contacts").get<std::vector<std::string>>(),
-                   phase.at("first").get<int>(), phase.at("last").get<int>()};
+    trajectory::PhaseSpan span{phase.at("name").get<std::string>(),
+                               phase.at("contacts").get<std::vector<std::string>>(),
+                               phase.at("first").get<int>(), phase.at("last").get<int>()};
     if (span.first < 0 || span.last < span.first || span.last >= samples)
       throw std::runtime_error("a phase outside the plan");
     t.phases.push_back(span);
   }
+
   t.position = matrix_from(json.at("position"), t.coordinates.size(), samples);
   t.velocity = matrix_from(json.at("velocity"), t.coordinates.size(), samples);
   t.torque = matrix_from(json.at("torque"), t.motors.size(), samples);
@@ -70,17 +84,20 @@ Trajectory trajectory_from(const Json& json) {
 }
 
 EarlierPlan solution_from(const Json& json) {
-  if (json.at("format") != kFormat) throw std::runtime_error(fmt::format("its format is not {}", kFormat));
+  if (json.at("format") != kFormat)
+    throw std::runtime_error(fmt::format("its format is not {}", kFormat));
   EarlierPlan plan;
   plan.trajectory = trajectory_from(json.at("trajectory"));
   const Json &variables = json.at("variables"), &rows = json.at("rows");
   plan.variables = variables.at("names").get<std::vector<std::string>>();
   plan.rows = rows.at("names").get<std::vector<std::string>>();
   plan.x = vector_from(variables.at("values"));
-  const Duals duals{vector_from(rows.at("multipliers")), vector_from(variables.at("lower_multipliers")),
+  const Duals duals{vector_from(rows.at("multipliers")),
+                    vector_from(variables.at("lower_multipliers")),
                     vector_from(variables.at("upper_multipliers"))};
-  const auto n = static_cast<Eigen::Index>(plan.variables.size()), m = static_cast<Eigen::Index>(plan.rows.size());
-  if (plan.x.size() != n || duals.lower.size() != n || duals.upper.size() != n || duals.rows.size() != m)
+  const auto n = std::ssize(plan.variables), m = std::ssize(plan.rows);
+  if (plan.x.size() != n || duals.lower.size() != n || duals.upper.size() != n ||
+      duals.rows.size() != m)
     throw std::runtime_error("values and names differ in number");
   if (json.at("converged").get<bool>()) plan.duals = duals;
   return plan;
@@ -105,60 +122,74 @@ struct Observation {
   double offset = 0.0;  ///< [rad or m]
 };
 
-std::vector<Observation> observations(const Table& table, const PlanarModel& model) {
+std::vector<Observation> observations(const trajectory::Table& table,
+                                      const model::PlanarModel& model) {
   std::vector<Observation> found;
   for (int i = 0; i < model.size(); ++i) {
-    const Coordinate& c = model.coordinates[static_cast<std::size_t>(i)];
-    if (table.column(c.name) >= 0) found.push_back({c.name, c.angular, Vector::Unit(model.size(), i), 0.0});
+    const model::Coordinate& c = model.coordinates[i];
+    if (table.column(c.name) >= 0)
+      found.push_back({c.name, c.angular, Vector::Unit(model.size(), i), 0.0});
   }
-  for (int b = 1; b < static_cast<int>(model.bodies.size()); ++b) {
-    const PlanarBody& body = model.bodies[static_cast<std::size_t>(b)];
+  for (int b = 1; b < count_of(model.bodies); ++b) {
+    const model::PlanarBody& body = model.bodies[b];
     const Vector map = model.joint_map.row(b).transpose();
-    if (map.isZero() || table.column(body.joint) < 0 || model.coordinate_index(body.joint) >= 0) continue;
-    found.push_back({body.joint, body.kind == JointKind::revolute, map, model.joint_offset[b]});
+    if (map.isZero() || table.column(body.joint) < 0 || model.coordinate_index(body.joint) >= 0)
+      continue;
+    found.push_back(
+        {body.joint, body.kind == model::JointKind::revolute, map, model.joint_offset[b]});
   }
   return found;
 }
 
-/// Coordinates from all columns of the file that depend on them, by least squares; those that none sees are left out.
-void read_coordinates(const Table& table, const PlanarModel& model, const std::filesystem::path& file, Trajectory& t) {
+/// Coordinates from all columns of the file that depend on them, by least squares; those that none
+/// sees are left out.
+void read_coordinates(const trajectory::Table& table, const model::PlanarModel& model,
+                      const std::filesystem::path& file, trajectory::Trajectory& t) {
   const std::vector<Observation> seen = observations(table, model);
-  const auto rows = static_cast<Eigen::Index>(seen.size());
+  const auto rows = std::ssize(seen);
   if (rows == 0)
-    throw InputError(
-        fmt::format("{}:1: no column of a coordinate or joint of this robot; allowed: a plan of a robot "
-                    "that shares some, as 'x [m]' or '<joint> [rad]'",
-                    file.string()));
-  Matrix map(rows, model.size()), position(rows, table.values.rows()), velocity(rows, table.values.rows());
+    throw InputError(fmt::format(
+        "{}:1: no column of a coordinate or joint of this robot; allowed: a plan of a robot "
+        "that shares some, as 'x [m]' or '<joint> [rad]'",
+        file.string()));
+
+  Matrix map(rows, model.size()), position(rows, table.values.rows()),
+      velocity(rows, table.values.rows());
   for (Eigen::Index i = 0; i < rows; ++i) {
-    const Observation& o = seen[static_cast<std::size_t>(i)];
+    const Observation& o = seen[i];
     map.row(i) = o.map.transpose();
-    position.row(i) = quantity(table, o.column, o.angular ? dimension::angle : dimension::length, file).transpose();
+    position.row(i) = trajectory::quantity(table, o.column,
+                                           o.angular ? dimension::angle : dimension::length, file)
+                          .transpose();
     position.row(i).array() -= o.offset;
     velocity.row(i) =
-        quantity(table, o.column + "_velocity", o.angular ? dimension::angular_velocity : dimension::velocity, file)
+        trajectory::quantity(table, o.column + "_velocity",
+                             o.angular ? dimension::angular_velocity : dimension::velocity, file)
             .transpose();
   }
+
   const Eigen::CompleteOrthogonalDecomposition<Matrix> solver(map);
   const Matrix q = solver.solve(position), v = solver.solve(velocity);
   const Matrix resolution = solver.solve(map);  // the identity where coordinates are determined
+
   std::vector<int> kept;
   for (int i = 0; i < model.size(); ++i)
     if (std::abs(resolution(i, i) - 1.0) < 1e-9) kept.push_back(i);
-  t.position.resize(static_cast<Eigen::Index>(kept.size()), q.cols());
+
+  t.position.resize(kept.size(), q.cols());
   t.velocity.resize(t.position.rows(), q.cols());
-  for (std::size_t k = 0; k < kept.size(); ++k) {
-    const Coordinate& c = model.coordinates[static_cast<std::size_t>(kept[k])];
+  for (int k = 0; k < count_of(kept); ++k) {
+    const model::Coordinate& c = model.coordinates[kept[k]];
     t.coordinates.push_back(c.name);
     t.angular.push_back(c.angular);
-    t.position.row(static_cast<Eigen::Index>(k)) = q.row(kept[k]);
-    t.velocity.row(static_cast<Eigen::Index>(k)) = v.row(kept[k]);
+    t.position.row(k) = q.row(kept[k]);
+    t.velocity.row(k) = v.row(kept[k]);
   }
 }
 
-void read_phases(const Table& table, Trajectory& t) {
+void read_phases(const trajectory::Table& table, trajectory::Trajectory& t) {
   const auto name = [&](int k) {
-    return table.phase.empty() ? std::string("plan") : table.phase[static_cast<std::size_t>(k)];
+    return table.phase.empty() ? std::string("plan") : table.phase[k];
   };
   for (int k = 0; k < t.samples(); ++k) {
     if (k == 0 || name(k) != name(k - 1)) t.phases.push_back({name(k), {}, k, k});
@@ -166,25 +197,33 @@ void read_phases(const Table& table, Trajectory& t) {
   }
 }
 
-Trajectory read_csv_plan(const std::filesystem::path& file, const PlanarModel& model) {
-  const Table table = read_csv(file);
-  Trajectory t;
-  t.time = quantity(table, "time", dimension::time, file);
+trajectory::Trajectory read_csv_plan(const std::filesystem::path& file,
+                                     const model::PlanarModel& model) {
+  const trajectory::Table table = trajectory::read_csv(file);
+  trajectory::Trajectory t;
+  t.time = trajectory::quantity(table, "time", dimension::time, file);
   read_coordinates(table, model, file, t);
-  for (const PlanarMotor& motor : model.motors)
+
+  for (const model::PlanarMotor& motor : model.motors)
     if (table.column(motor.joint + "_torque") >= 0) t.motors.push_back(motor.joint);
-  t.torque.resize(static_cast<Eigen::Index>(t.motors.size()), t.samples());
-  for (std::size_t m = 0; m < t.motors.size(); ++m) {
-    const int body = model.motors[static_cast<std::size_t>(model.motor_index(t.motors[m]))].body;
-    const bool turns = model.bodies[static_cast<std::size_t>(body)].kind == JointKind::revolute;
-    t.torque.row(static_cast<Eigen::Index>(m)) =
-        quantity(table, t.motors[m] + "_torque", turns ? dimension::torque : dimension::force, file).transpose();
+  t.torque.resize(t.motors.size(), t.samples());
+  for (int m = 0; m < count_of(t.motors); ++m) {
+    const int body = model.motors[model.motor_index(t.motors[m])].body;
+    const bool turns = model.bodies[body].kind == model::JointKind::revolute;
+    t.torque.row(m) = trajectory::quantity(table, t.motors[m] + "_torque",
+                                           turns ? dimension::torque : dimension::force, file)
+                          .transpose();
   }
-  if (!t.time.allFinite() || !t.position.allFinite() || !t.velocity.allFinite() || !t.torque.allFinite())
-    throw InputError(fmt::format("{}: has gaps; allowed: a plan with a number in every cell", file.string()));
+
+  if (!t.time.allFinite() || !t.position.allFinite() || !t.velocity.allFinite() ||
+      !t.torque.allFinite())
+    throw InputError(
+        fmt::format("{}: has gaps; allowed: a plan with a number in every cell", file.string()));
   for (int k = 1; k < t.samples(); ++k)
     if (t.time[k] < t.time[k - 1])
-      throw InputError(fmt::format("{}:{}: time falls; allowed: times in order", file.string(), k + 2));
+      throw InputError(
+          fmt::format("{}:{}: time falls; allowed: times in order", file.string(), k + 2));
+
   read_phases(table, t);
   return t;
 }
@@ -192,22 +231,25 @@ Trajectory read_csv_plan(const std::filesystem::path& file, const PlanarModel& m
 }  // namespace
 
 Json solution_json(const Plan& plan) {
-  const Programme& programme = *plan.programme;
+  const transcription::NonlinearProgram& program = *plan.program;
   const NlpResult& result = plan.result;
-  if (!plan.trajectory || result.last_iterate().size() != programme.variables()) return nullptr;
+  if (!plan.trajectory || result.last_iterate().size() != program.variables()) return nullptr;
+
   Json json = {{"format", kFormat},
-               {"problem", programme.problem().name},
+               {"problem", program.problem().name},
                {"status", to_string(result.status)},
                {"converged", result.converged()},
                {"objective", result.objective}};
+
   std::vector<std::string> variables, rows;
-  for (int i = 0; i < programme.variables(); ++i) variables.push_back(programme.variable_name(i));
-  for (int i = 0; i < programme.rows(); ++i) rows.push_back(programme.row_name(i));
+  for (int i = 0; i < program.variables(); ++i) variables.push_back(program.variable_name(i));
+  for (int i = 0; i < program.rows(); ++i) rows.push_back(program.row_name(i));
   json["variables"] = {{"names", variables},
                        {"values", array(result.last_iterate())},
                        {"lower_multipliers", array(result.lower_multipliers)},
                        {"upper_multipliers", array(result.upper_multipliers)}};
   json["rows"] = {{"names", rows}, {"multipliers", array(result.row_multipliers)}};
+
   for (const MeshRound& round : plan.mesh_rounds) {
     json["mesh_rounds"].push_back({{"intervals", round.intervals},
                                    {"objective", round.objective},
@@ -216,19 +258,21 @@ Json solution_json(const Plan& plan) {
                                    {"interval_error", round.interval_error},
                                    {"iterations", round.iterations}});
   }
+
   json["trajectory"] = trajectory_json(*plan.trajectory);
   return json;
 }
 
-EarlierPlan read_earlier_plan(const std::filesystem::path& file, const PlanarModel& model) {
+EarlierPlan read_earlier_plan(const std::filesystem::path& file, const model::PlanarModel& model) {
   if (file.extension() != ".csv") return read_solution(file);
   EarlierPlan plan;
   plan.trajectory = read_csv_plan(file, model);
   return plan;
 }
 
-Trajectory read_trajectory(const std::filesystem::path& file, const PlanarModel& model) {
+trajectory::Trajectory read_trajectory(const std::filesystem::path& file,
+                                       const model::PlanarModel& model) {
   return read_earlier_plan(file, model).trajectory;
 }
 
-}  // namespace jaculus
+}  // namespace jaculus::solver

@@ -7,52 +7,59 @@
 
 #include "solver/plan_solve.h"
 
-namespace jaculus::detail {
+namespace jaculus::solver::detail {
 namespace {
 
 /// What the plan has come to on its present mesh.
 MeshRound mesh_round(Plan& plan, int iterations) {
-  const Programme& programme = *plan.programme;
-  const Layout& layout = programme.layout();
+  const transcription::NonlinearProgram& program = *plan.program;
+  const transcription::Layout& layout = program.layout();
   MeshRound round;
-  for (const PhaseBlock& phase : layout.phases)
+  for (const transcription::PhaseBlock& phase : layout.phases)
     round.intervals.push_back(phase.last_interval - phase.first_interval + 1);
-  round.objective = programme.problem().maximise ? -plan.result.objective : plan.result.objective;
+  round.objective = program.problem().maximise ? -plan.result.objective : plan.result.objective;
   round.iterations = iterations;
   round.duration = 0.0;
   const Vector& x = plan.result.x();
-  for (const PhaseBlock& phase : layout.phases) round.duration += x[phase.duration];
-  const int forward = programme.equations().model().coordinate_index("x");
+  for (const transcription::PhaseBlock& phase : layout.phases) round.duration += x[phase.duration];
+  const int forward = program.equations().model().coordinate_index("x");
   if (forward >= 0) round.final_velocity = x[layout.nodes.back().v + forward];
-  round.interval_error = interval_errors(*plan.programme, x).maxCoeff();
+  round.interval_error = interval_errors(*plan.program, x).maxCoeff();
   return round;
 }
 
 /// Halves every interval whose error is above the tolerance; false where none is.
-bool refine(Problem& problem, const Layout& layout, const Vector& errors) {
+bool refine(transcription::Problem& problem, const transcription::Layout& layout,
+            const Vector& errors) {
   bool any = false;
   for (std::size_t p = 0; p < problem.phases.size(); ++p) {
-    const PhaseBlock& block = layout.phases[p];
-    PhaseSpec& phase = problem.phases[p];
+    const transcription::PhaseBlock& block = layout.phases[p];
+    transcription::PhaseSpec& phase = problem.phases[p];
+
     // Counts of points in the file go on meaning the file's grid.
     if (phase.stated_mesh.empty())
       phase.stated_mesh =
-          phase.mesh.empty() ? std::vector<double>(static_cast<std::size_t>(phase.intervals), 1.0) : phase.mesh;
+          phase.mesh.empty() ? std::vector<double>(phase.intervals, 1.0) : phase.mesh;
+
     std::vector<double> mesh;
     for (int k = block.first_interval; k <= block.last_interval; ++k) {
-      const double fraction = layout.intervals[static_cast<std::size_t>(k)].fraction;
-      const bool split = problem.refinement.tolerance == 0.0 || errors[k] > problem.refinement.tolerance;
+      const double fraction = layout.intervals[k].fraction;
+      const bool split =
+          problem.refinement.tolerance == 0.0 || errors[k] > problem.refinement.tolerance;
       mesh.insert(mesh.end(), split ? 2 : 1, split ? 0.5 * fraction : fraction);
       any = any || split;
     }
-    phase.intervals = static_cast<int>(mesh.size());
+
+    phase.intervals = count_of(mesh);
     phase.mesh = mesh;
   }
   return any;
 }
 
-/// The start is nearly optimal: stay close to it and to its active bounds. `barrier`: the first one.
-SolverOptions near_options(const Problem& problem, const PlanOptions& options, const char* barrier) {
+/// The start is nearly optimal: stay close to it and to its active bounds. `barrier`: the first
+/// one.
+SolverOptions near_options(const transcription::Problem& problem, const PlanOptions& options,
+                           const char* barrier) {
   SolverOptions near = solver_options(problem, options);
   near.ipopt = {{"mu_init", barrier},
                 {"bound_push", "1e-8"},
@@ -62,54 +69,65 @@ SolverOptions near_options(const Problem& problem, const PlanOptions& options, c
   return near;
 }
 
-/// A finer mesh can do nearly all that a coarser one can: where it does much worse the solver has strayed to another optimum.
-bool strayed(const NlpResult& coarse, const NlpResult& fine) {
+/// A finer mesh can do nearly all that a coarser one can: where it does much worse the solver
+/// has gone to another optimum.
+bool in_worse_optimum(const NlpResult& coarse, const NlpResult& fine) {
   constexpr double kWorse = 0.01;
   return fine.objective > coarse.objective + kWorse * std::abs(coarse.objective);
 }
 
-/// The plan on a finer mesh, from the plan before; tried again with a smaller first barrier where it strays.
-NlpResult solve_finer(const Plan& plan, Programme& finer, const Vector& x, const PlanOptions& options) {
+/// The plan on a finer mesh, from the plan before; tried again with a smaller first barrier where
+/// that is worse.
+NlpResult solve_finer(const Plan& plan, transcription::NonlinearProgram& finer, const Vector& x,
+                      const PlanOptions& options) {
   NlpResult result;
   int before = 0;
   for (const char* barrier : {"1e-4", "1e-6", "1e-8"}) {
     result = solve_nlp(finer, {x}, near_options(finer.problem(), options, barrier));
     result.iterations += before;
     before = result.iterations;
-    if (!result.converged() || !strayed(plan.result, result)) break;
+    if (!result.converged() || !in_worse_optimum(plan.result, result)) break;
   }
   return result;
 }
 
 }  // namespace
 
-void refine_mesh(Plan& plan, Problem problem, const PlanarModel& model, const PlanOptions& options) {
+void refine_mesh(Plan& plan, transcription::Problem problem, const model::PlanarModel& model,
+                 const PlanOptions& options) {
   if (!plan.converged() || problem.refinement.max_rounds == 0) return;
   plan.mesh_rounds.push_back(mesh_round(plan, plan.result.iterations));
   for (int number = 1; number <= problem.refinement.max_rounds; ++number) {
-    const Vector errors = interval_errors(*plan.programme, plan.result.x());
-    if (!refine(problem, plan.programme->layout(), errors)) return;
-    const Trajectory before = to_trajectory(*plan.programme, plan.result.x());
-    auto finer = std::make_unique<Programme>(problem, model);
-    GuessSpec spec = problem.guess;
+    const Vector errors = interval_errors(*plan.program, plan.result.x());
+    if (!refine(problem, plan.program->layout(), errors)) return;
+    const trajectory::Trajectory before =
+        transcription::to_trajectory(*plan.program, plan.result.x());
+
+    auto finer = std::make_unique<transcription::NonlinearProgram>(problem, model);
+    transcription::GuessSpec spec = problem.guess;
     spec.kind = "file";
-    NlpResult result = solve_finer(plan, *finer, initial_guess(*finer, spec, 0, &before), options);
-    if (!result.converged() || strayed(plan.result, result)) {
+    NlpResult result =
+        solve_finer(plan, *finer, transcription::initial_guess(*finer, spec, 0, &before), options);
+
+    if (!result.converged() || in_worse_optimum(plan.result, result)) {
       std::vector<int> intervals;
-      for (const PhaseSpec& phase : problem.phases) intervals.push_back(phase.intervals);
+      for (const transcription::PhaseSpec& phase : problem.phases)
+        intervals.push_back(phase.intervals);
       plan.refinement_failure = fmt::format(
-          "round {} of the mesh refinement, {} intervals, ended '{}'{}; the plan is that before it", number,
-          fmt::join(intervals, " + "), to_string(result.status), result.converged() ? " in a worse local optimum" : "");
+          "round {} of the mesh refinement, {} intervals, ended '{}'{}; the plan is that before it",
+          number, fmt::join(intervals, " + "), to_string(result.status),
+          result.converged() ? " in a worse local optimum" : "");
       return;
     }
+
     const int own = result.iterations;
     result.iterations += plan.result.iterations;
     result.feasibility_iterations = plan.result.feasibility_iterations;
     plan.result = std::move(result);
-    plan.programme = std::move(finer);
+    plan.program = std::move(finer);
     ++plan.refinements;
     plan.mesh_rounds.push_back(mesh_round(plan, own));
   }
 }
 
-}  // namespace jaculus::detail
+}  // namespace jaculus::solver::detail

@@ -5,24 +5,28 @@
 
 #include "jaculus/core/interrupt.h"
 
-namespace jaculus::detail {
+namespace jaculus::solver::detail {
 namespace {
 
-constexpr double kNearlyFeasible = 1e-2;  // scaled: more than this in the way of a stage is a conflict, not a bad start
+// scaled: more than this in the way of a stage is a conflict, not a bad start
+constexpr double kNearlyFeasible = 1e-2;
 
 /// Start number `index`: the problem's own guess first, then smooth random ones.
-Start make_start(Programme& programme, const std::optional<EarlierPlan>& earlier, int index, std::uint64_t seed) {
-  GuessSpec spec = programme.problem().guess;
+Start make_start(transcription::NonlinearProgram& program,
+                 const std::optional<EarlierPlan>& earlier, int index, std::uint64_t seed) {
+  transcription::GuessSpec spec = program.problem().guess;
   if (index > 0) spec.kind = "random";
-  if (index == 0 && earlier && earlier->fits(programme)) return {earlier->x, earlier->duals};
-  return {initial_guess(programme, spec, seed, earlier ? &earlier->trajectory : nullptr)};
+  if (index == 0 && earlier && earlier->fits(program)) return {earlier->x, earlier->duals};
+  return {
+      transcription::initial_guess(program, spec, seed, earlier ? &earlier->trajectory : nullptr)};
 }
 
-Conflict feasibility_stage(Programme& programme, const Vector& x, const SolverOptions& solver) {
+Conflict feasibility_stage(transcription::NonlinearProgram& program, const Vector& x,
+                           const SolverOptions& solver) {
   ElasticOptions elastic;
   elastic.proximity = kStageProximity;
   elastic.solver = solver;
-  return find_conflict(programme, x, elastic);
+  return find_conflict(program, x, elastic);
 }
 
 /// Counts what a stage took as part of the solve that went on from it.
@@ -34,21 +38,26 @@ void add_stage(const Conflict& stage, NlpResult& result) {
   result.wall_seconds.linear_solver += stage.wall_seconds.linear_solver;
 }
 
-NlpResult solve_after_stage(Programme& programme, const Vector& x, const SolverOptions& solver) {
-  const Conflict stage = feasibility_stage(programme, x, solver);
-  const bool stopped = stage.status == Status::interrupted || stage.status == Status::stopped || stage.x.size() == 0;
-  NlpResult result = solve_nlp(programme, {stopped ? x : stage.x}, solver);
+NlpResult solve_after_stage(transcription::NonlinearProgram& program, const Vector& x,
+                            const SolverOptions& solver) {
+  const Conflict stage = feasibility_stage(program, x, solver);
+  const bool stopped =
+      stage.status == Status::interrupted || stage.status == Status::stopped || stage.x.size() == 0;
+  NlpResult result = solve_nlp(program, {stopped ? x : stage.x}, solver);
   add_stage(stage, result);
   return result;
 }
 
-/// A second try from the same start through a feasibility stage, where that leads anywhere; else the first result.
-NlpResult try_again(Programme& programme, const Vector& x, const SolverOptions& solver, NlpResult first) {
-  const Conflict stage = feasibility_stage(programme, x, solver);
-  const bool hopeful =
-      stage.status == Status::optimal || stage.status == Status::acceptable || stage.status == Status::iteration_limit;
-  if (!hopeful || (!stage.relaxed.empty() && stage.relaxed.front().scaled > kNearlyFeasible)) return first;
-  NlpResult second = solve_nlp(programme, {stage.x}, solver);
+/// A second try from the same start through a feasibility stage, where that leads anywhere; else
+/// the first result.
+NlpResult try_again(transcription::NonlinearProgram& program, const Vector& x,
+                    const SolverOptions& solver, NlpResult first) {
+  const Conflict stage = feasibility_stage(program, x, solver);
+  const bool promising = stage.status == Status::optimal || stage.status == Status::acceptable ||
+                         stage.status == Status::iteration_limit;
+  if (!promising || (!stage.relaxed.empty() && stage.relaxed.front().scaled > kNearlyFeasible))
+    return first;
+  NlpResult second = solve_nlp(program, {stage.x}, solver);
   if (!second.converged()) return first;
   add_stage(stage, second);
   second.iterations += first.iterations;
@@ -59,18 +68,21 @@ NlpResult try_again(Programme& programme, const Vector& x, const SolverOptions& 
   return second;
 }
 
-NlpResult solve_start(Programme& programme, const std::optional<EarlierPlan>& earlier, int index, std::uint64_t seed,
+NlpResult solve_start(transcription::NonlinearProgram& program,
+                      const std::optional<EarlierPlan>& earlier, int index, std::uint64_t seed,
                       const SolverOptions& solver) {
-  const Start start = make_start(programme, earlier, index, seed);
-  if (index > 0 || programme.problem().guess.kind == "random") return solve_after_stage(programme, start.x, solver);
-  NlpResult result = solve_nlp(programme, start, solver);
-  const bool lost = result.status == Status::infeasible || result.status == Status::stalled;
-  return lost ? try_again(programme, start.x, solver, std::move(result)) : result;
+  const Start start = make_start(program, earlier, index, seed);
+  if (index > 0 || program.problem().guess.kind == "random")
+    return solve_after_stage(program, start.x, solver);
+  NlpResult result = solve_nlp(program, start, solver);
+  const bool search_failed =
+      result.status == Status::infeasible || result.status == Status::stalled;
+  return search_failed ? try_again(program, start.x, solver, std::move(result)) : result;
 }
 
 }  // namespace
 
-SolverOptions solver_options(const Problem& problem, const PlanOptions& options) {
+SolverOptions solver_options(const transcription::Problem& problem, const PlanOptions& options) {
   SolverOptions solver;
   solver.tolerance = problem.solver.tolerance;
   solver.row_tolerance = std::min(1e-6, problem.solver.tolerance);
@@ -85,27 +97,36 @@ SolverOptions solver_options(const Problem& problem, const PlanOptions& options)
   return solver;
 }
 
-NlpResult solve_starts(Plan& plan, const std::optional<EarlierPlan>& earlier, const PlanOptions& options) {
-  Programme& programme = *plan.programme;
-  const SolverSpec& spec = programme.problem().solver;
-  const auto seed = static_cast<std::uint64_t>(spec.seed);
-  SolverOptions solver = solver_options(programme.problem(), options);
-  if (spec.starts <= 1) return solve_start(programme, earlier, 0, task_seed(seed, 0), solver);
+NlpResult solve_starts(Plan& plan, const std::optional<EarlierPlan>& earlier,
+                       const PlanOptions& options) {
+  transcription::NonlinearProgram& program = *plan.program;
+  const transcription::SolverSpec& spec = program.problem().solver;
+  const std::uint64_t seed = spec.seed;
+  SolverOptions solver = solver_options(program.problem(), options);
+  if (spec.starts <= 1) return solve_start(program, earlier, 0, task_seed(seed, 0), solver);
+
   MultiStartOptions multi;
   multi.seed = seed;
   multi.tasks.workers = options.jobs;
   multi.tasks.progress = options.starts_progress;
   solver.progress = {};  // several processes at a time would talk at once
+
   MultiStart all = multi_start(
-      spec.starts, [&](int index, std::uint64_t own) { return solve_start(programme, earlier, index, own, solver); },
+      spec.starts,
+      [&](int index, std::uint64_t own) {
+        return solve_start(program, earlier, index, own, solver);
+      },
       multi);
+
   const int taken = all.best >= 0 ? all.best : all.least_bad;
-  plan.starts = {spec.starts, all.converged, static_cast<int>(std::lround(all.near_share * spec.starts)),
-                 std::max(taken, 0)};
-  if (taken >= 0) return std::move(all.starts[static_cast<std::size_t>(taken)].result);
+  plan.starts = {spec.starts, all.converged,
+                 static_cast<int>(std::lround(all.near_share * spec.starts)), std::max(taken, 0)};
+  if (taken >= 0) return std::move(all.starts[taken].result);
+
   NlpResult none;
   none.status = interrupt_requested() ? Status::interrupted : Status::failed;
-  none.message = interrupt_requested() ? "interrupted before any start ended" : "no start ran to its end";
+  none.message =
+      interrupt_requested() ? "interrupted before any start ended" : "no start ran to its end";
   for (const StartOutcome& start : all.starts) {
     if (!start.error.empty()) none.message += ": " + start.error;
     if (!start.error.empty()) break;
@@ -113,4 +134,4 @@ NlpResult solve_starts(Plan& plan, const std::optional<EarlierPlan>& earlier, co
   return none;
 }
 
-}  // namespace jaculus::detail
+}  // namespace jaculus::solver::detail

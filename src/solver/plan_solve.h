@@ -6,17 +6,20 @@
 #include "jaculus/solver/ipopt.h"
 #include "jaculus/solver/plan.h"
 
-namespace jaculus::detail {
+namespace jaculus::solver::detail {
 
-SolverOptions solver_options(const Problem& problem, const PlanOptions& options);
+SolverOptions solver_options(const transcription::Problem& problem, const PlanOptions& options);
 
-/// Solves plan.programme from the problem's guess, and from smooth random ones where the problem asks for several starts.
-/// A random start first goes through a feasibility stage; the problem's own guess does where the solve from it ends with no
-/// feasible point nearby although the stage finds one. Fills plan.starts.
-NlpResult solve_starts(Plan& plan, const std::optional<EarlierPlan>& earlier, const PlanOptions& options);
+/// Solves plan.program from the problem's guess, and from smooth random ones where the problem
+/// asks for several starts. A random start first goes through a feasibility stage; the problem's
+/// own guess does where the solve from it ends with no feasible point nearby although the stage
+/// finds one. Fills plan.starts.
+NlpResult solve_starts(Plan& plan, const std::optional<EarlierPlan>& earlier,
+                       const PlanOptions& options);
 
-/// Solves again on finer meshes, each time from the plan before, as long as that converges. A finer solve that does not converge
-/// leaves the coarser plan and is told in plan.refinement_failure.
-void refine_mesh(Plan& plan, Problem problem, const PlanarModel& model, const PlanOptions& options);
+/// Solves again on finer meshes, each time from the plan before, as long as that converges. A finer
+/// solve that does not converge leaves the coarser plan and is told in plan.refinement_failure.
+void refine_mesh(Plan& plan, transcription::Problem problem, const model::PlanarModel& model,
+                 const PlanOptions& options);
 
-}  // namespace jaculus::detail
+}  // namespace jaculus::solver::detail

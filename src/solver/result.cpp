@@ -7,7 +7,7 @@
 #include <type_traits>
 #include <utility>
 
-namespace jaculus {
+namespace jaculus::solver {
 namespace {
 
 constexpr std::array<std::pair<Status, const char*>, 13> kStatusNames{
@@ -33,13 +33,14 @@ class Writer {
   requires std::is_arithmetic_v<T>
   void put(T value) { bytes_.append(reinterpret_cast<const char*>(&value), sizeof value); }
   void put(std::string_view text) {
-    put(static_cast<std::uint64_t>(text.size()));
+    put_count(text.size());
     bytes_.append(text);
   }
   void put(const Vector& v) {
-    put(static_cast<std::uint64_t>(v.size()));
-    bytes_.append(reinterpret_cast<const char*>(v.data()), static_cast<std::size_t>(v.size()) * sizeof(double));
+    put_count(v.size());
+    bytes_.append(reinterpret_cast<const char*>(v.data()), v.size() * sizeof(double));
   }
+  void put_count(std::uint64_t count) { put(count); }
   [[nodiscard]] std::string take() { return std::move(bytes_); }
 
  private:
@@ -62,15 +63,16 @@ class Reader {
   }
   Vector vector() {
     const std::size_t size = length(sizeof(double));
-    Vector v(static_cast<Eigen::Index>(size));
+    Vector v(size);
     if (size > 0) std::memcpy(v.data(), chunk(size * sizeof(double)).data(), size * sizeof(double));
     return v;
   }
-  /// Number of elements to come, checked against what is left so that broken bytes can't ask for a huge allocation.
+  /// Number of elements to come, checked against what is left so that broken bytes can't ask for a
+  /// huge allocation.
   std::size_t length(std::size_t element_size) {
     const auto size = get<std::uint64_t>();
     if (size > bytes_.size() / element_size) throw std::runtime_error("result: truncated bytes");
-    return static_cast<std::size_t>(size);
+    return size;
   }
   [[nodiscard]] bool done() const { return bytes_.empty(); }
 
@@ -85,14 +87,15 @@ class Reader {
 };
 
 void put_history(Writer& out, const std::vector<IterationInfo>& history) {
-  out.put(static_cast<std::uint64_t>(history.size()));
+  out.put_count(history.size());
   for (const IterationInfo& info : history) {
     out.put(info.iteration);
     out.put(info.objective);
     out.put(info.infeasibility);
     out.put(info.dual_infeasibility);
     out.put(info.barrier);
-    out.put(static_cast<std::uint8_t>(info.restoration));
+    const std::uint8_t restoration = info.restoration ? 1 : 0;
+    out.put(restoration);
     out.put(info.elapsed_s);
   }
 }
@@ -129,7 +132,8 @@ Status status_from_string(std::string_view text) {
 
 const Vector& NlpResult::x() const {
   if (!converged()) {
-    throw std::logic_error("the solve ended '" + to_string(status) + "': it has no solution, only a last_iterate()");
+    throw std::logic_error("the solve ended '" + to_string(status) +
+                           "': it has no solution, only a last_iterate()");
   }
   return x_;
 }
@@ -143,22 +147,26 @@ std::string serialise(const NlpResult& result) {
   out.put(result.row_multipliers);
   out.put(result.lower_multipliers);
   out.put(result.upper_multipliers);
-  for (const double v : {result.objective, result.max_violation, result.max_scaled_violation}) out.put(v);
+
+  for (const double v : {result.objective, result.max_violation, result.max_scaled_violation})
+    out.put(v);
   const EvaluationCounts& counts = result.evaluations;
-  for (const int v : {result.iterations, result.feasibility_iterations, counts.objective, counts.gradient,
-                      counts.constraints, counts.jacobian, counts.hessian}) {
+  for (const int v : {result.iterations, result.feasibility_iterations, counts.objective,
+                      counts.gradient, counts.constraints, counts.jacobian, counts.hessian}) {
     out.put(v);
   }
   const WallSeconds& wall = result.wall_seconds;
   for (const double v : {wall.total, wall.functions, wall.linear_solver}) out.put(v);
   put_history(out, result.history);
-  out.put(static_cast<std::uint64_t>(result.conflicts.size()));
+
+  out.put_count(result.conflicts.size());
   for (const BoundConflict& conflict : result.conflicts) {
     out.put(conflict.name);
     out.put(conflict.unit);
     out.put(conflict.lower);
     out.put(conflict.upper);
   }
+
   return out.take();
 }
 
@@ -172,15 +180,18 @@ NlpResult deserialise_result(std::string_view bytes) {
   result.row_multipliers = in.vector();
   result.lower_multipliers = in.vector();
   result.upper_multipliers = in.vector();
-  for (double* v : {&result.objective, &result.max_violation, &result.max_scaled_violation}) *v = in.get<double>();
+
+  for (double* v : {&result.objective, &result.max_violation, &result.max_scaled_violation})
+    *v = in.get<double>();
   EvaluationCounts& counts = result.evaluations;
-  for (int* v : {&result.iterations, &result.feasibility_iterations, &counts.objective, &counts.gradient,
-                 &counts.constraints, &counts.jacobian, &counts.hessian}) {
+  for (int* v : {&result.iterations, &result.feasibility_iterations, &counts.objective,
+                 &counts.gradient, &counts.constraints, &counts.jacobian, &counts.hessian}) {
     *v = in.get<int>();
   }
   WallSeconds& wall = result.wall_seconds;
   for (double* v : {&wall.total, &wall.functions, &wall.linear_solver}) *v = in.get<double>();
   result.history = get_history(in);
+
   result.conflicts.resize(in.length(2 * sizeof(double) + 2));
   for (BoundConflict& conflict : result.conflicts) {
     conflict.name = in.text();
@@ -188,8 +199,9 @@ NlpResult deserialise_result(std::string_view bytes) {
     conflict.lower = in.get<double>();
     conflict.upper = in.get<double>();
   }
+
   if (!in.done()) throw std::runtime_error("result: bytes left over");
   return result;
 }
 
-}  // namespace jaculus
+}  // namespace jaculus::solver

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace jaculus::detail {
+namespace jaculus::solver::detail {
 
 namespace {
 
@@ -11,80 +11,87 @@ constexpr double kFootScale = 0.1;  // [m], as the rows that put feet on the gro
 
 }  // namespace
 
-LimitWatch::LimitWatch(const Programme& programme) : programme_(programme) {}
+LimitMonitor::LimitMonitor(const transcription::NonlinearProgram& program) : program_(program) {}
 
-void LimitWatch::check(const std::string& name, const std::string& unit, double value, const Bounds& bounds,
-                       double scale, bool of_foot) {
+void LimitMonitor::check(const std::string& name, const std::string& unit, double value,
+                         const Bounds& bounds, double scale, bool of_foot) {
   const bool above = value > bounds.upper;
-  const double limit = above ? bounds.upper : bounds.lower, amount = above ? value - limit : limit - value;
+  const double limit = above ? bounds.upper : bounds.lower,
+               amount = above ? value - limit : limit - value;
   if (amount <= 1e-6 * scale) return;
   LimitExcess& worst = worst_[name];
-  if (amount / scale <= worst.scaled || std::isnan(worst.scaled)) return;  // a value that is no number stays the worst
+  // a value that is no number stays the worst
+  if (amount / scale <= worst.scaled || std::isnan(worst.scaled)) return;
   worst = {name, unit, phase_, time_, value, limit, amount, amount / scale, of_foot};
 }
 
-void LimitWatch::begin_phase(const EquationsPoint& point) {
-  const AbsoluteTree& tree = programme_.equations().tree();
+void LimitMonitor::begin_phase(const components::EquationsPoint& point) {
+  const dynamics::AbsoluteTree& tree = program_.equations().tree();
   place_.clear();
-  for (size_t f = 0; f < tree.feet.size(); ++f)
-    place_.push_back(foot_position(tree, point.motion, static_cast<int>(f)));
+  for (int f = 0; f < count_of(tree.feet); ++f)
+    place_.push_back(dynamics::foot_position(tree, point.motion, f));
 }
 
-void LimitWatch::look(int k, double s, double time, const Vector& u, EquationsPoint& point) {
-  const Layout& layout = programme_.layout();
-  const IntervalBlock& block = layout.intervals[static_cast<size_t>(k)];
-  phase_ = layout.phases[static_cast<size_t>(block.phase)].name;
+void LimitMonitor::check_point(int k, double s, double time, const Vector& u,
+                               components::EquationsPoint& point) {
+  const transcription::Layout& layout = program_.layout();
+  const transcription::IntervalBlock& block = layout.intervals[k];
+  phase_ = layout.phases[block.phase].name;
   time_ = time;
-  look_at_terms(k, s, u, point);
-  look_at_bounds(k, u, point);
-  look_at_feet(point);
+  check_terms(k, s, u, point);
+  check_bounds(k, u, point);
+  check_feet(point);
 }
 
-void LimitWatch::look_at_terms(int k, double s, const Vector& u, EquationsPoint& point) {
-  const Layout& layout = programme_.layout();
-  const IntervalBlock& block = layout.intervals[static_cast<size_t>(k)];
-  const PointView view{programme_.equations(), point, u, layout.n, layout.n_u};
-  for (const PathTerm& term : programme_.path_terms()[static_cast<size_t>(block.phase)]) {
+void LimitMonitor::check_terms(int k, double s, const Vector& u,
+                               components::EquationsPoint& point) {
+  const transcription::Layout& layout = program_.layout();
+  const transcription::IntervalBlock& block = layout.intervals[k];
+  const transcription::PointView view{program_.equations(), point, u, layout.n, layout.n_u};
+  for (const transcription::PathTerm& term : program_.path_terms()[block.phase]) {
     if (!term.holds_at(block.begin + s * block.fraction)) continue;
-    Vector values(static_cast<int>(term.rows.size()));
+    Vector values(count_of(term.rows));
     term.evaluate(view, values, nullptr, nullptr, nullptr);
-    for (size_t i = 0; i < term.rows.size(); ++i)
-      check(term.rows[i].name, term.rows[i].unit, values[static_cast<int>(i)], term.rows[i].bounds, term.rows[i].scale);
+    for (int i = 0; i < count_of(term.rows); ++i)
+      check(term.rows[i].name, term.rows[i].unit, values[i], term.rows[i].bounds,
+            term.rows[i].scale);
   }
 }
 
-/// The looser of the bounds of two columns: what holds at one node only, as end conditions do, is no limit beside it.
-Bounds LimitWatch::hull(int first, int second) const {
-  const Layout& layout = programme_.layout();
-  return {std::min(layout.lower[first], layout.lower[second]), std::max(layout.upper[first], layout.upper[second])};
+/// The looser of the bounds of two columns: what holds at one node only, as end conditions do, is
+/// no limit beside it.
+Bounds LimitMonitor::hull(int first, int second) const {
+  const transcription::Layout& layout = program_.layout();
+  return {std::min(layout.lower[first], layout.lower[second]),
+          std::max(layout.upper[first], layout.upper[second])};
 }
 
-void LimitWatch::look_at_bounds(int k, const Vector& u, const EquationsPoint& point) {
-  const Layout& layout = programme_.layout();
-  const IntervalBlock& block = layout.intervals[static_cast<size_t>(k)];
-  const NodeBlock &first = layout.nodes[static_cast<size_t>(block.first)],
-                  &last = layout.nodes[static_cast<size_t>(block.last)];
-  const PlanarModel& model = programme_.equations().model();
-  const auto unit = [&](int column) { return layout.units[static_cast<size_t>(column)]; };
+void LimitMonitor::check_bounds(int k, const Vector& u, const components::EquationsPoint& point) {
+  const transcription::Layout& layout = program_.layout();
+  const transcription::IntervalBlock& block = layout.intervals[k];
+  const transcription::NodeBlock &first = layout.nodes[block.first],
+                                 &last = layout.nodes[block.last];
+  const model::PlanarModel& model = program_.equations().model();
+  const auto unit = [&](int column) { return layout.units[column]; };
   for (int i = 0; i < layout.n; ++i) {
-    const std::string& name = model.coordinates[static_cast<size_t>(i)].name;
+    const std::string& name = model.coordinates[i].name;
     const int q = first.q + i, v = first.v + i;
     check(name + " position", unit(q), point.q[i], hull(q, last.q + i), layout.scale[q]);
     check(name + " velocity", unit(v), point.v[i], hull(v, last.v + i), layout.scale[v]);
   }
   for (int i = 0; i < layout.n_u; ++i) {
     const int column = block.u_first + i;
-    check(model.motors[static_cast<size_t>(i)].joint + " torque", unit(column), u[i], hull(column, block.u_last + i),
+    check(model.motors[i].joint + " torque", unit(column), u[i], hull(column, block.u_last + i),
           layout.scale[column]);
   }
 }
 
-void LimitWatch::look_at_feet(const EquationsPoint& point) {
-  const AbsoluteTree& tree = programme_.equations().tree();
-  for (size_t f = 0; f < tree.feet.size(); ++f) {
-    const std::string& name = programme_.equations().model().feet[f].name;
-    const Vec2 position = foot_position(tree, point.motion, static_cast<int>(f));
-    const bool stands = std::find(point.feet.begin(), point.feet.end(), static_cast<int>(f)) != point.feet.end();
+void LimitMonitor::check_feet(const components::EquationsPoint& point) {
+  const dynamics::AbsoluteTree& tree = program_.equations().tree();
+  for (int f = 0; f < count_of(tree.feet); ++f) {
+    const std::string& name = program_.equations().model().feet[f].name;
+    const Vec2 position = dynamics::foot_position(tree, point.motion, f);
+    const bool stands = std::find(point.feet.begin(), point.feet.end(), f) != point.feet.end();
     if (stands) {
       check(name + " slip", "m", position.x() - place_[f].x(), {0.0, 0.0}, kFootScale, true);
       check(name + " off the ground", "m", position.y(), {0.0, 0.0}, kFootScale, true);
@@ -94,11 +101,12 @@ void LimitWatch::look_at_feet(const EquationsPoint& point) {
   }
 }
 
-std::vector<LimitExcess> LimitWatch::excesses() const {
+std::vector<LimitExcess> LimitMonitor::excesses() const {
   std::vector<LimitExcess> sorted;
   for (const auto& [name, excess] : worst_) sorted.push_back(excess);
-  std::stable_sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.scaled > b.scaled; });
+  std::stable_sort(sorted.begin(), sorted.end(),
+                   [](const auto& a, const auto& b) { return a.scaled > b.scaled; });
   return sorted;
 }
 
-}  // namespace jaculus::detail
+}  // namespace jaculus::solver::detail

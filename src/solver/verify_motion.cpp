@@ -5,17 +5,17 @@
 
 #include "jaculus/dynamics/rigid_body.h"
 
-namespace jaculus::detail {
+namespace jaculus::solver::detail {
 
 namespace {
 constexpr int kLedger = 6;          // feet x, z; drag x, z; motors' work; drag's work
 constexpr int kMostSteps = 200000;  // of one call; a plan takes hundreds
 }  // namespace
 
-Motion78::Motion78(const Equations& equations, double tolerance)
+Motion78::Motion78(const components::Equations& equations, double tolerance)
     : equations_(equations),
       n_(equations.size()),
-      state_(static_cast<size_t>(2 * n_ + kLedger), 0.0),
+      state_(2 * n_ + kLedger, 0.0),
       stepper_(boost::numeric::odeint::make_controlled(tolerance, tolerance, Stepper())) {}
 
 void Motion78::place(const ConstVectorRef& q, const ConstVectorRef& v) {
@@ -26,24 +26,25 @@ void Motion78::place(const ConstVectorRef& q, const ConstVectorRef& v) {
 void Motion78::begin_phase(const std::vector<int>& feet) { point_.emplace(equations_, feet); }
 
 bool Motion78::land() {
-  EquationsPoint& p = *point_;
+  components::EquationsPoint& p = *point_;
   if (!equations_.evaluate_impact(q(), v(), p)) return false;
-  const AbsoluteTree& tree = equations_.tree();
-  set_rates(tree, v(), p.motion);
-  for (size_t k = 0; k < p.feet.size(); ++k) {
-    const Vec2 impulse = p.force.segment<2>(2 * static_cast<int>(k));
+  const dynamics::AbsoluteTree& tree = equations_.tree();
+  dynamics::set_rates(tree, v(), p.motion);
+  for (int k = 0; k < count_of(p.feet); ++k) {
+    const Vec2 impulse = p.force.segment<2>(2 * k);
     impact_impulse_ += impulse;
-    // The feet stop, so that the mean of the velocities before and after, which the impulse works along, is half the one before.
-    impact_work_ += 0.5 * impulse.dot(foot_velocity(tree, p.motion, p.feet[k]));
+    // The feet stop, so that the mean of the velocities before and after, which the impulse works
+    // along, is half the one before.
+    impact_work_ += 0.5 * impulse.dot(dynamics::foot_velocity(tree, p.motion, p.feet[k]));
   }
-  for (int i = 0; i < n_; ++i) state_[static_cast<size_t>(n_ + i)] += p.a[i];
+  for (int i = 0; i < n_; ++i) state_[n_ + i] += p.a[i];
   return true;
 }
 
 void Motion78::rates(const IntervalInput& input, const State& x, State& dx, double t) {
   const Eigen::Map<const Vector> q(x.data(), n_), v(x.data() + n_, n_);
   const Vector u = input.at(t);
-  EquationsPoint& p = *point_;
+  components::EquationsPoint& p = *point_;
   if (undefined_ || !q.allFinite() || !v.allFinite() || !equations_.evaluate(q, v, u, p)) {
     undefined_ = true;
     std::fill(dx.begin(), dx.end(), 0.0);
@@ -67,10 +68,14 @@ bool Motion78::advance(const IntervalInput& input, double from, double to) {
     const bool last = step_ >= to - t;
     double dt = last ? to - t : step_, at = t;
     if (tries > kMostSteps || (!last && dt < 1e-12 * input.length)) return false;
+
     before_ = state_;
     undefined_ = false;
     const auto result = stepper_.try_step(system, state_, at, dt);
-    const bool finite = std::all_of(state_.begin(), state_.end(), [](double value) { return std::isfinite(value); });
+
+    const bool finite = std::all_of(state_.begin(), state_.end(),
+                                    [](double value) { return std::isfinite(value); });
+
     if (undefined_ || !finite) {
       state_ = before_;
       step_ = 0.25 * (last ? to - t : step_);
@@ -90,15 +95,17 @@ Ledger Motion78::ledger() const {
   return {sums.head<2>() + impact_impulse_, sums.segment<2>(2), sums[4], sums[5], impact_work_};
 }
 
-std::optional<Totals> totals(const Equations& equations, const ConstVectorRef& q, const ConstVectorRef& v) {
-  const AbsoluteTree& tree = equations.tree();
-  Motion motion(tree);
-  if (!set_configuration(tree, q, motion)) return std::nullopt;
-  set_rates(tree, v, motion);
-  Totals sums{linear_momentum(tree, motion), kinetic_energy(tree, motion, v) + potential_energy(tree, motion)};
+std::optional<Totals> totals(const components::Equations& equations, const ConstVectorRef& q,
+                             const ConstVectorRef& v) {
+  const dynamics::AbsoluteTree& tree = equations.tree();
+  dynamics::Motion motion(tree);
+  if (!dynamics::set_configuration(tree, q, motion)) return std::nullopt;
+  dynamics::set_rates(tree, v, motion);
+  Totals sums{dynamics::linear_momentum(tree, motion),
+              dynamics::kinetic_energy(tree, motion, v) + dynamics::potential_energy(tree, motion)};
   for (int i = 0; i < 2; ++i)
-    if (!equations.model().base_free[static_cast<size_t>(i)]) sums.momentum[i] = 0.0;
+    if (!equations.model().base_free[i]) sums.momentum[i] = 0.0;
   return sums;
 }
 
-}  // namespace jaculus::detail
+}  // namespace jaculus::solver::detail

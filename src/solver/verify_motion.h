@@ -1,5 +1,6 @@
 #pragma once
-// The re-integrated motion: state (q, v) and a ledger of impulses and work, advanced by Runge-Kutta-Fehlberg 7(8).
+// The re-integrated motion: state (q, v) and a ledger of impulses and work, advanced by
+// Runge-Kutta-Fehlberg 7(8).
 
 #include <boost/numeric/odeint/stepper/controlled_runge_kutta.hpp>
 #include <boost/numeric/odeint/stepper/generation/generation_controlled_runge_kutta.hpp>
@@ -11,7 +12,7 @@
 
 #include "jaculus/components/equations.h"
 
-namespace jaculus::detail {
+namespace jaculus::solver::detail {
 
 /// The input over one interval: linear from `first` to `last`, equal where it is held.
 struct IntervalInput {
@@ -31,21 +32,22 @@ struct Ledger {
 
 class Motion78 {
  public:
-  Motion78(const Equations& equations, double tolerance);
+  Motion78(const components::Equations& equations, double tolerance);
 
   /// Sets the state; the ledger stays.
   void place(const ConstVectorRef& q, const ConstVectorRef& v);
   void begin_phase(const std::vector<int>& feet);
   /// A plastic impact of the phase's feet. False where it is not defined.
   bool land();
-  /// Integrates from `from` to `to`, times within the interval. False where that is impossible; the state is then the last good one.
+  /// Integrates from `from` to `to`, times within the interval. False where that is impossible; the
+  /// state is then the last good one.
   bool advance(const IntervalInput& input, double from, double to);
   /// Evaluates the equations at the present state with input u. False where they are not defined.
   bool observe(const ConstVectorRef& u) { return equations_.evaluate(q(), v(), u, *point_); }
 
   [[nodiscard]] Eigen::Map<const Vector> q() const { return {state_.data(), n_}; }
   [[nodiscard]] Eigen::Map<const Vector> v() const { return {state_.data() + n_, n_}; }
-  [[nodiscard]] EquationsPoint& point() { return *point_; }
+  [[nodiscard]] components::EquationsPoint& point() { return *point_; }
   [[nodiscard]] Ledger ledger() const;
   [[nodiscard]] int steps() const { return steps_; }
 
@@ -54,10 +56,10 @@ class Motion78 {
   using Stepper = boost::numeric::odeint::runge_kutta_fehlberg78<State>;
   void rates(const IntervalInput& input, const State& x, State& dx, double t);
 
-  const Equations& equations_;
+  const components::Equations& equations_;
   int n_;
   State state_, before_;
-  std::optional<EquationsPoint> point_;
+  std::optional<components::EquationsPoint> point_;
   boost::numeric::odeint::result_of::make_controlled<Stepper>::type stepper_;
   Vec2 impact_impulse_ = Vec2::Zero();
   double impact_work_ = 0.0;
@@ -72,6 +74,7 @@ struct Totals {
   double energy;
 };
 /// At a state; nothing where the loops can't close.
-std::optional<Totals> totals(const Equations& equations, const ConstVectorRef& q, const ConstVectorRef& v);
+std::optional<Totals> totals(const components::Equations& equations, const ConstVectorRef& q,
+                             const ConstVectorRef& v);
 
-}  // namespace jaculus::detail
+}  // namespace jaculus::solver::detail

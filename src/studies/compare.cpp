@@ -7,10 +7,11 @@
 
 #include "jaculus/model/robot.h"
 
-namespace jaculus {
+namespace jaculus::studies {
 namespace {
 
-const ComparedPlan* partner(const std::vector<ComparedPlan>& plans, TailKind kind, const ComparedPlan& of) {
+const ComparedPlan* partner(const std::vector<ComparedPlan>& plans, TailKind kind,
+                            const ComparedPlan& of) {
   const ComparedPlan* first = nullptr;
   for (const ComparedPlan& plan : plans) {
     if (plan.kind != kind) continue;
@@ -26,8 +27,10 @@ double ratio(const ComparedPlan& a, const ComparedPlan& b, double ComparedPlan::
 
 Gain gain(const ComparedPlan& plan, const ComparedPlan* over) {
   if (over == nullptr || over == &plan) return {};
-  return {over->name, over->conditions != plan.conditions, ratio(plan, *over, &ComparedPlan::base_acceleration),
-          ratio(plan, *over, &ComparedPlan::com_acceleration), -ratio(plan, *over, &ComparedPlan::duration)};
+  return {over->name, over->conditions != plan.conditions,
+          ratio(plan, *over, &ComparedPlan::base_acceleration),
+          ratio(plan, *over, &ComparedPlan::com_acceleration),
+          -ratio(plan, *over, &ComparedPlan::duration)};
 }
 
 double worth(const ComparedPlan& drag, const ComparedPlan& inertial, const ComparedPlan& over,
@@ -37,13 +40,16 @@ double worth(const ComparedPlan& drag, const ComparedPlan& inertial, const Compa
   return alone > 0.0 ? (drag.*field - over.*field) / alone - 1.0 : kNaN;
 }
 
-void append(std::string& text, const std::string& name, const std::map<std::string, Bounds>& values) {
-  for (const auto& [key, b] : values) text += fmt::format("{}.{} {} {}\n", name, key, b.lower, b.upper);
+void append(std::string& text, const std::string& name,
+            const std::map<std::string, Bounds>& values) {
+  for (const auto& [key, b] : values)
+    text += fmt::format("{}.{} {} {}\n", name, key, b.lower, b.upper);
 }
 
 /// Without the joints of bodies that feel the air: they are what is compared.
-std::map<std::string, Bounds> without_tail(const PlanarModel& model, std::map<std::string, Bounds> values) {
-  for (const PlanarDrag& drag : model.drags) values.erase(model.bodies[static_cast<std::size_t>(drag.body)].joint);
+std::map<std::string, Bounds> without_tail(const model::PlanarModel& model,
+                                           std::map<std::string, Bounds> values) {
+  for (const model::PlanarDrag& drag : model.drags) values.erase(model.bodies[drag.body].joint);
   return values;
 }
 
@@ -63,30 +69,39 @@ std::string to_string(TailKind kind) {
   return "";
 }
 
-TailKind tail_kind(const Problem& problem, const PlanarModel& model) {
+TailKind tail_kind(const transcription::Problem& problem, const model::PlanarModel& model) {
   if (model.drags.empty()) return TailKind::none;
-  for (const PlanarDrag& drag : model.drags) {
-    const std::string& joint = model.bodies[static_cast<std::size_t>(drag.body)].joint;
+  for (const model::PlanarDrag& drag : model.drags) {
+    const std::string& joint = model.bodies[drag.body].joint;
     const auto locked = [&joint](const auto& lock) { return lock.first == joint; };
     if (std::any_of(problem.locks.begin(), problem.locks.end(), locked)) return TailKind::held;
   }
-  const auto blows = [](const PlanarDrag& drag) { return drag.kind != DragKind::none && drag.coefficient > 0.0; };
-  return std::any_of(model.drags.begin(), model.drags.end(), blows) ? TailKind::drag : TailKind::inertial;
+  const auto blows = [](const model::PlanarDrag& drag) {
+    return drag.kind != model::DragKind::none && drag.coefficient > 0.0;
+  };
+  return std::any_of(model.drags.begin(), model.drags.end(), blows) ? TailKind::drag
+                                                                    : TailKind::inertial;
 }
 
-std::string conditions(const Problem& problem) {
-  const PlanarModel model = read_robot(problem.robot_folder, problem.overrides).planar;
-  std::string text = fmt::format("{} {} {} {}\n", problem.voltage.value_or(kNaN), problem.torque.value_or(kNaN),
-                                 problem.current.value_or(kNaN), problem.friction.value_or(kNaN));
-  for (const PhaseSpec& phase : problem.phases) {
+std::string conditions(const transcription::Problem& problem) {
+  const model::PlanarModel model =
+      model::read_robot(problem.robot_folder, problem.overrides).planar;
+  std::string text =
+      fmt::format("{} {} {} {}\n", problem.voltage.value_or(kNaN), problem.torque.value_or(kNaN),
+                  problem.current.value_or(kNaN), problem.friction.value_or(kNaN));
+
+  for (const transcription::PhaseSpec& phase : problem.phases) {
     for (const std::string& foot : phase.contacts) text += foot + " ";
-    text += fmt::format("{} {} {} {}\n", phase.intervals, phase.duration.lower, phase.duration.upper,
-                        fmt::join(phase.mesh, " "));
+    text += fmt::format("{} {} {} {}\n", phase.intervals, phase.duration.lower,
+                        phase.duration.upper, fmt::join(phase.mesh, " "));
   }
-  const TranscriptionSpec& grid = problem.transcription;
-  text += fmt::format("{} {} {} {} {}\n", static_cast<int>(grid.scheme), static_cast<int>(grid.inputs),
-                      grid.check_interval_end, problem.refinement.max_rounds,
-                      problem.refinement.max_rounds > 0 ? problem.refinement.tolerance : 0.0);
+
+  const transcription::TranscriptionSpec& grid = problem.transcription;
+  text +=
+      fmt::format("{} {} {} {} {}\n", fmt::underlying(grid.scheme), fmt::underlying(grid.inputs),
+                  grid.check_interval_end, problem.refinement.max_rounds,
+                  problem.refinement.max_rounds > 0 ? problem.refinement.tolerance : 0.0);
+
   append(text, "bounds", without_tail(model, problem.position_bounds));
   append(text, "bounds velocity", without_tail(model, problem.velocity_bounds));
   text += fmt::format("at rest {} {}\n", problem.initial.at_rest, problem.final.at_rest);
@@ -94,13 +109,17 @@ std::string conditions(const Problem& problem) {
   append(text, "initial velocity", without_tail(model, problem.initial.velocity));
   append(text, "final", without_tail(model, problem.final.position));
   append(text, "final velocity", without_tail(model, problem.final.velocity));
-  for (const TermSpec& term : problem.constraints) text += term.node.dump() + "\n";
+
+  for (const transcription::TermSpec& term : problem.constraints) text += term.node.dump() + "\n";
   text += problem.maximise ? "maximise\n" : "minimise\n";
-  for (const TermSpec& term : problem.objective) text += fmt::format("{} {}\n", term.weight, term.node.dump());
-  for (const Override& o : problem.overrides) {
+  for (const transcription::TermSpec& term : problem.objective)
+    text += fmt::format("{} {}\n", term.weight, term.node.dump());
+
+  for (const model::Override& o : problem.overrides) {
     // The winding counts, what makes the tail another one does not: that is what is compared.
     if (o.path.ends_with(".resistance")) text += o.path + " " + o.value.dump() + "\n";
   }
+
   return text;
 }
 
@@ -123,13 +142,14 @@ std::vector<DragWorth> drag_worth(const std::vector<ComparedPlan>& plans) {
     for (const TailKind kind : {TailKind::none, TailKind::held}) {
       const ComparedPlan* over = partner(plans, kind, plan);
       if (over == nullptr) continue;
-      result.push_back({plan.name, inertial->name, over->name,
-                        inertial->conditions != plan.conditions || over->conditions != plan.conditions,
-                        worth(plan, *inertial, *over, &ComparedPlan::base_acceleration),
-                        worth(plan, *inertial, *over, &ComparedPlan::com_acceleration)});
+      result.push_back(
+          {plan.name, inertial->name, over->name,
+           inertial->conditions != plan.conditions || over->conditions != plan.conditions,
+           worth(plan, *inertial, *over, &ComparedPlan::base_acceleration),
+           worth(plan, *inertial, *over, &ComparedPlan::com_acceleration)});
     }
   }
   return result;
 }
 
-}  // namespace jaculus
+}  // namespace jaculus::studies

@@ -2,21 +2,22 @@
 
 #include <cmath>
 #include <memory>
-#include <numbers>
 
-#include "jaculus/studies/setup.h"
+#include "jaculus/core/angle.h"
+#include "studies/setup.h"
 #include "studies/study_kind.h"
 
-// Studies of kind `motion`: the course of a reorientation over time, as Fig. 6 of Norby et al. 2021 shows it.
+// Studies of kind `motion`: the course of a reorientation over time, as Fig. 6 of Norby et al. 2021
+// shows it.
 //   base: {...}                                    as for kind reorientation
 //   cases: [{name: as built, set: {...}}, ...]
-// Rows are the integrator's own steps, and the stop twice, before and after its impact. Angles and rates are those of
-// studies/reorientation.h but for the body's sign, which is turned so that its rotation is positive.
+// Rows are the integrator's own steps, and the stop twice, before and after its impact. Angles and
+// rates are those of studies/reorientation.h but for the body's sign, which is turned so that its
+// rotation is positive.
 
-namespace jaculus {
+namespace jaculus::studies {
 namespace {
 
-constexpr double kDegrees = 180.0 / std::numbers::pi;
 constexpr double kTolerance = 1e-9;
 
 struct MotionCase {
@@ -27,20 +28,26 @@ struct MotionCase {
 std::vector<MotionCase> read_motion(const yaml::Node& root) {
   root.only(detail::with_common_keys({"base", "cases"}));
   const ReorientationSetup base = read_setup(root.at("base"));
+
   std::vector<MotionCase> cases;
   for (const yaml::Node& node : root.at("cases").items()) {
     node.only({"name", "set"});
     MotionCase c{node.at("name").text(), base};
+
     for (const MotionCase& other : cases) {
-      if (other.name == c.name) throw node.at("name").error(fmt::format("\"{}\" is there twice", c.name));
+      if (other.name == c.name)
+        throw node.at("name").error(fmt::format("\"{}\" is there twice", c.name));
     }
+
     if (const auto set = node.find("set")) {
       for (const auto& [name, value] : set->entries()) set_from(c.setup, name, value);
     }
+
     const std::string fault = check_setup(c.setup);
     if (!fault.empty()) throw node.error(fault);
     cases.push_back(c);
   }
+
   if (cases.empty()) throw root.at("cases").error("an empty list of cases; name one or more");
   return cases;
 }
@@ -72,8 +79,8 @@ detail::PreparedStudy detail::prepare_motion(const yaml::Node& root) {
   study.description = fmt::format("{} motions", cases->size());
   study.columns = {"case",           "time_s",          "body_angle_deg",  "body_rate_rad_s",
                    "tail_angle_deg", "tail_rate_rad_s", "joint_torque_N_m"};
-  study.tasks = static_cast<int>(cases->size());
-  study.task = [cases](int i) { return play((*cases)[static_cast<std::size_t>(i)]); };
+  study.tasks = count_of(*cases);
+  study.task = [cases](int i) { return play((*cases)[i]); };
   study.rows = [](const std::vector<std::string>& bytes) {
     std::vector<StudyJson> rows;
     for (const std::string& b : bytes) {
@@ -84,4 +91,4 @@ detail::PreparedStudy detail::prepare_motion(const yaml::Node& root) {
   return study;
 }
 
-}  // namespace jaculus
+}  // namespace jaculus::studies

@@ -1,6 +1,6 @@
 #pragma once
-// Right-hand sides and Jacobians of the two bodies on a pin, for the Rosenbrock step. States are named at each system;
-// equations and symbols are those of studies/reorientation.h.
+// Right-hand sides and Jacobians of the two bodies on a pin, for the Rosenbrock step. States are
+// named at each system; equations and symbols are those of studies/reorientation.h.
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,7 @@
 #include "jaculus/studies/reorientation.h"
 #include "studies/rosenbrock.h"
 
-namespace jaculus::detail {
+namespace jaculus::studies::detail {
 
 /// The motor as a function of its torque t before the gear.
 struct MotorCurve {
@@ -26,13 +26,18 @@ struct MotorCurve {
         linear(c.motor.saturation_linear),
         cubic(c.motor.saturation_cubic),
         ratio(c.motor.gear * c.motor.efficiency),
-        largest_torque(c.motor_limits ? largest_joint_torque(c.motor).value : kInfinity) {}
+        largest_torque(c.motor_limits ? components::largest_joint_torque(c.motor).value
+                                      : kInfinity) {}
 
-  [[nodiscard]] double rate(double t) const { return free_rate - slope * t * (linear + cubic * t * t); }
+  [[nodiscard]] double rate(double t) const {
+    return free_rate - slope * t * (linear + cubic * t * t);
+  }
   [[nodiscard]] double current_slope(double t) const { return linear + 3.0 * cubic * t * t; }
   [[nodiscard]] double rate_slope(double t) const { return -slope * current_slope(t); }
   [[nodiscard]] bool limited(double t) const { return std::abs(ratio * t) > largest_torque; }
-  [[nodiscard]] double joint_torque(double t) const { return std::clamp(ratio * t, -largest_torque, largest_torque); }
+  [[nodiscard]] double joint_torque(double t) const {
+    return std::clamp(ratio * t, -largest_torque, largest_torque);
+  }
 };
 
 /// Drag moment with its derivatives by the tail's absolute rate and angle.
@@ -44,7 +49,7 @@ struct AirMoment {
 struct Air {
   double b = 0.0;  ///< still air: moment = -b omega |omega| [N m s^2]
   bool still = true;
-  PlanarDrag drag;
+  model::PlanarDrag drag;
   Vec2 velocity = Vec2::Zero();  ///< of the pivot to the air [m/s]
   double phi0 = 0.0;             ///< absolute tail angle at psi = 0 [rad]
 
@@ -61,7 +66,10 @@ struct Motion {
 struct Bodies {
   double body, tail, total, reduced_inverse;
   explicit Bodies(const ReorientationCase& c)
-      : body(c.body_inertia), tail(c.tail_inertia), total(body + tail), reduced_inverse(1.0 / body + 1.0 / tail) {}
+      : body(c.body_inertia),
+        tail(c.tail_inertia),
+        total(body + tail),
+        reduced_inverse(1.0 / body + 1.0 / tail) {}
 };
 
 /// Stiff pin, still air. States: t [N m], H [N m s] | tht [rad], Int H dt [N m s^2].
@@ -88,7 +96,8 @@ struct RigidStill {
     const double drag_h = drag_omega / in.total;
     const double drag = 0.5 * drag_omega * omega;
     const double a = motor.joint_torque(y[0]) * in.reduced_inverse + drag / in.tail;
-    const double a_t = (motor.limited(y[0]) ? 0.0 : motor.ratio) * in.reduced_inverse + drag_t / in.tail;
+    const double a_t =
+        (motor.limited(y[0]) ? 0.0 : motor.ratio) * in.reduced_inverse + drag_t / in.tail;
     const double w_tt = -motor.slope * 6.0 * motor.cubic * y[0];
     Eigen::Matrix<double, N + Q, N> j;
     j << a_t / w_t - a * w_tt / (w_t * w_t), drag_h / (in.tail * w_t),  //
@@ -99,12 +108,16 @@ struct RigidStill {
   }
 
   [[nodiscard]] State start() const {
-    return {saturated_torque(motor.linear, motor.cubic, motor.free_rate / motor.slope), 0, 0, 0};
+    return {components::saturated_torque(motor.linear, motor.cubic, motor.free_rate / motor.slope),
+            0, 0, 0};
   }
-  [[nodiscard]] State scale(double duration) const { return {start()[0], in.total / duration, 1.0, in.total}; }
+  [[nodiscard]] State scale(double duration) const {
+    return {start()[0], in.total / duration, 1.0, in.total};
+  }
   [[nodiscard]] Motion motion(const State& y) const {
     const double w = motor.rate(y[0]);
-    return {(y[3] - in.tail * y[2]) / in.total, (y[1] - in.tail * w) / in.total, y[2], w, motor.joint_torque(y[0])};
+    return {(y[3] - in.tail * y[2]) / in.total, (y[1] - in.tail * w) / in.total, y[2], w,
+            motor.joint_torque(y[0])};
   }
 };
 
@@ -150,7 +163,9 @@ struct Locked {
   [[nodiscard]] State rhs(const State& y) const;
   [[nodiscard]] Eigen::Matrix<double, N + Q, N> jacobian(const State& y) const;
   [[nodiscard]] State scale(double duration) const { return {1.0 / duration, 1.0}; }
-  [[nodiscard]] Motion motion(const State& y) const { return {y[1] - tail_angle, y[0], tail_angle, 0.0, 0.0}; }
+  [[nodiscard]] Motion motion(const State& y) const {
+    return {y[1] - tail_angle, y[0], tail_angle, 0.0, 0.0};
+  }
 };
 
-}  // namespace jaculus::detail
+}  // namespace jaculus::studies::detail

@@ -5,11 +5,12 @@
 
 #include <algorithm>
 
+#include "jaculus/core/installation.h"
 #include "jaculus/core/journal.h"
 #include "jaculus/trajectory/csv.h"
 #include "studies/study_kind.h"
 
-namespace jaculus {
+namespace jaculus::studies {
 namespace {
 
 namespace fs = std::filesystem;
@@ -40,6 +41,7 @@ Loaded load(const fs::path& file) {
   Loaded loaded;
   loaded.root = yaml::Node::load(file);
   if (!loaded.root.is_map()) throw loaded.root.error("a study is a map of keys");
+  yaml::refuse_other_kind(loaded.root, "jaculus-study/1");
   static_cast<void>(loaded.root.at("format").choice({"jaculus-study/1"}));
   loaded.name = loaded.root.at("name").text();
   loaded.caption = loaded.root.at("caption").text();
@@ -55,28 +57,37 @@ Loaded load(const fs::path& file) {
 }
 
 // Puts the journal in place: one that does not fit is refused with --resume, set aside without.
-TaskOptions task_options(const Loaded& loaded, const fs::path& folder, const StudyOptions& options) {
+TaskOptions task_options(const Loaded& loaded, const fs::path& folder,
+                         const StudyOptions& options) {
   TaskOptions t;
   t.workers = options.jobs;
   t.isolate = loaded.study.isolate;
   t.progress = options.progress;
   t.notice = options.notice;
-  t.fingerprint = fmt::format("study {:016x}", hash64(loaded.root.dump() + loaded.study.fingerprint + JACULUS_VERSION));
+  t.fingerprint =
+      fmt::format("study {:016x}",
+                  hash64(loaded.root.dump() + loaded.study.fingerprint + std::string(version())));
+
   if (folder.empty()) return t;
   t.journal = folder / "study.journal";
   if (options.resume || !fs::exists(t.journal)) return t;
   if (read_journal(t.journal).key.find(t.fingerprint) != std::string::npos) return t;
+
   const fs::path aside = folder / "study.journal.old";
   fs::rename(t.journal, aside);
-  if (options.notice) options.notice(fmt::format("the journal of another study is set aside as {}", aside.string()));
+  if (options.notice)
+    options.notice(fmt::format("the journal of another study is set aside as {}", aside.string()));
   return t;
 }
 
 StudyResult collect(const Loaded& loaded, const std::vector<TaskResult>& results) {
-  StudyResult result{loaded.name, loaded.kind, loaded.caption, true, loaded.study.columns, {}, {}, {}};
+  StudyResult result{loaded.name, loaded.kind, loaded.caption, true, loaded.study.columns, {},
+                     {},          {}};
+
   result.axes = loaded.study.axes;
   result.plots = loaded.plots;
   result.samples = loaded.study.samples;
+
   std::vector<std::string> bytes;
   for (std::size_t i = 0; i < results.size(); ++i) {
     const TaskResult& task = results[i];
@@ -85,17 +96,22 @@ StudyResult collect(const Loaded& loaded, const std::vector<TaskResult>& results
       continue;
     }
     result.complete = false;
-    if (task.state == TaskState::failed) result.notes.push_back(fmt::format("point {} failed: {}", i + 1, task.error));
+    if (task.state == TaskState::failed)
+      result.notes.push_back(fmt::format("point {} failed: {}", i + 1, task.error));
   }
+
   if (bytes.size() < results.size()) {
-    result.notes.push_back(fmt::format("{} of {} points are finished", bytes.size(), results.size()));
+    result.notes.push_back(
+        fmt::format("{} of {} points are finished", bytes.size(), results.size()));
     return result;
   }
+
   result.rows = loaded.study.rows(bytes);
   if (loaded.study.notes) result.notes = loaded.study.notes(result.rows);
   for (const detail::ReferenceQuery& query : loaded.references) {
     result.references.push_back(detail::evaluate(query, result.rows, result.notes));
   }
+
   return result;
 }
 
@@ -119,7 +135,8 @@ std::vector<std::string> detail::with_common_keys(std::vector<std::string> keys)
 fs::path detail::named_file(const yaml::Node& node) {
   const fs::path file = node.file().parent_path() / node.text();
   if (fs::is_regular_file(file)) return file;
-  throw node.error(fmt::format("'{}' not found; allowed: a file, named relative to this one", node.text()));
+  throw node.error(
+      fmt::format("'{}' not found; allowed: a file, named relative to this one", node.text()));
 }
 
 std::string check_study(const fs::path& file) {
@@ -132,8 +149,8 @@ StudyResult run_study(const fs::path& file, const fs::path& folder, const StudyO
   const TaskOptions t = task_options(loaded, folder, options);
   const StudyResult result = collect(loaded, run_tasks(loaded.study.tasks, loaded.study.task, t));
   if (folder.empty() || !result.complete) return result;
-  write_file(folder / "study.csv", study_csv(result));
-  write_file(folder / "study.json", study_json(result));
+  trajectory::write_file(folder / "study.csv", study_csv(result));
+  trajectory::write_file(folder / "study.json", study_json(result));
   fs::remove(t.journal);
   return result;
 }
@@ -156,6 +173,7 @@ std::string study_json(const StudyResult& result) {
                  {"complete", result.complete},
                  {"columns", result.columns},
                  {"rows", result.rows}};
+
   if (!result.samples.empty()) json["samples"] = result.samples;
   json["reference"] = StudyJson::array();
   for (const StudyReference& r : result.references) {
@@ -166,9 +184,10 @@ std::string study_json(const StudyResult& result) {
                                  {"disagrees", r.disagrees},
                                  {"note", r.note}});
   }
+
   json["notes"] = result.notes;
-  json["version"] = JACULUS_VERSION;
+  json["version"] = version();
   return json.dump(1) + "\n";
 }
 
-}  // namespace jaculus
+}  // namespace jaculus::studies

@@ -1,6 +1,6 @@
 #pragma once
-// What the kinds of studies have in common behind studies/study.h. A new kind is a function here and a row in
-// study.cpp.
+// What the kinds of studies have in common behind studies/study.h. A new kind is a function here
+// and a row in study.cpp.
 
 #include <filesystem>
 #include <functional>
@@ -10,7 +10,7 @@
 #include "jaculus/core/json.h"
 #include "jaculus/studies/study.h"
 
-namespace jaculus::detail {
+namespace jaculus::studies::detail {
 
 /// A study, read and checked: a list of independent tasks, and how their results become rows.
 struct PreparedStudy {
@@ -18,7 +18,8 @@ struct PreparedStudy {
   std::vector<std::string> columns;
   int tasks = 0;
   std::function<std::string(int)> task;  ///< any bytes; must not depend on anything but the file
-  std::function<std::vector<StudyJson>(const std::vector<std::string>&)> rows;  ///< from all tasks' bytes, in order
+  /// from all tasks' bytes, in order
+  std::function<std::vector<StudyJson>(const std::vector<std::string>&)> rows;
   std::function<std::vector<std::string>(const std::vector<StudyJson>&)> notes;
   std::vector<std::string> axes = {};   ///< see StudyResult
   std::vector<StudyJson> samples = {};  ///< see StudyResult
@@ -48,16 +49,19 @@ struct ReferenceQuery {
   double within = kNaN;  ///< of the paper's number; NaN: it is none
   yaml::Node node;
 };
-std::vector<ReferenceQuery> read_references(const yaml::Node& root, const std::vector<std::string>& columns);
+std::vector<ReferenceQuery> read_references(const yaml::Node& root,
+                                            const std::vector<std::string>& columns);
 /// A query that does not pick one row gives null and a note: the rows are not lost for it.
 StudyReference evaluate(const ReferenceQuery& query, const std::vector<StudyJson>& rows,
                         std::vector<std::string>& notes);
 
 /// Reads `plots`, checked against the columns.
 std::vector<StudyPlot> read_plots(const yaml::Node& root, const std::vector<std::string>& columns);
-/// The file that `node` names, relative to the study's own; InputError at `node` where there is none.
+/// The file that `node` names, relative to the study's own; InputError at `node` where there is
+/// none.
 std::filesystem::path named_file(const yaml::Node& node);
 /// InputError at `where`, naming the nearest, unless `name` is a column.
-void must_be_column(const std::string& name, const std::vector<std::string>& columns, const yaml::Node& where);
+void must_be_column(const std::string& name, const std::vector<std::string>& columns,
+                    const yaml::Node& where);
 
-}  // namespace jaculus::detail
+}  // namespace jaculus::studies::detail

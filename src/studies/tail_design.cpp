@@ -1,10 +1,10 @@
-#include "jaculus/studies/tail_design.h"
+#include "studies/tail_design.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-namespace jaculus {
+namespace jaculus::studies {
 namespace {
 
 constexpr double kSlack = 1.0 + 1e-12;
@@ -53,38 +53,44 @@ double tail_inertia(const TailMaterial& m, double length, double shaft, double w
   return m.tube * cube / 3.0 + m.film * (scoop + ends);
 }
 
-TailDesign evaluate_design(const ReorientationSetup& base, const TailMaterial& material, double length, double shaft,
-                           double width, const SearchSpace& gears) {
+TailDesign evaluate_design(const ReorientationSetup& base, const TailMaterial& material,
+                           double length, double shaft, double width, const SearchSpace& gears) {
   TailDesign d;
   d.length = length;
   d.shaft = shaft;
   d.width = width;
   d.mass = tail_mass(material, length, shaft, width);
   d.inertia = tail_inertia(material, length, shaft, width);
+
   ReorientationSetup setup = base;
   setup.tail_length = length;
   setup.tail_shaft = shaft;
   setup.tail_width = width;
   setup.tail_inertia = d.inertia;
   setup.normalised_inertia = setup.shaft_ratio = kNaN;
+
   ReorientationCase c = to_case(setup);
   const SearchResult best = maximise(gears, [&](double gear) {
     c.motor.gear = gear;
     const ReorientationResult r = simulate_reorientation(c);
     return r.converged ? r.effectiveness : kNaN;
   });
+
   d.gear = best.argument;
   d.search_bound = best.bound;
   d.effectiveness = kNaN;
+
   if (std::isnan(best.argument)) return d;
   c.motor.gear = best.argument;
   const ReorientationResult r = simulate_reorientation(c, 1e-2 * kReorientationTolerance);
   d.effectiveness = r.converged ? r.effectiveness : kNaN;
   d.body_angle = std::abs(r.body_angle);
+
   return d;
 }
 
-std::vector<TailDesign> pareto_front(const std::vector<TailDesign>& designs, const TailLimits& limits) {
+std::vector<TailDesign> pareto_front(const std::vector<TailDesign>& designs,
+                                     const TailLimits& limits) {
   std::vector<TailDesign> allowed, beyond;
   for (const TailDesign& d : designs) {
     if (!std::isnan(d.effectiveness)) (Breaks(d, limits).any() ? beyond : allowed).push_back(d);
@@ -102,4 +108,4 @@ std::vector<TailDesign> pareto_front(const std::vector<TailDesign>& designs, con
   return front;
 }
 
-}  // namespace jaculus
+}  // namespace jaculus::studies

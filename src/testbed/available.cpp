@@ -20,15 +20,19 @@ namespace {
 
 [[noreturn]] void refuse() {
   throw InputError(
-      "the testbed needs MuJoCo, which this build was made without; install libmujoco-dev (Debian) and build again");
+      "the testbed needs MuJoCo, which this build was made without; install libmujoco-dev (Debian) "
+      "and build again");
 }
 
 }  // namespace
 
-Recording play(const RobotFiles&, const Changes&, const Commands&, const PlayOptions&, const Numerics&) { refuse(); }
+Recording play(const RobotFiles&, const Changes&, const Commands&, const PlayOptions&,
+               const Numerics&) {
+  refuse();
+}
 
-std::vector<double> measured_parameters(const std::string&, const std::vector<double>&, const RobotFiles&,
-                                        const Changes&) {
+std::vector<double> measured_parameters(const std::string&, const std::vector<double>&,
+                                        const RobotFiles&, const Changes&) {
   refuse();
 }
 

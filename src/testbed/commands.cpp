@@ -7,14 +7,18 @@
 #include "jaculus/core/error.h"
 
 namespace jaculus::testbed {
+
+using trajectory::Quantity;
+
 namespace {
 
-Vector column(const Table& plan, const std::string& name, const Dimension& dimension,
+Vector column(const trajectory::Table& plan, const std::string& name, const Dimension& dimension,
               const std::filesystem::path& file) {
   Vector values = quantity(plan, name, dimension, file);
   for (Eigen::Index k = 0; k < values.size(); ++k) {
     if (std::isfinite(values[k])) continue;
-    throw InputError(fmt::format("{}:{}: column '{}': a gap; allowed in a plan: none", file.string(), k + 2, name));
+    throw InputError(fmt::format("{}:{}: column '{}': a gap; allowed in a plan: none",
+                                 file.string(), k + 2, name));
   }
   return values;
 }
@@ -26,7 +30,8 @@ double gear_of(const RobotFiles& files, const std::string& planar) {
   return 1.0;
 }
 
-/// Whether the feed-forward stays over pairs of samples, as a plan's does that holds its inputs over intervals with a middle node.
+/// Whether the feed-forward stays over pairs of samples, as a plan's does that holds its inputs
+/// over intervals with a middle node.
 bool stays_over_pairs(const Commands& c) {
   int node = 0;
   for (Eigen::Index k = 1; k < c.time.size(); ++k) {
@@ -40,38 +45,39 @@ bool stays_over_pairs(const Commands& c) {
 
 }  // namespace
 
-PlanCommands plan_commands(const Table& plan, const RobotFiles& files, const std::string& quantity,
-                           const std::filesystem::path& file) {
+PlanCommands plan_commands(const trajectory::Table& plan, const RobotFiles& files,
+                           Quantity quantity, const std::filesystem::path& file) {
   PlanCommands out;
   Commands& c = out.commands;
   c.quantity = quantity;
   c.time = column(plan, "time", dimension::time, file);
   for (Eigen::Index k = 1; k < c.time.size(); ++k) {
     if (c.time[k] >= c.time[k - 1]) continue;
-    throw InputError(fmt::format("{}:{}: time: {} s after {} s; allowed: time that does not fall", file.string(), k + 2,
-                                 c.time[k], c.time[k - 1]));
+    throw InputError(fmt::format("{}:{}: time: {} s after {} s; allowed: time that does not fall",
+                                 file.string(), k + 2, c.time[k], c.time[k - 1]));
   }
   c.motors = files.planar_motors;
-  const auto rows = static_cast<Eigen::Index>(c.motors.size());
-  for (Matrix* matrix : {&c.position, &c.velocity, &c.feedforward}) matrix->resize(rows, c.time.size());
+  const auto rows = std::ssize(c.motors);
+  for (Matrix* matrix : {&c.position, &c.velocity, &c.feedforward})
+    matrix->resize(rows, c.time.size());
   for (Eigen::Index r = 0; r < rows; ++r) {
-    const std::string& joint = c.motors[static_cast<std::size_t>(r)];
+    const std::string& joint = c.motors[r];
     c.position.row(r) = column(plan, joint, dimension::angle, file).transpose();
-    c.velocity.row(r) = column(plan, joint + "_velocity", dimension::angular_velocity, file).transpose();
-    if (quantity == "torque") {
-      c.feedforward.row(r) =
-          column(plan, joint + "_torque", dimension::torque, file).transpose() / gear_of(files, joint);
-    } else if (quantity == "duty") {
-      c.feedforward.row(r) = column(plan, joint + "_duty", dimension::none, file).transpose();
-    } else {
-      c.feedforward.row(r) = column(plan, joint + "_voltage", dimension::voltage, file).transpose();
-    }
+    c.velocity.row(r) =
+        column(plan, channel_name(joint, Quantity::velocity), dimension::angular_velocity, file)
+            .transpose();
+
+    c.feedforward.row(r) = column(plan, channel_name(joint, quantity),
+                                  trajectory::dimensions_of(quantity).front(), file)
+                               .transpose();
+    if (quantity == Quantity::torque) c.feedforward.row(r) /= gear_of(files, joint);
     out.start[joint] = c.position(r, 0);
   }
   c.linear = !stays_over_pairs(c);
   for (const std::string name : {"x", "z", "pitch"}) {
     if (plan.column(name) < 0) continue;
-    out.start[name] = column(plan, name, name == "pitch" ? dimension::angle : dimension::length, file)[0];
+    out.start[name] =
+        column(plan, name, name == "pitch" ? dimension::angle : dimension::length, file)[0];
   }
   out.duration = c.time[c.time.size() - 1];
   return out;

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-#include "jaculus/testbed/playback.h"
+#include "jaculus/testbed/motor_commands.h"
 #include "jaculus/trajectory/csv.h"
 #include "testbed/robot_files.h"
 
@@ -17,9 +17,10 @@ struct PlanCommands {
   double duration = 0.0;  ///< [s]
 };
 
-/// Columns <joint>, <joint>_velocity and, by `quantity`, <joint>_torque (at the joint; its gear is divided out), <joint>_duty or
-/// <joint>_voltage. A joint of the robot that the plan lacks, a gap or time that falls: InputError with the file.
-PlanCommands plan_commands(const Table& plan, const RobotFiles& files, const std::string& quantity,
-                           const std::filesystem::path& file);
+/// Columns <joint>, <joint>_velocity and, by `quantity`, <joint>_torque (at the joint; its gear is
+/// divided out), <joint>_duty or <joint>_voltage. A joint of the robot that the plan lacks, a gap
+/// or time that falls: InputError with the file.
+PlanCommands plan_commands(const trajectory::Table& plan, const RobotFiles& files,
+                           trajectory::Quantity quantity, const std::filesystem::path& file);
 
 }  // namespace jaculus::testbed

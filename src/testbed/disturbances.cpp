@@ -1,6 +1,7 @@
 #ifdef JACULUS_HAS_MUJOCO
 
-// Things that no catalogue of effects holds: what hardware does when a cable drags, a connector is loose or somebody pushes.
+// Things that no catalogue of effects holds: what hardware does when a cable drags, a connector is
+// loose or somebody pushes.
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -12,30 +13,39 @@ namespace jaculus::testbed {
 namespace {
 
 constexpr double kAdhesionRange = 4e-3;                  ///< over which a sticky floor lets go [m]
-constexpr double kRippleWaves = 14.0;                    ///< magnet pairs of a leg's motor
+constexpr double kRippleWaves = 14.0;                    ///< magnet pairs of a brushless motor
 constexpr double kPushStart = 0.08, kPushLength = 0.02;  ///< [s]
-
-/// A drive of a planar joint: the first is the left one.
-bool is_drive(const Forces& forces, std::size_t i, const std::string& planar, std::size_t side) {
-  std::size_t seen = 0;
-  for (std::size_t k = 0; k < forces.files->drives.size(); ++k) {
-    if (forces.files->drives[k].planar != planar) continue;
-    if (seen++ == side) return k == i;
-  }
-  return false;
-}
 
 }  // namespace
 
-double disturbed_torque(const Forces& forces, std::size_t i, double torque, const mjData& d) {
+FailingDrives failing_drives(const RobotFiles& files) {
+  const std::vector<std::string> rear = files.motors_of(Limb::rear_leg);
+  std::vector<std::string> front = files.motors_of(Limb::front_leg);
+  if (front.empty()) front = rear;
+
+  FailingDrives out;
+  if (front.empty() || rear.empty()) return out;
+  out.derated = files.sides_of(front.back()).front();
+  out.deaf = files.sides_of(rear.back()).back();
+  out.slipping = files.sides_of(rear.front()).back();
+  return out;
+}
+
+double disturbed_torque(const Forces& forces, int i, double torque, const mjData& d) {
   const Disturbances& o = forces.changes->outside;
-  const bool leg = forces.files->drives[i].motor.gear == 1.0;
-  if (o.ripple > 0.0 && leg) torque += o.ripple * std::sin(kRippleWaves * d.qpos[forces.machine->drives[i].qpos]);
-  if (o.derating > 0.0 && d.time >= o.derating_start && is_drive(forces, i, "front_b", 0)) torque *= 1.0 - o.derating;
-  const bool deaf = o.dropout > 0.0 && d.time >= o.dropout_start && d.time < o.dropout_start + o.dropout;
-  if (deaf && is_drive(forces, i, "rear_b", 1)) torque = 0.0;
-  if (is_drive(forces, i, "rear_a", 1)) torque = std::clamp(torque, -o.belt_slip, o.belt_slip);
-  if (o.tail_cable > 0.0 && !leg) {
+  const Limb limb = forces.files->drives[i].limb;
+  const bool leg = limb == Limb::front_leg || limb == Limb::rear_leg;
+
+  if (o.ripple > 0.0 && leg)
+    torque += o.ripple * std::sin(kRippleWaves * d.qpos[forces.machine->drives[i].qpos]);
+  if (o.derating > 0.0 && d.time >= o.derating_start && i == forces.failing.derated)
+    torque *= 1.0 - o.derating;
+  const bool deaf =
+      o.dropout > 0.0 && d.time >= o.dropout_start && d.time < o.dropout_start + o.dropout;
+  if (deaf && i == forces.failing.deaf) torque = 0.0;
+  if (i == forces.failing.slipping) torque = std::clamp(torque, -o.belt_slip, o.belt_slip);
+
+  if (o.tail_cable > 0.0 && limb == Limb::tail) {
     const double q = d.qpos[forces.machine->drives[i].qpos];
     torque -= o.tail_cable * q * q * q;
   }
@@ -50,17 +60,19 @@ void add_disturbances(const Forces& forces, mjData& d) {
     const double taut = d.qpos[machine.base_x.qpos] - forces.start_x - o.tether_slack;
     if (taut > 0.0) base[0] -= o.tether_stiffness * taut;
   }
+
   if (o.push != 0.0 && d.time >= kPushStart && d.time < kPushStart + kPushLength) base[0] += o.push;
   if (o.adhesion == 0.0) return;
   for (std::size_t i = 0; i < machine.toes.size(); ++i) {
-    if (forces.files->toes[i].name.find("rear") == std::string::npos) continue;
+    if (forces.files->toes[i].limb != Limb::rear_leg) continue;
     const int geom = machine.toes[i];
     const double height = d.geom_xpos[3 * geom + 2] - machine.model->geom_size[3 * geom];
     if (height >= kAdhesionRange) continue;
     const double pull = o.adhesion * std::min(1.0, 1.0 - height / kAdhesionRange);
-    const Vec3 place(d.geom_xpos + 3 * geom);
+    const model::Vec3 place(d.geom_xpos + 3 * geom);
     const int body = machine.model->geom_bodyid[geom];
-    const Vec3 moment = (place - Vec3(d.xipos + 3 * body)).cross(Vec3(0.0, 0.0, -pull));
+    const model::Vec3 moment =
+        (place - model::Vec3(d.xipos + 3 * body)).cross(model::Vec3(0.0, 0.0, -pull));
     d.xfrc_applied[6 * body + 2] -= pull;
     for (int k = 0; k < 3; ++k) d.xfrc_applied[6 * body + 3 + k] += moment[k];
   }

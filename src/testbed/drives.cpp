@@ -9,61 +9,73 @@
 
 namespace jaculus::testbed {
 
-double current_of_torque(const PlanarMotor& motor, double torque) {
+using trajectory::Quantity;
+
+double current_of_torque(const model::PlanarMotor& motor, double torque) {
   return motor.saturation_linear * torque + motor.saturation_cubic * torque * torque * torque;
 }
 
-double torque_of_current(const PlanarMotor& motor, double current) {
-  // The cubic rises and bends away from the axis, so Newton from the linear root comes down to it without overshoot.
+double torque_of_current(const model::PlanarMotor& motor, double current) {
+  // The cubic rises and bends away from the axis, so Newton from the linear root comes down to it
+  // without overshoot.
   double torque = current / motor.saturation_linear;
   for (int i = 0; i < 50; ++i) {
     const double error = current_of_torque(motor, torque) - current;
-    const double step = error / (motor.saturation_linear + 3.0 * motor.saturation_cubic * torque * torque);
+    const double step =
+        error / (motor.saturation_linear + 3.0 * motor.saturation_cubic * torque * torque);
     torque -= step;
     if (std::abs(step) < 1e-15 * (1.0 + std::abs(torque))) break;
   }
   return torque;
 }
 
-Drives::Drives(const RobotFiles& files, const Changes& changes, const std::string& quantity) : quantity_(quantity) {
-  constant_ = changes.torque_constant;
+Drives::Drives(const RobotFiles& files, const Changes& changes, Quantity quantity)
+    : quantity_(quantity) {
   current_limit_ = changes.current_limit;
   battery_resistance_ = changes.battery_resistance;
   heat_ = changes.winding_heat;
   battery_ = kInfinity;
+
   for (const testbed::Drive& drive : files.drives) {
     const auto scale = changes.torque_scale.find(drive.planar);
-    all_.push_back({drive.motor, scale == changes.torque_scale.end() ? 1.0 : scale->second, changes.winding_rise});
+    all_.push_back({drive.motor, scale == changes.torque_scale.end() ? 1.0 : scale->second,
+                    changes.torque_constant * drive.constant, changes.winding_rise});
     if (drive.motor.ideal()) {
-      if (quantity == "torque") continue;
+      if (quantity == Quantity::torque) continue;
       throw InputError(
-          fmt::format("motor of '{}' takes torque alone; allowed: a controller of quantity torque", drive.planar));
+          fmt::format("motor of '{}' takes torque alone; allowed: a controller of quantity torque",
+                      drive.planar));
     }
     battery_ = std::min(battery_, drive.motor.voltage);
   }
+
   battery_ = std::min(battery_, changes.voltage_limit);
 }
 
 DriveState Drives::one(const One& drive, double command, double rate, double bus) const {
-  const PlanarMotor& motor = drive.motor;
+  const model::PlanarMotor& motor = drive.motor;
   DriveState state;
   if (std::isnan(command)) return state;
+
   const double gearing = motor.gear * motor.efficiency;
   if (motor.ideal()) {
-    state.torque = drive.scale * std::clamp(command, -motor.torque_limit, motor.torque_limit) * gearing;
+    state.torque = drive.scale * drive.constant * gearing *
+                   std::clamp(command, -motor.torque_limit, motor.torque_limit);
     return state;
   }
-  const double strength = constant_ * (1.0 - 0.001 * drive.temperature);
+
+  const double strength = drive.constant * (1.0 - 0.001 * drive.temperature);
   const double resistance = motor.resistance * (1.0 + 0.0039 * drive.temperature);
   const double back_emf = strength * motor.torque_constant * motor.gear * rate;
   double current = 0.0;
-  if (quantity_ == "torque") {
+  if (quantity_ == Quantity::torque) {
     const double asked = std::clamp(command, -motor.torque_limit, motor.torque_limit);
     current = current_of_torque(motor, asked);
   } else {
-    const double wanted = quantity_ == "duty" ? command * bus : command;
+    const double wanted = quantity_ == Quantity::duty ? command * bus : command;
     current = (std::clamp(wanted, -bus, bus) - back_emf) / resistance;
   }
+
   const double limit = std::min(motor.current_limit, current_limit_);
   current = std::clamp(current, -limit, limit);
   const double saturated = current_of_torque(motor, motor.torque_limit);

@@ -1,11 +1,13 @@
 #pragma once
-// The testbed's motors and battery: equations in jaculus/testbed/playback.h. Written for this robot alone; the cubic and the
-// battery's voltage are solved by Newton and by iteration rather than in closed form.
+// The testbed's motors and battery: equations in jaculus/testbed/playback.h. Written for this robot
+// alone; the cubic and the battery's voltage are solved by Newton and by iteration rather than in
+// closed form.
 
 #include <string>
 #include <vector>
 
 #include "jaculus/testbed/changes.h"
+#include "jaculus/trajectory/quantity.h"
 #include "testbed/robot_files.h"
 
 namespace jaculus::testbed {
@@ -20,9 +22,10 @@ struct DriveState {
 class Drives {
  public:
   /// InputError where an ideal motor is to take duty or voltage.
-  Drives(const RobotFiles& files, const Changes& changes, const std::string& quantity);
+  Drives(const RobotFiles& files, const Changes& changes, trajectory::Quantity quantity);
 
-  /// All motors under `commands` (NaN: off) at joint rates `rates` [rad/s]; returns the bus voltage [V].
+  /// All motors under `commands` (NaN: off) at joint rates `rates` [rad/s]; returns the bus voltage
+  /// [V].
   double run(const std::vector<double>& commands, const std::vector<double>& rates,
              std::vector<DriveState>& states) const;
   /// Warms the windings over `seconds`.
@@ -30,21 +33,21 @@ class Drives {
 
  private:
   struct One {
-    PlanarMotor motor;
+    model::PlanarMotor motor;
     double scale = 1.0;        ///< on the torque that arrives
+    double constant = 1.0;     ///< on the torque constant, true over believed
     double temperature = 0.0;  ///< above that of the stated resistance [K]
   };
   [[nodiscard]] DriveState one(const One& drive, double command, double rate, double bus) const;
 
-  std::string quantity_;
-  double constant_ = 1.0;  ///< factor on the torque constant
+  trajectory::Quantity quantity_;
   double current_limit_ = kInfinity, battery_ = 0.0, battery_resistance_ = 0.0, heat_ = 0.0;
   std::vector<One> all_;
 };
 
 /// Current that a stated motor torque takes [A], before the gear.
-double current_of_torque(const PlanarMotor& motor, double torque);
+double current_of_torque(const model::PlanarMotor& motor, double torque);
 /// Its inverse [N m].
-double torque_of_current(const PlanarMotor& motor, double current);
+double torque_of_current(const model::PlanarMotor& motor, double current);
 
 }  // namespace jaculus::testbed

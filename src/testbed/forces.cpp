@@ -15,21 +15,15 @@ void callback(const mjModel*, mjData* d) {
   if (current != nullptr) current->apply(*d);
 }
 
-bool is_tail(const RobotFiles& files, const Drive& drive) {
-  if (files.drag_links.empty()) return false;
-  const int joint = files.tree.joint_index(drive.joint);
-  const int link = files.tree.joints[static_cast<std::size_t>(joint)].child;
-  return files.tree.links[static_cast<std::size_t>(link)].name == files.drag_links.front();
-}
-
 /// Planar velocity (x, z) of a point fixed to a body, and its place.
-void point_motion(const mjModel& m, const mjData& d, int body, const Vec3& point_B, Vec3& place, Vec3& velocity) {
+void point_motion(const mjModel& m, const mjData& d, int body, const model::Vec3& point_B,
+                  model::Vec3& place, model::Vec3& velocity) {
   const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> turn(d.xmat + 9 * body);
-  const Vec3 origin(d.xpos + 3 * body);
+  const model::Vec3 origin(d.xpos + 3 * body);
   place = origin + turn * point_B;
   std::array<mjtNum, 6> motion{};  // rotation, then velocity of the body's frame
   mj_objectVelocity(&m, &d, mjOBJ_XBODY, body, motion.data(), 0);
-  const Vec3 spin(motion[0], motion[1], motion[2]), rate(motion[3], motion[4], motion[5]);
+  const model::Vec3 spin(motion[0], motion[1], motion[2]), rate(motion[3], motion[4], motion[5]);
   velocity = rate + spin.cross(place - origin);
 }
 
@@ -42,27 +36,33 @@ ForcesGuard::ForcesGuard(Forces& forces) {
 
 ForcesGuard::~ForcesGuard() { current = nullptr; }
 
-void add_drag(const Machine& machine, std::size_t index, const PlanarDrag& drag, const Changes& changes, mjData& d) {
-  if (drag.kind == DragKind::none) return;
+void add_drag(const Machine& machine, std::size_t index, const model::PlanarDrag& drag,
+              const Changes& changes, mjData& d) {
+  if (drag.kind == model::DragKind::none) return;
   const mjModel& m = *machine.model;
-  const double factor = 0.5 * drag.density * drag.coefficient * changes.drag_coefficient * drag.width;
-  const Vec3 along(drag.direction.x(), 0.0, drag.direction.y());
-  Vec3 pivot, carried = Vec3::Zero();
-  point_motion(m, d, machine.drag_pivot[index], Vec3::Zero(), pivot, carried);
+  const double factor =
+      0.5 * drag.density * drag.coefficient * changes.drag_coefficient * drag.width;
+  const model::Vec3 along(drag.direction.x(), 0.0, drag.direction.y());
+  model::Vec3 pivot, carried = model::Vec3::Zero();
+  point_motion(m, d, machine.drag_pivot[index], model::Vec3::Zero(), pivot, carried);
+
   for (const Strip& strip : machine.strips[index]) {
-    const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> turn(d.xmat + 9 * strip.body);
-    const Vec3 tail = turn * along;
-    const Vec3 normal(tail.z(), 0.0, -tail.x());  // the way the strip goes as the tail's pitch grows
-    Vec3 place, velocity;
+    const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> turn(d.xmat +
+                                                                              9 * strip.body);
+    const model::Vec3 tail = turn * along;
+    // the way the strip goes as the tail's pitch grows
+    const model::Vec3 normal(tail.z(), 0.0, -tail.x());
+    model::Vec3 place, velocity;
     point_motion(m, d, strip.body, strip.point_B, place, velocity);
     velocity.x() -= drag.wind_W.x() + changes.wind;
     velocity.z() -= drag.wind_W.y();
     if (changes.drag_ignores_translation) velocity -= carried;
     const double u = normal.dot(velocity);
-    const Vec3 force = -factor * u * std::abs(u) * strip.length * normal;
+    const model::Vec3 force = -factor * u * std::abs(u) * strip.length * normal;
     // Equation 2 knows the moment about the pivot alone: a couple.
-    const Vec3 from = changes.drag_ignores_translation ? pivot : Vec3(d.xipos + 3 * strip.body);
-    const Vec3 moment = (place - from).cross(force);
+    const model::Vec3 from =
+        changes.drag_ignores_translation ? pivot : model::Vec3(d.xipos + 3 * strip.body);
+    const model::Vec3 moment = (place - from).cross(force);
     for (int k = 0; k < 3; ++k) {
       if (!changes.drag_ignores_translation) d.xfrc_applied[6 * strip.body + k] += force[k];
       d.xfrc_applied[6 * strip.body + 3 + k] += moment[k];
@@ -77,22 +77,26 @@ void Forces::apply(mjData& d) {
   rates.resize(machine->drives.size());
   for (std::size_t i = 0; i < rates.size(); ++i) rates[i] = d.qvel[machine->drives[i].dof];
   bus = drives->run(commands, rates, states);
-  for (std::size_t i = 0; i < rates.size(); ++i) {
+  for (int i = 0; i < count_of(rates); ++i) {
     states[i].torque = disturbed_torque(*this, i, states[i].torque, d);
     d.qfrc_applied[machine->drives[i].dof] += states[i].torque;
   }
-  for (std::size_t i = 0; i < files->drags.size(); ++i) add_drag(*machine, i, files->drags[i], *changes, d);
+  for (std::size_t i = 0; i < files->drags.size(); ++i)
+    add_drag(*machine, i, files->drags[i], *changes, d);
   add_disturbances(*this, d);
 }
 
 void Forces::renew_friction() {
   for (std::size_t i = 0; i < machine->drives.size(); ++i) {
-    const DryFriction& f = is_tail(*files, files->drives[i]) ? changes->tail_friction : changes->leg_friction;
-    if (f.coulomb == 0.0 && f.stribeck == 0.0 && f.load == 0.0) continue;
+    const DryFriction& f =
+        files->drives[i].limb == Limb::tail ? changes->tail_friction : changes->leg_friction;
+    const double always = files->drives[i].friction + f.coulomb;
+    if (always == 0.0 && f.stribeck == 0.0 && f.load == 0.0) continue;
     const int dof = machine->drives[i].dof;
     const double ratio = machine->data->qvel[dof] / f.stribeck_rate;
     const double torque = i < states.size() ? std::abs(states[i].torque) : 0.0;
-    machine->model->dof_frictionloss[dof] = f.coulomb + f.stribeck * std::exp(-ratio * ratio) + f.load * torque;
+    machine->model->dof_frictionloss[dof] =
+        always + f.stribeck * std::exp(-ratio * ratio) + f.load * torque;
   }
 }
 

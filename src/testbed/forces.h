@@ -1,6 +1,6 @@
 #pragma once
-// Forces on the robot that MuJoCo does not make itself: motors, air, and disturbances. MuJoCo calls them at every stage of a
-// step through its control callback.
+// Forces on the robot that MuJoCo does not make itself: motors, air, and disturbances. MuJoCo calls
+// them at every stage of a step through its control callback.
 
 #include <vector>
 
@@ -8,6 +8,14 @@
 #include "testbed/machine.h"
 
 namespace jaculus::testbed {
+
+/// Drives that a disturbance strikes: indices, -1 where the robot has none.
+struct FailingDrives {
+  int derated = -1;   ///< left one of the last front joint (a rear one, where no leg is in front)
+  int deaf = -1;      ///< right one of the last rear joint
+  int slipping = -1;  ///< right one of the first rear joint
+};
+FailingDrives failing_drives(const RobotFiles& files);
 
 struct Forces {
   const RobotFiles* files = nullptr;
@@ -19,6 +27,7 @@ struct Forces {
   double bus = kNaN;               ///< [V]
   std::vector<double> rates;       ///< scratch
   double start_x = 0.0;            ///< of the base [m]
+  FailingDrives failing;
 
   /// Sets qfrc_applied and xfrc_applied for the state in `d`.
   void apply(mjData& d);
@@ -35,13 +44,15 @@ class ForcesGuard {
   ForcesGuard& operator=(const ForcesGuard&) = delete;
 };
 
-/// Drag on one tail, added to xfrc_applied of the bodies that carry its strips: midpoint rule over strips of equal length, each
-/// with -1/2 rho C_D w u|u| along the tail's normal, u its own speed through the air (Norby et al. 2021, equations 1 and 8).
-void add_drag(const Machine& machine, std::size_t index, const PlanarDrag& drag, const Changes& changes, mjData& d);
+/// Drag on one tail, added to xfrc_applied of the bodies that carry its strips: midpoint rule over
+/// strips of equal length, each with -1/2 rho C_D w u|u| along the tail's normal, u its own speed
+/// through the air (Norby et al. 2021, equations 1 and 8).
+void add_drag(const Machine& machine, std::size_t index, const model::PlanarDrag& drag,
+              const Changes& changes, mjData& d);
 
 /// What is outside any catalogue; may change `states`' torques as well.
 void add_disturbances(const Forces& forces, mjData& d);
 /// Torque of drive `i` as it arrives, [N m].
-double disturbed_torque(const Forces& forces, std::size_t i, double torque, const mjData& d);
+double disturbed_torque(const Forces& forces, int i, double torque, const mjData& d);
 
 }  // namespace jaculus::testbed

@@ -3,13 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "jaculus/trajectory/dataset.h"
+
 namespace jaculus::testbed {
 namespace {
-
-double value_of(const std::map<std::string, double>& values, const std::string& key, double otherwise) {
-  const auto found = values.find(key);
-  return found == values.end() ? otherwise : found->second;
-}
 
 /// Cubic through two places and rates at a share s of the interval `h`.
 double hermite(double p0, double v0, double p1, double v1, double h, double s) {
@@ -21,20 +18,21 @@ double hermite(double p0, double v0, double p1, double v1, double h, double s) {
 
 }  // namespace
 
-Loop::Loop(const RobotFiles& files, const Changes& changes, const Commands& commands, const LoopSensors& sensors)
+Loop::Loop(const RobotFiles& files, const Changes& changes, const Commands& commands,
+           const LoopSensors& sensors)
     : commands_(commands), sensors_(sensors), random_(sensors.seed) {
   period_ = 1.0 / commands.rate_hz;
   delay_ = changes.delay;
   late_ = changes.late_start;
-  latency_ = value_of(changes.latency, "joints", 0.0);
+  latency_ = value_of(changes.latency, trajectory::kJointStream, 0.0);
   for (const Drive& drive : files.drives) {
     const auto found = std::find(commands.motors.begin(), commands.motors.end(), drive.planar);
-    row_.push_back(found == commands.motors.end() ? -1 : static_cast<int>(found - commands.motors.begin()));
-    kp_.push_back(changes.gain_p * value_of(commands.kp, drive.planar, 0.0));
-    kd_.push_back(changes.gain_d * value_of(commands.kd, drive.planar, 0.0));
+    row_.push_back(found == commands.motors.end() ? -1 : found - commands.motors.begin());
+    kp_.push_back(changes.gain_p * drive.gain_p * value_of(commands.kp, drive.planar, 0.0));
+    kd_.push_back(changes.gain_d * drive.gain_d * value_of(commands.kd, drive.planar, 0.0));
     gear_.push_back(drive.motor.gear);
     scale_.push_back(value_of(changes.scale, drive.planar, 1.0));
-    offset_.push_back(value_of(changes.joint_offset, drive.planar, 0.0));
+    offset_.push_back(drive.encoder_zero + value_of(changes.joint_offset, drive.planar, 0.0));
   }
   now_.assign(files.drives.size(), kNaN);
 }
@@ -43,7 +41,9 @@ double Loop::instant() const { return late_ + static_cast<double>(index_) * peri
 
 double Loop::read_time() const { return std::max(0.0, instant() - latency_); }
 
-double Loop::next() const { return std::min(read_time(), sent_.empty() ? kInfinity : sent_.front().arrives); }
+double Loop::next() const {
+  return std::min(read_time(), sent_.empty() ? kInfinity : sent_.front().arrives);
+}
 
 void Loop::update(double t, const std::vector<double>& angles, const std::vector<double>& rates) {
   while (read_time() <= t + 1e-12) {
@@ -57,7 +57,8 @@ void Loop::update(double t, const std::vector<double>& angles, const std::vector
   }
 }
 
-std::vector<double> Loop::evaluate(double moment, const std::vector<double>& angles, const std::vector<double>& rates) {
+std::vector<double> Loop::evaluate(double moment, const std::vector<double>& angles,
+                                   const std::vector<double>& rates) {
   std::normal_distribution<double> normal;
   std::vector<double> out(row_.size(), kNaN);
   const Vector& time = commands_.time;
@@ -66,6 +67,7 @@ std::vector<double> Loop::evaluate(double moment, const std::vector<double>& ang
   const double at = std::clamp(moment, 0.0, end);
   Eigen::Index k = 0;
   while (k + 1 < time.size() && time[k + 1] <= at + 1e-12) ++k;
+
   const Eigen::Index l = std::min(k + 1, time.size() - 1);
   const double h = time[l] - time[k], s = h > 0.0 ? std::clamp((at - time[k]) / h, 0.0, 1.0) : 0.0;
   for (std::size_t i = 0; i < row_.size(); ++i) {
@@ -89,6 +91,7 @@ std::vector<double> Loop::evaluate(double moment, const std::vector<double>& ang
     }
     out[i] = value;
   }
+
   return out;
 }
 

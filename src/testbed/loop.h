@@ -1,19 +1,30 @@
 #pragma once
-// The robot's control loop: at its own instants it reads encoders, works out a command for every motor and sends it; it arrives
-// after the delay and is held until the next one does.
+// The robot's control loop: at its own instants it reads encoders, works out a command for every
+// motor and sends it; it arrives after the delay and is held until the next one does.
 
 #include <deque>
+#include <map>
 #include <random>
+#include <string>
 #include <vector>
 
-#include "jaculus/testbed/playback.h"
+#include "jaculus/testbed/changes.h"
+#include "jaculus/testbed/motor_commands.h"
 #include "testbed/robot_files.h"
 
 namespace jaculus::testbed {
 
+/// A value that may be missing.
+inline double value_of(const std::map<std::string, double>& values, const std::string& key,
+                       double otherwise) {
+  const auto found = values.find(key);
+  return found == values.end() ? otherwise : found->second;
+}
+
 class Loop {
  public:
-  Loop(const RobotFiles& files, const Changes& changes, const Commands& commands, const LoopSensors& sensors);
+  Loop(const RobotFiles& files, const Changes& changes, const Commands& commands,
+       const LoopSensors& sensors);
 
   /// When encoders are read or commands arrive next, after `t` [s].
   [[nodiscard]] double next() const;
@@ -31,10 +42,11 @@ class Loop {
   };
   [[nodiscard]] double instant() const;    ///< of the next sample [s]
   [[nodiscard]] double read_time() const;  ///< when its encoders are read [s]
-  std::vector<double> evaluate(double moment, const std::vector<double>& angles, const std::vector<double>& rates);
+  std::vector<double> evaluate(double moment, const std::vector<double>& angles,
+                               const std::vector<double>& rates);
 
   const Commands& commands_;
-  std::vector<int> row_;  ///< of each drive in the commands, -1 where it hears none
+  std::vector<Eigen::Index> row_;  ///< of each drive in the commands, -1 where it hears none
   std::vector<double> kp_, kd_, gear_, scale_, offset_;
   double period_ = 1e-3, delay_ = 0.0, late_ = 0.0, latency_ = 0.0;
   LoopSensors sensors_;

@@ -9,7 +9,7 @@
 #include <cstring>
 #include <stdexcept>
 
-#include "jaculus/core/error.h"
+#include "jaculus/testbed/lost.h"
 
 namespace jaculus::testbed {
 namespace {
@@ -21,14 +21,14 @@ std::unique_ptr<mjModel, ModelDeleter> compile(const std::string& text) {
   const auto files = std::make_unique<mjVFS>();
   mj_defaultVFS(files.get());
   const char* name = "robot.xml";
-  mj_makeEmptyFileVFS(files.get(), name, static_cast<int>(text.size()));
+  mj_makeEmptyFileVFS(files.get(), name, count_of(text));
   const int index = mj_findFileVFS(files.get(), name);
   std::memcpy(files->filedata[index], text.data(), text.size());
   std::array<char, 1000> error{};
   std::unique_ptr<mjModel, ModelDeleter> model(
-      mj_loadXML(name, files.get(), error.data(), static_cast<int>(error.size())));
+      mj_loadXML(name, files.get(), error.data(), count_of(error)));
   mj_deleteVFS(files.get());
-  if (!model) throw std::runtime_error(fmt::format("MuJoCo does not take the robot: {}", error.data()));
+  if (!model) throw LostRobot(fmt::format("MuJoCo does not take the robot: {}", error.data()));
   return model;
 }
 
@@ -37,10 +37,11 @@ int body_id(const Machine& machine, const std::string& name) {
 }
 
 /// Strips from L0 to L, each on the piece of the shaft that carries it.
-std::vector<Strip> cut_strips(const Machine& machine, const PlanarDrag& drag, const std::string& link,
-                              const std::vector<double>& hinges, int count) {
+std::vector<Strip> cut_strips(const Machine& machine, const model::PlanarDrag& drag,
+                              const std::string& link, const std::vector<double>& hinges,
+                              int count) {
   std::vector<Strip> strips;
-  const Vec3 along(drag.direction.x(), 0.0, drag.direction.y());
+  const model::Vec3 along(drag.direction.x(), 0.0, drag.direction.y());
   const double length = (drag.end - drag.start) / count;
   for (int i = 0; i < count; ++i) {
     const double l = drag.start + (i + 0.5) * length;
@@ -54,20 +55,21 @@ std::vector<Strip> cut_strips(const Machine& machine, const PlanarDrag& drag, co
   return strips;
 }
 
-Vec3 site(const Machine& machine, std::size_t pin, char end) {
-  const int id = mj_name2id(machine.model.get(), mjOBJ_SITE, fmt::format("pin_{}_{}", pin, end).c_str());
-  return Vec3(machine.data->site_xpos + 3 * id);
+model::Vec3 site(const Machine& machine, std::size_t pin, char end) {
+  const int id =
+      mj_name2id(machine.model.get(), mjOBJ_SITE, fmt::format("pin_{}_{}", pin, end).c_str());
+  return model::Vec3(machine.data->site_xpos + 3 * id);
 }
 
 /// Column (x, z) of how the gap of a pin changes with one joint.
 Vec2 gap_rate(const Machine& machine, std::size_t pin, int dof) {
-  std::vector<double> a(static_cast<std::size_t>(3 * machine.model->nv)), b(a.size());
+  std::vector<double> a(3 * machine.model->nv), b(a.size());
   const auto id = [&](char end) {
     return mj_name2id(machine.model.get(), mjOBJ_SITE, fmt::format("pin_{}_{}", pin, end).c_str());
   };
   mj_jacSite(machine.model.get(), machine.data.get(), a.data(), nullptr, id('a'));
   mj_jacSite(machine.model.get(), machine.data.get(), b.data(), nullptr, id('b'));
-  const auto nv = static_cast<std::size_t>(machine.model->nv), d = static_cast<std::size_t>(dof);
+  const std::size_t nv = machine.model->nv, d = dof;
   return {a[d] - b[d], a[2 * nv + d] - b[2 * nv + d]};
 }
 
@@ -76,39 +78,54 @@ void kinematics(Machine& machine) {
   mj_comPos(machine.model.get(), machine.data.get());
 }
 
-/// Newton on the two joints of each pin, from several starts, since a leg has two ways to close.
+/// Newton on the two joints of a pin, at most half a radian a step; the gap that is left [m].
+double close_pin(Machine& machine, std::size_t p, const JointPlace& a, const JointPlace& b) {
+  double gap = kInfinity;
+  for (int i = 0; i < 60 && gap > 1e-15; ++i) {
+    kinematics(machine);
+    const model::Vec3 d = site(machine, p, 'a') - site(machine, p, 'b');
+    gap = std::hypot(d.x(), d.z());
+
+    Mat2 jacobian;
+    jacobian << gap_rate(machine, p, a.dof), gap_rate(machine, p, b.dof);
+    const Vec2 turn = -jacobian.fullPivLu().solve(Vec2(d.x(), d.z()));
+    const double scale = std::min(1.0, 0.5 / std::max(1e-12, turn.cwiseAbs().maxCoeff()));
+    machine.data->qpos[a.qpos] += scale * turn.x();
+    machine.data->qpos[b.qpos] += scale * turn.y();
+  }
+  kinematics(machine);
+  return gap;
+}
+
+/// Whether a pin lies on its side of the line between the two links' joints.
+bool on_branch(const Machine& machine, const Pin& pin, std::size_t p) {
+  const auto anchor = [&](const std::string& link) {
+    return model::Vec3(machine.data->xpos + 3 * body_id(machine, link));
+  };
+  const model::Vec3 u = anchor(pin.link_b) - anchor(pin.link_a),
+                    w = site(machine, p, 'a') - anchor(pin.link_a);
+  return (u.z() * w.x() - u.x() * w.z()) * pin.branch > 0.0;
+}
+
+/// Closes every pin, from several starts, since a leg has two ways to close.
 void close_pins(Machine& machine, const RobotFiles& files) {
   for (std::size_t p = 0; p < files.pins.size(); ++p) {
     const Pin& pin = files.pins[p];
     const JointPlace a = machine.joint(pin.joint_a), b = machine.joint(pin.joint_b);
+
     bool closed = false;
     for (const double guess : {0.5, 0.8, 0.2, 1.2, 2.0, -0.5, -1.0}) {
       machine.data->qpos[a.qpos] = machine.data->qpos[b.qpos] = guess;
-      double gap = kInfinity;
-      for (int i = 0; i < 60 && gap > 1e-15; ++i) {
-        kinematics(machine);
-        const Vec3 d = site(machine, p, 'a') - site(machine, p, 'b');
-        gap = std::hypot(d.x(), d.z());
-        Mat2 jacobian;
-        jacobian << gap_rate(machine, p, a.dof), gap_rate(machine, p, b.dof);
-        const Vec2 turn = -jacobian.fullPivLu().solve(Vec2(d.x(), d.z()));
-        const double scale = std::min(1.0, 0.5 / std::max(1e-12, turn.cwiseAbs().maxCoeff()));
-        machine.data->qpos[a.qpos] += scale * turn.x();
-        machine.data->qpos[b.qpos] += scale * turn.y();
-      }
-      kinematics(machine);
-      const auto anchor = [&](const std::string& link) {
-        return Vec3(machine.data->xpos + 3 * body_id(machine, link));
-      };
-      const Vec3 u = anchor(pin.link_b) - anchor(pin.link_a), w = site(machine, p, 'a') - anchor(pin.link_a);
-      closed = gap < 1e-12 && (u.z() * w.x() - u.x() * w.z()) * pin.branch > 0.0;
+      const double gap = close_pin(machine, p, a, b);
+      closed = gap < 1e-12 && on_branch(machine, pin, p);
       if (closed) break;
     }
+
     if (!closed) {
-      throw InputError(
-          fmt::format("start pose: the links '{}' and '{}' do not meet at their pin; allowed: motor angles "
-                      "at which they do",
-                      pin.link_a, pin.link_b));
+      throw UnreachablePose(fmt::format(
+          "start pose: the links '{}' and '{}' do not meet at their pin; allowed: motor angles "
+          "at which they do",
+          pin.link_a, pin.link_b));
     }
   }
 }
@@ -125,9 +142,11 @@ void stand(Machine& machine, const RobotFiles& files, const StartPose& pose) {
     d.qpos[machine.base_z.qpos] = std::isnan(pose.z) ? 0.0 : pose.z;
     return;
   }
+
   for (int i = 0; i < 50; ++i) {
     kinematics(machine);
-    std::map<std::string, std::pair<double, double>> ends;  // x and height of the lowest toe of each foot's name
+    // x and height of the lowest toe of each foot's name
+    std::map<std::string, std::pair<double, double>> ends;
     for (std::size_t t = 0; t < machine.toes.size(); ++t) {
       const double h = toe_height(machine, t), x = d.geom_xpos[3 * machine.toes[t]];
       const auto [found, added] = ends.emplace(files.toes[t].name, std::make_pair(x, h));
@@ -145,7 +164,8 @@ void stand(Machine& machine, const RobotFiles& files, const StartPose& pose) {
   }
 }
 
-/// Floor plates under the weight: shares of front and rear toes from the balance of moments about the centre of mass.
+/// Floor plates under the weight: shares of front and rear toes from the balance of moments about
+/// the centre of mass.
 void sink(Machine& machine) {
   const mjModel& m = *machine.model;
   mjData& d = *machine.data;
@@ -160,8 +180,11 @@ void sink(Machine& machine) {
     sum += x;
     square += x * x;
   }
-  // Loads a + b x with the sum the weight and no moment about the centre of mass: as a rigid body loads equal springs.
-  const double b = -weight * sum / (n * square - sum * sum), a = (weight - b * sum) / n;
+
+  // Loads a + b x with the sum the weight and no moment about the centre of mass: as a rigid body
+  // loads equal springs. Toes at one place share alike.
+  const double spread = n * square - sum * sum;
+  const double b = spread > 1e-12 ? -weight * sum / spread : 0.0, a = (weight - b * sum) / n;
   double front = 0.0, rear = 0.0, front_x = -kInfinity, rear_x = kInfinity;
   for (std::size_t i = 0; i < machine.toes.size(); ++i) {
     const double x = d.geom_xpos[3 * machine.toes[i]];
@@ -171,7 +194,8 @@ void sink(Machine& machine) {
     if (x > front_x) front_x = x, front = depth;
     if (x < rear_x) rear_x = x, rear = depth;
   }
-  const double turn = (front - rear) / (front_x - rear_x);
+
+  const double turn = front_x - rear_x > 1e-6 ? (front - rear) / (front_x - rear_x) : 0.0;
   d.qpos[machine.base_pitch.qpos] += std::atan(turn);
   d.qpos[machine.base_z.qpos] -= rear + turn * (d.qpos[machine.base_x.qpos] - rear_x);
 }
@@ -191,23 +215,26 @@ Machine build_machine(const RobotFiles& files, const Changes& changes, const Set
   machine.data.reset(mj_makeData(machine.model.get()));
   mjModel& m = *machine.model;
   for (std::size_t i = 0; i < files.pins.size(); ++i) {
-    // The compiler takes the second anchor from where the bodies are at zero, where a leg need not be closed.
-    double* anchors = m.eq_data + static_cast<std::ptrdiff_t>(mjNEQDATA) * static_cast<std::ptrdiff_t>(i);
+    // The compiler takes the second anchor from where the bodies are at zero, where a leg need not
+    // be closed.
+    double* anchors = m.eq_data + mjNEQDATA * i;
     for (int k = 0; k < 3; ++k) anchors[3 + k] = files.pins[i].point_b[k];
   }
+
   machine.base_x = machine.joint("base_x");
   machine.base_z = machine.joint("base_z");
   machine.base_pitch = machine.joint("base_pitch");
-  machine.base = body_id(machine, files.tree.links[static_cast<std::size_t>(files.tree.root)].name);
+  machine.base = body_id(machine, files.tree.links[files.tree.root].name);
   for (const Drive& drive : files.drives) machine.drives.push_back(machine.joint(drive.joint));
   for (std::size_t i = 0; i < files.toes.size(); ++i) {
     machine.toes.push_back(mj_name2id(&m, mjOBJ_GEOM, fmt::format("toe_{}", i).c_str()));
   }
+
   for (std::size_t i = 0; i < files.drags.size(); ++i) {
     machine.drag_pivot.push_back(body_id(machine, files.drag_links[i]));
-    machine.strips.push_back(cut_strips(machine, files.drags[i], files.drag_links[i],
-                                        i == 0 ? shaft_hinges(files, changes) : std::vector<double>{},
-                                        numerics.strips));
+    machine.strips.push_back(
+        cut_strips(machine, files.drags[i], files.drag_links[i],
+                   i == 0 ? shaft_hinges(files, changes) : std::vector<double>{}, numerics.strips));
   }
   return machine;
 }

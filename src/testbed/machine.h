@@ -1,5 +1,6 @@
 #pragma once
-// The running robot: MuJoCo's model and data with the ids that the testbed needs, placed in a start pose.
+// The running robot: MuJoCo's model and data with the ids that the testbed needs, placed in a start
+// pose.
 
 #include <mujoco/mujoco.h>
 
@@ -28,8 +29,8 @@ struct JointPlace {
 /// A strip of a tail that meets the air.
 struct Strip {
   int body = -1;
-  Vec3 point_B = Vec3::Zero();  ///< its middle [m]
-  double length = 0.0;          ///< [m]
+  model::Vec3 point_B = model::Vec3::Zero();  ///< its middle [m]
+  double length = 0.0;                        ///< [m]
 };
 
 struct Machine {
@@ -45,13 +46,15 @@ struct Machine {
   [[nodiscard]] JointPlace joint(const std::string& name) const;
 };
 
-/// Builds the robot. What MuJoCo refuses in its own model text is an internal error (std::runtime_error).
+/// Builds the robot. What MuJoCo refuses in its own model text is a LostRobot.
 Machine build_machine(const RobotFiles& files, const Changes& changes, const Setting& setting,
                       const Numerics& numerics);
 
-/// Puts the robot into a pose at rest: `joints` by planar or spatial name, other joints at their zero, knees by closing the
-/// pins (Newton). A floating base goes to x, pitch, and to `z`; NaN puts its lowest toe on the floor. With `level` the pitch is
-/// turned until the lowest toes of both ends touch. InputError where the pins can't be closed.
+/// Puts the robot into a pose at rest: `joints` by planar or spatial name, other joints at their
+/// zero, knees by closing the pins (Newton). A floating base goes to x, pitch, and to `z`; NaN puts
+/// its lowest toe on the floor. With `level` the pitch is turned until the lowest toes of both ends
+/// touch. UnreachablePose where the pins can't be
+/// closed.
 struct StartPose {
   std::map<std::string, double> joints;
   double x = 0.0, z = kNaN, pitch = 0.0;
@@ -59,8 +62,9 @@ struct StartPose {
 };
 void place(Machine& machine, const RobotFiles& files, const StartPose& pose);
 
-/// Lets springs and play of the build come to rest under gravity with all motors held: bends of the shaft, the flank of a gear on
-/// which the tail lies, floor plates under the robot's weight (the base sinks with them).
+/// Lets springs and play of the build come to rest under gravity with all motors held: bends of the
+/// shaft, the flank of a gear on which the tail lies, floor plates under the robot's weight (the
+/// base sinks with them).
 void settle(Machine& machine);
 
 }  // namespace jaculus::testbed

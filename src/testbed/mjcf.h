@@ -1,10 +1,11 @@
 #pragma once
-// The robot and its floor as MJCF, MuJoCo's own model format, with the changes that are part of its build: segments of the
-// tail's shaft, play behind motors, floor plates on springs, payload, masses.
+// The robot and its floor as MJCF, MuJoCo's own model format, with the changes that are part of its
+// build: segments of the tail's shaft, play behind motors, floor plates on springs, payload,
+// masses.
 //
-// Names: bodies are links, joints are the URDF's; base_x, base_z, base_pitch move the base. Behind a motor with play,
-// <joint>_play is the hinge between motor and link; tail_bend_1, ... are those of the shaft. Sites pin_<i>_a and pin_<i>_b mark
-// the pins' ends, geoms toe_<i> the toes.
+// Names: bodies are links, joints are the URDF's; base_x, base_z, base_pitch move the base. Behind
+// a motor with play, <joint>_play is the hinge between motor and link; tail_bend_1, ... are those
+// of the shaft. Sites pin_<i>_a and pin_<i>_b mark the pins' ends, geoms toe_<i> the toes.
 
 #include <string>
 
@@ -13,13 +14,14 @@
 
 namespace jaculus::testbed {
 
-/// How hard MuJoCo's constraints are and how it steps. None of this is physics of the robot: the tests of agreement show that
-/// the motion no longer depends on it.
+/// How hard MuJoCo's constraints are and how it steps. None of this is physics of the robot: the
+/// tests of agreement show that the motion no longer depends on it.
 struct Numerics {
-  double step = 1.6e-4;          ///< longest step [s]
-  bool runge_kutta = true;       ///< else semi-implicit Euler
-  double stiffness_steps = 2.0;  ///< time constant of constraints in steps; below 2 stiff legs chatter on the floor [-]
-  double impedance = 0.9999;     ///< of constraints: 1 - softness [-]
+  double step = 1.6e-4;     ///< longest step [s]
+  bool runge_kutta = true;  ///< else semi-implicit Euler
+  /// time constant of constraints in steps; below 2 stiff legs chatter on the floor [-]
+  double stiffness_steps = 2.0;
+  double impedance = 0.9999;       ///< of constraints: 1 - softness [-]
   double friction_impedance = 10;  ///< of friction against normal force (impratio) [-]
   int strips = 32;                 ///< of the drag's quadrature
 };
@@ -34,19 +36,22 @@ struct Setting {
   bool stops = false;       ///< joints' ranges are stops
 };
 
-std::string mjcf(const RobotFiles& files, const Changes& changes, const Setting& setting, const Numerics& numerics);
+std::string mjcf(const RobotFiles& files, const Changes& changes, const Setting& setting,
+                 const Numerics& numerics);
 
-/// Numerics that a changed robot needs: shaft and floor plates on springs are stepped by semi-implicit Euler, whose damping is
-/// implicit, at a fraction of their fastest period.
+/// Numerics that a changed robot needs: shaft and floor plates on springs are stepped by
+/// semi-implicit Euler, whose damping is implicit, at a fraction of their fastest period.
 Numerics numerics_for(const RobotFiles& files, const Changes& changes, Numerics numerics);
 
-/// Hinges of the shaft from the tail's pivot [m]; empty where it is rigid. The shaft is flexible up to where the drag begins.
+/// Hinges of the shaft from the tail's pivot [m]; empty where it is rigid. The shaft is flexible up
+/// to where the drag begins.
 std::vector<double> shaft_hinges(const RobotFiles& files, const Changes& changes);
 
 /// Restitution of MuJoCo's limit at a dampratio [-].
 double restitution_of_damping_ratio(double ratio);
 
-/// dampratio of MuJoCo's limit that gives a restitution; 3 where that is below 0.024, which is as plastic as it gets [-].
+/// dampratio of MuJoCo's limit that gives a restitution; 3 where that is below 0.024, which is as
+/// plastic as it gets [-].
 double damping_ratio_of_restitution(double restitution);
 
 }  // namespace jaculus::testbed

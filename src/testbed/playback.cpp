@@ -13,7 +13,8 @@ namespace {
 
 constexpr double kInstant = 1e-9;  ///< closer events are one [s]
 
-/// Grows column by column; MuJoCo's step count isn't known beforehand where commands arrive at odd times.
+/// Grows column by column; MuJoCo's step count isn't known beforehand where commands arrive at odd
+/// times.
 struct Log {
   std::vector<double> time;
   std::vector<std::vector<double>> rows;  ///< all quantities of one instant
@@ -26,6 +27,7 @@ struct Log {
       row.push_back(j.qpos < 0 ? 0.0 : d.qpos[j.qpos]);
       row.push_back(j.dof < 0 ? 0.0 : d.qvel[j.dof]);
     }
+
     for (std::size_t i = 0; i < machine.drives.size(); ++i) {
       row.push_back(d.qpos[machine.drives[i].qpos]);
       row.push_back(d.qvel[machine.drives[i].dof]);
@@ -33,12 +35,14 @@ struct Log {
       row.push_back(forces.states[i].current);
       row.push_back(forces.states[i].voltage);
     }
+
     row.push_back(forces.bus);
     std::vector<double> toes(machine.toes.size(), 0.0);
     for (int c = 0; c < d.ncon; ++c) {
       if (d.contact[c].efc_address < 0) continue;
       for (std::size_t i = 0; i < toes.size(); ++i) {
-        if (d.contact[c].geom1 != machine.toes[i] && d.contact[c].geom2 != machine.toes[i]) continue;
+        if (d.contact[c].geom1 != machine.toes[i] && d.contact[c].geom2 != machine.toes[i])
+          continue;
         std::array<mjtNum, 6> force{};
         mj_contactForce(machine.model.get(), &d, c, force.data());
         toes[i] += force[0];
@@ -50,32 +54,37 @@ struct Log {
 };
 
 Recording recording_of(const Log& log, const RobotFiles& files) {
-  const auto samples = static_cast<Eigen::Index>(log.time.size());
-  const auto motors = static_cast<Eigen::Index>(files.drives.size());
-  const auto toes = static_cast<Eigen::Index>(files.toes.size());
+  const auto samples = std::ssize(log.time);
+  const auto motors = std::ssize(files.drives);
+  const auto toes = std::ssize(files.toes);
   Recording r;
   r.time = Eigen::Map<const Vector>(log.time.data(), samples);
   for (Matrix* matrix : {&r.base, &r.base_rate}) matrix->resize(3, samples);
-  for (Matrix* matrix : {&r.position, &r.velocity, &r.torque, &r.current, &r.voltage}) matrix->resize(motors, samples);
+  for (Matrix* matrix : {&r.position, &r.velocity, &r.torque, &r.current, &r.voltage})
+    matrix->resize(motors, samples);
   r.bus_voltage.resize(samples);
   r.foot_force.resize(toes, samples);
+
   for (const Drive& drive : files.drives) {
     r.motors.push_back(drive.joint);
     r.motor_of.push_back(drive.planar);
   }
+
   for (const Toe& toe : files.toes) r.toes.push_back(toe.name);
   for (Eigen::Index k = 0; k < samples; ++k) {
-    auto value = log.rows[static_cast<std::size_t>(k)].begin();
+    auto value = log.rows[k].begin();
     for (Eigen::Index i = 0; i < 3; ++i) {
       r.base(i, k) = *value++;
       r.base_rate(i, k) = *value++;
     }
     for (Eigen::Index i = 0; i < motors; ++i) {
-      for (Matrix* matrix : {&r.position, &r.velocity, &r.torque, &r.current, &r.voltage}) (*matrix)(i, k) = *value++;
+      for (Matrix* matrix : {&r.position, &r.velocity, &r.torque, &r.current, &r.voltage})
+        (*matrix)(i, k) = *value++;
     }
     r.bus_voltage[k] = *value++;
     for (Eigen::Index i = 0; i < toes; ++i) r.foot_force(i, k) = *value++;
   }
+
   r.duty = r.voltage.array().rowwise() / r.bus_voltage.transpose().array();
   return r;
 }
@@ -91,11 +100,16 @@ StartPose start_pose(const RobotFiles& files, const Changes& changes, const Play
     // The robot takes its pose by its encoders.
     const auto offset = changes.joint_offset.find(name);
     const auto scale = changes.scale.find(name);
-    pose.joints[name] = (value - (offset == changes.joint_offset.end() ? 0.0 : offset->second)) /
-                        (scale == changes.scale.end() ? 1.0 : scale->second);
+    const double by = offset == changes.joint_offset.end() ? 0.0 : offset->second;
+    const double factor = scale == changes.scale.end() ? 1.0 : scale->second;
+    const std::vector<int> sides = files.sides_of(name);
+    if (sides.empty()) pose.joints[name] = (value - by) / factor;
+    for (const int i : sides) {
+      const Drive& drive = files.drives[i];
+      pose.joints[drive.joint] = (value - drive.encoder_zero - by) / factor;
+    }
   }
   if (!options.floor && std::isnan(pose.z)) pose.z = 0.0;
-  (void)files;
   return pose;
 }
 
@@ -105,12 +119,16 @@ bool near_stop(const Machine& machine) {
   for (int t = 0; t < m.ntendon; ++t) {
     const double reach = 3e-3 * std::abs(machine.data->ten_velocity[t]);
     const double q = machine.data->ten_length[t];
-    if (q - reach < m.tendon_range[2 * t] + 0.01 || q + reach > m.tendon_range[2 * t + 1] - 0.01) return true;
+    if (q - reach < m.tendon_range[2 * t] + 0.01 || q + reach > m.tendon_range[2 * t + 1] - 0.01)
+      return true;
   }
   for (int j = 0; j < m.njnt; ++j) {
-    if (m.jnt_limited[j] == 0 || m.jnt_range[2 * j + 1] - m.jnt_range[2 * j] < 0.2) continue;  // play is no stop
-    const double q = machine.data->qpos[m.jnt_qposadr[j]], reach = 3e-3 * std::abs(machine.data->qvel[m.jnt_dofadr[j]]);
-    if (q - reach < m.jnt_range[2 * j] + 0.01 || q + reach > m.jnt_range[2 * j + 1] - 0.01) return true;
+    // play is no stop
+    if (m.jnt_limited[j] == 0 || m.jnt_range[2 * j + 1] - m.jnt_range[2 * j] < 0.2) continue;
+    const double q = machine.data->qpos[m.jnt_qposadr[j]],
+                 reach = 3e-3 * std::abs(machine.data->qvel[m.jnt_dofadr[j]]);
+    if (q - reach < m.jnt_range[2 * j] + 0.01 || q + reach > m.jnt_range[2 * j + 1] - 0.01)
+      return true;
   }
   return false;
 }
@@ -122,8 +140,8 @@ bool lost(const mjData& d) {
 
 }  // namespace
 
-Recording play(const RobotFiles& files, const Changes& changes, const Commands& commands, const PlayOptions& options,
-               const Numerics& wanted) {
+Recording play(const RobotFiles& files, const Changes& changes, const Commands& commands,
+               const PlayOptions& options, const Numerics& wanted) {
   const Numerics numerics = numerics_for(files, changes, wanted);
   const Setting setting{options.floor, options.base_fixed, options.stops};
   Machine machine = build_machine(files, changes, setting, numerics);
@@ -134,6 +152,7 @@ Recording play(const RobotFiles& files, const Changes& changes, const Commands& 
   forces.changes = &changes;
   forces.machine = &machine;
   forces.drives = &drives;
+  forces.failing = failing_drives(files);
   forces.commands.assign(files.drives.size(), kNaN);
   const ForcesGuard guard(forces);
   place(machine, files, start_pose(files, changes, options));
@@ -145,6 +164,7 @@ Recording play(const RobotFiles& files, const Changes& changes, const Commands& 
   bool diverged = false;
   double waited = 0.0;  // until the first command arrived [s]
   forces.apply(d);
+
   while (true) {
     for (std::size_t i = 0; i < angles.size(); ++i) {
       angles[i] = d.qpos[machine.drives[i].qpos];
@@ -166,13 +186,15 @@ Recording play(const RobotFiles& files, const Changes& changes, const Commands& 
     const double until = std::min(loop.next(), options.duration);
     const double left = until - d.time;
     // Equal steps up to the next event, so that none is tiny.
-    const double step = options.stops && near_stop(machine) ? kStopStep * numerics.step : numerics.step;
+    const double step =
+        options.stops && near_stop(machine) ? kStopStep * numerics.step : numerics.step;
     machine.model->opt.timestep = left / std::ceil(left / step - 1e-6);
     mj_step(machine.model.get(), &d);
     drives.warm(forces.states, machine.model->opt.timestep);
     diverged = lost(d);
     if (diverged) break;
   }
+
   Recording recording = recording_of(log, files);
   recording.diverged = diverged;
   recording.end_time = log.time.back();

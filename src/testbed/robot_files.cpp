@@ -2,10 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <map>
 
 #include "jaculus/core/yaml.h"
 #include "jaculus/model/robot.h"
+#include "testbed/limbs.h"
 
 namespace jaculus::testbed {
 namespace {
@@ -28,21 +30,23 @@ std::vector<std::string> sides_of(const Sides& sides, const std::string& name) {
   return found == sides.end() ? std::vector<std::string>{name} : found->second;
 }
 
-Vec3 in_space(const Vec2& point) { return {point.x(), 0.0, point.y()}; }
+model::Vec3 in_space(const Vec2& point) { return {point.x(), 0.0, point.y()}; }
 
-void read_pins(const yaml::Node& robot, const Sides& joints, const Sides& links, const PlanarModel& planar,
-               RobotFiles& files) {
+void read_pins(const yaml::Node& robot, const Sides& joints, const Sides& links,
+               const model::PlanarModel& planar, RobotFiles& files) {
   const auto section = robot.find("loops");
   if (!section) return;
   std::size_t index = 0;
   for (const auto& [name, node] : section->entries()) {
-    const auto a = sides_of(links, node.at("link_a").text()), b = sides_of(links, node.at("link_b").text());
+    const auto a = sides_of(links, node.at("link_a").text()),
+               b = sides_of(links, node.at("link_b").text());
     const std::vector<std::string> dependent = node.at("dependent").texts();
-    const auto joint_a = sides_of(joints, dependent.at(0)), joint_b = sides_of(joints, dependent.at(1));
-    const PlanarLoop& loop = planar.loops.at(index++);
+    const auto joint_a = sides_of(joints, dependent.at(0)),
+               joint_b = sides_of(joints, dependent.at(1));
+    const model::PlanarLoop& loop = planar.loops.at(index++);
     for (std::size_t side = 0; side < a.size(); ++side) {
-      files.pins.push_back({a[side], b.at(side), in_space(loop.point_a), in_space(loop.point_b), joint_a.at(side),
-                            joint_b.at(side), loop.branch});
+      files.pins.push_back({a[side], b.at(side), in_space(loop.point_a), in_space(loop.point_b),
+                            joint_a.at(side), joint_b.at(side), loop.branch});
     }
   }
 }
@@ -51,57 +55,132 @@ void read_toes(const yaml::Node& robot, const Sides& links, RobotFiles& files) {
   const auto section = robot.find("feet");
   if (!section) return;
   for (const auto& [name, node] : section->entries()) {
-    const Vec3 point = in_space(node.at("point").vec2(dimension::length));
-    for (const std::string& link : sides_of(links, node.at("link").text())) files.toes.push_back({name, link, point});
+    const model::Vec3 point = in_space(node.at("point").vec2(dimension::length));
+    for (const std::string& link : sides_of(links, node.at("link").text()))
+      files.toes.push_back({name, link, point});
   }
 }
 
-/// The testbed's world is the sagittal plane, so every axis must be +-y, or lie in the plane where a joint slides.
-void check_axes(const SpatialTree& tree) {
-  for (const SpatialJoint& joint : tree.joints) {
-    const bool turns = joint.kind == SpatialJointKind::revolute;
-    const bool slides = joint.kind == SpatialJointKind::prismatic;
+/// The testbed's world is the sagittal plane, so every axis must be +-y, or lie in the plane where
+/// a joint slides.
+void check_axes(const model::SpatialTree& tree) {
+  for (const model::SpatialJoint& joint : tree.joints) {
+    const bool turns = joint.kind == model::SpatialJointKind::revolute;
+    const bool slides = joint.kind == model::SpatialJointKind::prismatic;
     const double along_y = std::abs(joint.axis.y());
     if ((turns && along_y < 1.0 - 1e-9) || (slides && along_y > 1e-9)) {
-      throw InputError(
-          fmt::format("{}:{}: joint '{}': axis leaves the sagittal plane; allowed on the testbed: turning "
-                      "about y, sliding in x-z",
-                      tree.file.string(), joint.line, joint.name));
+      throw InputError(fmt::format(
+          "{}:{}: joint '{}': axis leaves the sagittal plane; allowed on the testbed: turning "
+          "about y, sliding in x-z",
+          tree.file.string(), joint.line, joint.name));
     }
   }
 }
 
+/// rest_pose, which the model's reader has checked.
+std::map<std::string, double> read_rest(const yaml::Node& robot, const model::PlanarModel& planar) {
+  std::map<std::string, double> rest;
+  const auto section = robot.find("rest_pose");
+  if (!section) return rest;
+  for (const auto& [name, node] : section->entries()) {
+    const bool turns = planar.bodies[planar.body_of_joint(name)].kind == model::JointKind::revolute;
+    rest[name] = node.number(turns ? dimension::angle : dimension::length);
+  }
+  return rest;
+}
+
+/// Says where every motor and toe is; one tail at most.
+void set_limbs(const yaml::Node& robot, RobotFiles& files) {
+  for (const std::string& link : files.drag_links) {
+    if (files.tree.link_index(link) >= 0) continue;
+    throw robot.at("drag").error(
+        fmt::format("link '{}' stands for a pair; allowed on the testbed: drag on one link", link));
+  }
+
+  const std::vector<Limb> limbs =
+      limbs_of_links(files.tree, files.drag_links, files.toes, files.pins);
+  const model::SpatialTree& tree = files.tree;
+  for (Toe& toe : files.toes) toe.limb = limbs[tree.link_index(toe.link)];
+  for (Drive& drive : files.drives)
+    drive.limb = limbs[tree.joints[tree.joint_index(drive.joint)].child];
+}
+
 }  // namespace
 
+std::vector<std::string> RobotFiles::motors_of(Limb limb) const {
+  std::vector<std::string> names;
+  for (const Drive& drive : drives) {
+    const bool known = std::find(names.begin(), names.end(), drive.planar) != names.end();
+    if (drive.limb == limb && !known) names.push_back(drive.planar);
+  }
+  return names;
+}
+
+std::vector<int> RobotFiles::sides_of(const std::string& planar) const {
+  std::vector<int> sides;
+  for (int i = 0; i < count_of(drives); ++i)
+    if (drives[i].planar == planar) sides.push_back(i);
+  return sides;
+}
+
+const model::PlanarMotor* RobotFiles::motor_of(const std::string& planar) const {
+  const std::vector<int> sides = sides_of(planar);
+  return sides.empty() ? nullptr : &drives[sides.front()].motor;
+}
+
+const model::SpatialJoint& RobotFiles::joint_of(const std::string& planar) const {
+  const std::vector<int> sides = sides_of(planar);
+  const std::string& name = sides.empty() ? planar : drives[sides.front()].joint;
+  return tree.joints.at(tree.joint_index(name));
+}
+
+double RobotFiles::rest_of(const std::string& planar) const {
+  const auto found = rest.find(planar);
+  return found == rest.end() ? 0.0 : found->second;
+}
+
 RobotFiles read_robot_files(const std::filesystem::path& folder) {
-  const Robot robot = read_robot(folder);
+  const model::Robot robot = model::read_robot(folder);
   const yaml::Node node = yaml::Node::load(folder / "robot.yaml");
   RobotFiles files;
   files.name = robot.name;
   if (const auto held = node.find("fixed_joints")) {
-    throw held->error("joints held by robot.yaml; allowed on the testbed: fixed joints in the URDF");
+    throw held->error(
+        "joints held by robot.yaml; allowed on the testbed: fixed joints in the URDF");
   }
+
   const auto urdf = node.find("urdf");
-  files.tree = read_urdf(folder / (urdf ? urdf->text() : "robot.urdf"));
+  files.tree = model::read_urdf(folder / (urdf ? urdf->text() : "robot.urdf"));
   check_axes(files.tree);
   const auto& free = robot.planar.base_free;
   files.floating = free[0] && free[1] && free[2];
   if (!files.floating && (free[0] || free[1] || free[2])) {
-    throw node.at("base").error("a base that moves in part; allowed on the testbed: floating, fixed");
+    throw node.at("base").error(
+        "a base that moves in part; allowed on the testbed: floating, fixed");
   }
+
+  files.tolerances = robot.tolerances;
   files.gravity = robot.planar.gravity;
   files.friction = robot.planar.friction;
   const Sides joints = read_sides(node, "joints"), links = read_sides(node, "links");
+  for (const auto& [name, sides] : links) {
+    for (const std::string& side : sides) files.link_pairs[side] = sides.front();
+  }
   read_pins(node, joints, links, robot.planar, files);
   read_toes(node, links, files);
-  for (const PlanarMotor& motor : robot.planar.motors) {
+  for (const model::PlanarMotor& motor : robot.planar.motors) {
     files.planar_motors.push_back(motor.joint);
-    for (const std::string& joint : sides_of(joints, motor.joint)) files.drives.push_back({joint, motor.joint, motor});
+    for (const std::string& joint : sides_of(joints, motor.joint))
+      files.drives.push_back({joint, motor.joint, motor});
   }
+
   if (const auto section = node.find("drag")) {
     files.drags = robot.planar.drags;
-    for (const auto& [name, drag] : section->entries()) files.drag_links.push_back(drag.at("link").text());
+    for (const auto& [name, drag] : section->entries())
+      files.drag_links.push_back(drag.at("link").text());
   }
+  files.rest = read_rest(node, robot.planar);
+  set_limbs(node, files);
   return files;
 }
 

@@ -1,6 +1,7 @@
-// The shaft. Its flexible part, from the pivot to where the scoop begins, is cut into n equal pieces with a hinge in the middle of
-// each. A force F across the tail at distance d turns hinge i at s_i by F (d - s_i)/k, which moves the place d by the sum of
-// F (d - s_i)^2/k; as an angle about the pivot per moment F d this is 1/K = sum (d - s_i)^2/(k d^2), so that
+// The shaft. Its flexible part, from the pivot to where the scoop begins, is cut into n equal
+// pieces with a hinge in the middle of each. A force F across the tail at distance d turns hinge i
+// at s_i by F (d - s_i)/k, which moves the place d by the sum of F (d - s_i)^2/k; as an angle about
+// the pivot per moment F d this is 1/K = sum (d - s_i)^2/(k d^2), so that
 //   k = K sum (d - s_i)^2/d^2.
 
 #include <algorithm>
@@ -10,8 +11,18 @@
 #include "testbed/parts.h"
 
 namespace jaculus::testbed {
+namespace {
 
-double hinge_stiffness(const RobotFiles& files, const Changes& changes, const std::vector<double>& hinges) {
+/// Of a uniform rod from the pivot [m].
+double shaft_length(const RobotFiles& files, const model::SpatialLink& link) {
+  const Vec2& along = files.drags.front().direction;
+  return 2.0 * link.com.dot(model::Vec3(along.x(), 0.0, along.y()));
+}
+
+}  // namespace
+
+double hinge_stiffness(const RobotFiles& files, const Changes& changes,
+                       const std::vector<double>& hinges) {
   const double d = files.drags.front().point_distance;
   double sum = 0.0;
   for (const double s : hinges) sum += (d - s) * (d - s);
@@ -21,9 +32,10 @@ double hinge_stiffness(const RobotFiles& files, const Changes& changes, const st
 Numerics numerics_for(const RobotFiles& files, const Changes& changes, Numerics numerics) {
   double fastest = 0.0;  // [rad/s]
   if (const std::vector<double> hinges = shaft_hinges(files, changes); !hinges.empty()) {
-    const SpatialLink& link = files.tree.links[at(files.tree.link_index(files.drag_links.front()))];
+    const model::SpatialLink& link =
+        files.tree.links[files.tree.link_index(files.drag_links.front())];
     const double piece = hinges.size() > 1 ? hinges[1] - hinges[0] : hinges[0];
-    const double inertia = link.mass * piece / (2.0 * link.com.z()) * piece * piece / 12.0;
+    const double inertia = link.mass * piece / shaft_length(files, link) * piece * piece / 12.0;
     fastest = std::sqrt(4.0 * hinge_stiffness(files, changes, hinges) / inertia);
   }
   if (std::isfinite(changes.floor_stiffness)) {
@@ -31,7 +43,8 @@ Numerics numerics_for(const RobotFiles& files, const Changes& changes, Numerics 
   }
   if (fastest == 0.0) return numerics;
   numerics.runge_kutta = false;
-  numerics.stiffness_steps = std::max(2.0, numerics.stiffness_steps);  // Euler rings where Runge-Kutta does not yet
+  // Euler rings where Runge-Kutta does not yet
+  numerics.stiffness_steps = std::max(2.0, numerics.stiffness_steps);
   numerics.step = std::min(1e-4, 0.4 / fastest);
   return numerics;
 }

@@ -6,17 +6,37 @@
 #include <cmath>
 
 #include "testbed/machine.h"
+#include "testbed/sizes.h"
 
 namespace jaculus::testbed {
 namespace {
 
+/// Angle of the tail's joint at which the tail points along x.
+double level_angle(const RobotFiles& files) {
+  const model::SpatialTree& tree = files.tree;
+  const model::SpatialLink& link = tree.links[tree.link_index(files.drag_links.front())];
+  const Vec2& along = files.drags.front().direction;
+  const model::Vec3 at_zero = link.R_BL * model::Vec3(along.x(), 0.0, along.y());
+  const double turn = std::atan2(at_zero.z(), at_zero.x());
+  return (link.R_BL * tree.joints[link.joint].axis).y() < 0.0 ? -turn : turn;
+}
+
+/// The first drive of a tail.
+int tail_drive(const RobotFiles& files) {
+  int i = 0;
+  while (i < count_of(files.drives) && files.drives[i].limb != Limb::tail) ++i;
+  return i;
+}
+
 /// The robot on a stand without gravity, its tail at `angle`.
-Machine on_stand(const RobotFiles& files, const Changes& changes, bool stops, double angle, Numerics& numerics) {
+Machine on_stand(const RobotFiles& files, const Changes& changes, bool stops, double angle,
+                 Numerics& numerics) {
   numerics = numerics_for(files, changes, Numerics{});
   Machine machine = build_machine(files, changes, {false, true, stops}, numerics);
   std::fill_n(machine.model->opt.gravity, 3, 0.0);
   StartPose pose;
-  for (const Drive& drive : files.drives) pose.joints[drive.joint] = drive.planar == "tail" ? angle : 1.0;
+  for (const Drive& drive : files.drives)
+    pose.joints[drive.joint] = drive.limb == Limb::tail ? angle : files.rest_of(drive.planar);
   place(machine, files, pose);
   return machine;
 }
@@ -34,7 +54,7 @@ double scoop_height(const Machine& machine) {
 }
 
 /// Lets a force along z at the scoop's middle act until nothing moves.
-double height_under(Machine& machine, double force, double distance) {
+double height_under(Machine& machine, double force) {
   mjData& d = *machine.data;
   const Strip& strip = machine.strips.front()[machine.strips.front().size() / 2];
   const double seconds = 1.0;
@@ -49,46 +69,55 @@ double height_under(Machine& machine, double force, double distance) {
     mj_applyFT(machine.model.get(), &d, push, none, point, strip.body, d.qfrc_applied);
     mj_step(machine.model.get(), &d);
   }
-  (void)distance;
   return scoop_height(machine);
+}
+
+/// How far along x the scoop's middle is from the pivot, with the tail pointing that way [m].
+double reach_of(const Machine& machine, const RobotFiles& files) {
+  const Strip& strip = machine.strips.front()[machine.strips.front().size() / 2];
+  const Vec2& along = files.drags.front().direction;
+  return machine.data->xpos[3 * strip.body] +
+         strip.point_B.dot(model::Vec3(along.x(), 0.0, along.y())) -
+         machine.data->xpos[3 * machine.drag_pivot.front()];
 }
 
 double shaft_compliance(const RobotFiles& files, const Changes& changes) {
   Numerics numerics;
-  Machine machine = on_stand(files, changes, false, 1.5707963267948966, numerics);
+  Machine machine = on_stand(files, changes, false, level_angle(files), numerics);
   hold_motors(machine);
   for (int j = 0; j < machine.model->njnt; ++j) {
     const std::string name = mj_id2name(machine.model.get(), mjOBJ_JOINT, j);
-    if (name.starts_with("tail_bend")) machine.model->dof_damping[machine.model->jnt_dofadr[j]] *= 10.0;
+    if (name.starts_with("tail_bend"))
+      machine.model->dof_damping[machine.model->jnt_dofadr[j]] *= 10.0;
   }
-  const Strip& strip = machine.strips.front()[machine.strips.front().size() / 2];
-  const double reach =
-      machine.data->xpos[3 * strip.body] + strip.point_B.z() - machine.data->xpos[3 * machine.drag_pivot.front()];
+  const double reach = reach_of(machine, files);
   const double force = 1.0;
-  const double up = height_under(machine, force, reach), down = height_under(machine, -force, reach);
+  const double up = height_under(machine, force), down = height_under(machine, -force);
   return (up - down) / (2.0 * reach) / (force * reach);
 }
 
 double play(const RobotFiles& files, const Changes& changes) {
   Numerics numerics;
-  Machine machine = on_stand(files, changes, false, 1.5707963267948966, numerics);
+  Machine machine = on_stand(files, changes, false, level_angle(files), numerics);
   hold_motors(machine);
-  const Strip& strip = machine.strips.front()[machine.strips.front().size() / 2];
-  const double reach =
-      machine.data->xpos[3 * strip.body] + strip.point_B.z() - machine.data->xpos[3 * machine.drag_pivot.front()];
-  const double up = height_under(machine, 0.2, reach), down = height_under(machine, -0.2, reach);
+  const double reach = reach_of(machine, files);
+  const double up = height_under(machine, 0.2), down = height_under(machine, -0.2);
   return (up - down) / reach;
 }
 
 double restitution(const RobotFiles& files, const Changes& changes) {
   Numerics numerics;
-  Machine machine = on_stand(files, changes, true, 1.4, numerics);
+  const int tail = tail_drive(files);
+  const double stop = files.joint_of(files.drives[tail].planar).range.upper;
+  const double before = round_figure(stop - 0.17);  // 0.2 rad ahead of it, a hundredth of a second
+  Machine machine = on_stand(files, changes, true, before, numerics);
   machine.model->opt.timestep = kStopStep * numerics.step;
+  const int dof = machine.drives[tail].dof;
   for (const JointPlace& drive : machine.drives) {
-    if (&drive != &machine.drives.back()) machine.model->dof_armature[drive.dof] = 1e6;
+    if (drive.dof != dof) machine.model->dof_armature[drive.dof] = 1e6;
   }
+
   mjData& d = *machine.data;
-  const int dof = machine.drives.back().dof;
   const double speed = d.qvel[dof] = 20.0;
   double slowest = speed;
   while (d.time < 0.03) {

@@ -1,7 +1,8 @@
 #pragma once
-// What a test of the changed robot itself shows of an effect's parameters, where the build is not the parameter: the shaft's
-// stiffness under a force at the scoop, play under torque both ways, restitution of a tail thrown at its stop, a plate's
-// yielding under load. Everything else is what MuJoCo's model holds.
+// What a test of the changed robot itself shows of an effect's parameters, where the build is not
+// the parameter: the shaft's stiffness under a force at the scoop, play under torque both ways,
+// restitution of a tail thrown at its stop, a plate's yielding under load. Everything else is what
+// MuJoCo's model holds.
 
 #include <string>
 #include <vector>

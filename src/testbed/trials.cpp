@@ -10,57 +10,65 @@
 #include "jaculus/core/error.h"
 #include "jaculus/core/tasks.h"
 #include "jaculus/model/robot.h"
+#include "jaculus/testbed/playback.h"
+#include "testbed/clutter.h"
 #include "testbed/commands.h"
+#include "testbed/loop.h"
 #include "testbed/mjcf.h"
+#include "testbed/sensor_noise.h"
 
 namespace jaculus::testbed {
 namespace {
 
 using Random = std::mt19937_64;
 
-double value_of(const std::map<std::string, double>& values, const std::string& key, double otherwise) {
-  const auto found = values.find(key);
-  return found == values.end() ? otherwise : found->second;
-}
-
 /// What the dataset asks for, as commands; the pose it states wins over the plan's.
-PlanCommands commands_of(const Dataset& asked, const RobotFiles& files) {
+PlanCommands commands_of(const trajectory::Dataset& asked, const RobotFiles& files) {
   PlanCommands out;
-  const StatedController& stated = asked.controller;
+  const trajectory::StatedController& stated = asked.controller;
+
   if (asked.plan) {
     out = plan_commands(*asked.plan, files, stated.quantity, asked.folder / "plan.csv");
   } else {
-    if (!asked.script) throw InputError("the experiment has neither plan nor input; allowed: one of the two");
+    if (!asked.script)
+      throw InputError("the experiment has neither plan nor input; allowed: one of the two");
     out.commands.quantity = asked.script->quantity;
     out.commands.motors = asked.script->joints;
     out.commands.time = asked.script->time;
     out.commands.feedforward = asked.script->values;
     out.duration = asked.script->time[asked.script->time.size() - 1];
     for (const std::string& motor : out.commands.motors) {
-      if (std::find(files.planar_motors.begin(), files.planar_motors.end(), motor) != files.planar_motors.end())
+      if (std::find(files.planar_motors.begin(), files.planar_motors.end(), motor) !=
+          files.planar_motors.end())
         continue;
       throw InputError(fmt::format("input: '{}' is no motor of the robot '{}'", motor, files.name));
     }
-    if (asked.script->quantity == "torque") {
-      for (std::size_t i = 0; i < out.commands.motors.size(); ++i) {
-        const auto drive = std::find_if(files.drives.begin(), files.drives.end(),
-                                        [&](const Drive& d) { return d.planar == out.commands.motors[i]; });
-        out.commands.feedforward.row(static_cast<Eigen::Index>(i)) /= drive->motor.gear * drive->motor.efficiency;
+    if (asked.script->quantity == trajectory::Quantity::torque) {
+      for (int i = 0; i < count_of(out.commands.motors); ++i) {
+        const auto drive =
+            std::find_if(files.drives.begin(), files.drives.end(),
+                         [&](const Drive& d) { return d.planar == out.commands.motors[i]; });
+        out.commands.feedforward.row(i) /= drive->motor.gear * drive->motor.efficiency;
       }
     }
   }
+
   out.commands.rate_hz = stated.rate_hz;
-  out.commands.relax_after_end = stated.after_end == "relax";
-  out.commands.repeat_after_end = stated.after_end == "repeat" || asked.script.has_value();
-  const auto gain = [](const std::map<std::string, StatedGain>& gains, const std::string& joint) {
+  out.commands.relax_after_end = stated.after_end == trajectory::AfterEnd::relax;
+  out.commands.repeat_after_end =
+      stated.after_end == trajectory::AfterEnd::repeat || asked.script.has_value();
+  const auto gain = [](const std::map<std::string, trajectory::StatedGain>& gains,
+                       const std::string& joint) {
     auto found = gains.find(joint);
     if (found == gains.end()) found = gains.find("*");
     return found == gains.end() ? 0.0 : found->second.range.lower;
   };
+
   for (const std::string& motor : out.commands.motors) {
     out.commands.kp[motor] = gain(stated.kp, motor);
     out.commands.kd[motor] = gain(stated.kd, motor);
   }
+
   for (const auto& [name, value] : asked.initial) out.start[name] = value;
   return out;
 }
@@ -68,13 +76,15 @@ PlanCommands commands_of(const Dataset& asked, const RobotFiles& files) {
 /// One trial's measuring: the recording as each stream sees it.
 class Observer {
  public:
-  Observer(const Recording& recording, const Changes& changes, const TrialSpec& spec, double end, Random& random)
-      : r_(recording), changes_(changes), spec_(spec), end_(end), random_(random) {}
+  Observer(const Recording& recording, const RobotFiles& files, const Changes& changes,
+           const TrialSpec& spec, double end, Random& random)
+      : r_(recording), files_(files), changes_(changes), spec_(spec), end_(end), random_(random) {}
 
-  Stream mocap() {
+  trajectory::Stream mocap() {
     const SensorSpec& s = spec_.sensors;
-    Stream stream = begin("mocap", s.mocap_rate_hz);
-    const Vector x = base(0).array() - r_.base(0, 0), z = base(1), pitch = base(2).array() - r_.base(2, 0);
+    trajectory::Stream stream = begin(trajectory::kMocapStream, s.mocap_rate_hz);
+    const Vector x = base(0).array() - r_.base(0, 0), z = base(1),
+                 pitch = base(2).array() - r_.base(2, 0);
     add(stream, "x", "m", value_of(changes_.scale, "x", 1.0) * x, s.mocap_position);
     add(stream, "z", "m", value_of(changes_.scale, "z", 1.0) * z, s.mocap_position);
     add(stream, "pitch", "rad", value_of(changes_.scale, "pitch", 1.0) * pitch, s.mocap_angle);
@@ -82,49 +92,63 @@ class Observer {
     return stream;
   }
 
-  Stream joints() {
+  trajectory::Stream joints() {
     const SensorSpec& s = spec_.sensors;
-    Stream stream = begin("joints", s.joints_rate_hz);
+    trajectory::Stream stream = begin(trajectory::kJointStream, s.joints_rate_hz);
     std::vector<std::string> planar;
     for (const std::string& name : r_.motor_of) {
       if (std::find(planar.begin(), planar.end(), name) == planar.end()) planar.push_back(name);
     }
+
     for (const std::string& name : planar) add_joint(stream, name);
     if (s.electric && r_.voltage.cwiseAbs().maxCoeff() > 0.0) {
       for (const std::string& name : planar) {
-        add(stream, name + "_current", "A", mean(name, [&](Eigen::Index i) { return plain(r_.current.row(i)); }),
-            s.ammeter);
-        add(stream, name + "_duty", "-", mean(name, [&](Eigen::Index i) { return plain(r_.duty.row(i)); }), 0.0);
+        add_current(stream, name);
+        add(stream, channel_name(name, trajectory::Quantity::duty), "-",
+            mean(name, [&](Eigen::Index i) { return plain(r_.duty.row(i)); }), 0.0);
       }
       add(stream, "bus_voltage", "V", plain(r_.bus_voltage.transpose()), s.voltmeter);
     }
+
+    if (s.torque)
+      for (const std::string& name : planar) add_torque(stream, name);
     if (s.imu) {
       add(stream, "imu_pitch", "rad", base(2), s.imu_angle);
       add(stream, "imu_pitch_velocity", "rad/s", plain(r_.base_rate.row(2)), s.imu_rate);
     }
+    if (s.joints_lost > 0.0 && !spec_.exact) lose(stream, s.joints_lost);
     return stream;
   }
 
  private:
-  Stream begin(const std::string& name, double rate) {
+  trajectory::Stream begin(const std::string& name, double rate) {
     std::uniform_real_distribution<double> phase(0.0, 1.0);
     std::normal_distribution<double> shift(0.0, spec_.clock_scatter);
     // The clock's zero is off by `shift_`; the first sample falls anywhere in a period.
     const double first = spec_.exact ? 0.0 : phase(random_) / rate;
     clock_ = spec_.exact ? 0.0 : shift(random_);
-    Stream stream;
+    trajectory::Stream stream;
     stream.name = name;
     stream.rate_hz = rate;
-    const auto samples = static_cast<Eigen::Index>(std::floor((end_ - first) * rate + 1e-6)) + 1;
+    const Eigen::Index samples = std::lround(std::floor((end_ - first) * rate + 1e-6)) + 1;
     stream.time.resize(samples);
-    for (Eigen::Index k = 0; k < samples; ++k) stream.time[k] = first + static_cast<double>(k) / rate;
-    moment_ = stream.time.array() - clock_ - value_of(changes_.latency, name, 0.0);
+    for (Eigen::Index k = 0; k < samples; ++k)
+      stream.time[k] = first + static_cast<double>(k) / rate;
+    moment_ =
+        (1.0 - draw_drift()) * stream.time.array() - clock_ - value_of(changes_.latency, name, 0.0);
     stream.values.resize(0, samples);
     return stream;
   }
 
+  /// By how much the present stream's clock runs fast [-].
+  double draw_drift() {
+    const double sd = spec_.sensors.clock_drift;
+    return spec_.exact || sd == 0.0 ? 0.0 : std::normal_distribution<double>(0.0, sd)(random_);
+  }
+
   [[nodiscard]] Vector base(Eigen::Index row) const {
-    return sample(r_.time, r_.base.row(row).transpose(), r_.base_rate.row(row).transpose(), moment_);
+    return sample(r_.time, r_.base.row(row).transpose(), r_.base_rate.row(row).transpose(),
+                  moment_);
   }
 
   [[nodiscard]] Vector plain(const Eigen::Ref<const Eigen::RowVectorXd>& values) const {
@@ -136,45 +160,77 @@ class Observer {
   [[nodiscard]] Vector mean(const std::string& planar, Function&& of) const {
     Vector sum = Vector::Zero(moment_.size());
     int count = 0;
-    for (std::size_t i = 0; i < r_.motor_of.size(); ++i) {
+    for (int i = 0; i < count_of(r_.motor_of); ++i) {
       if (r_.motor_of[i] != planar) continue;
-      sum += of(static_cast<Eigen::Index>(i));
+      sum += of(i);
       ++count;
     }
     return sum / count;
   }
 
-  void add_joint(Stream& stream, const std::string& name) {
+  void add_joint(trajectory::Stream& stream, const std::string& name) {
     const SensorSpec& s = spec_.sensors;
-    const double scale = value_of(changes_.scale, name, 1.0), offset = value_of(changes_.joint_offset, name, 0.0);
-    std::normal_distribution<double> normal;
+    const double scale = value_of(changes_.scale, name, 1.0),
+                 offset = value_of(changes_.joint_offset, name, 0.0);
+    const double dt = 1.0 / s.joints_rate_hz;
     const Vector angle = mean(name, [&](Eigen::Index i) {
-      Vector seen = scale * sample(r_.time, r_.position.row(i).transpose(), r_.velocity.row(i).transpose(), moment_);
-      seen.array() += offset;
+      Vector seen = scale * sample(r_.time, r_.position.row(i).transpose(),
+                                   r_.velocity.row(i).transpose(), moment_);
+      seen.array() += offset + files_.drives[i].encoder_zero;
       if (spec_.exact) return seen;
-      for (double& q : seen) q = s.encoder_step * std::round((q + s.encoder * normal(random_)) / s.encoder_step);
+      add_noise(seen, s.encoder, dt, s.shape, random_);
+      quantise(seen, s.encoder_step);
       return seen;
     });
     append(stream, name, "rad", angle);
     if (!s.rates) return;
+
     const Vector rate = mean(name, [&](Eigen::Index i) {
       Vector seen = scale * plain(r_.velocity.row(i));
-      if (spec_.exact) return seen;
-      for (double& v : seen) v += s.tachometer * normal(random_);
+      if (!spec_.exact) add_noise(seen, s.tachometer, dt, s.shape, random_);
       return seen;
     });
-    append(stream, name + "_velocity", "rad/s", rate);
+    append(stream, channel_name(name, trajectory::Quantity::velocity), "rad/s", rate);
   }
 
-  void add(Stream& stream, const std::string& name, const std::string& unit, Vector values, double noise) {
-    std::normal_distribution<double> normal;
-    if (!spec_.exact && noise > 0.0) {
-      for (double& v : values) v += noise * normal(random_);
-    }
+  void add_current(trajectory::Stream& stream, const std::string& name) {
+    const SensorSpec& s = spec_.sensors;
+    Vector current = mean(name, [&](Eigen::Index i) {
+      return Vector(files_.drives[i].current_scale * plain(r_.current.row(i)));
+    });
+    if (!spec_.exact) low_pass(current, s.ammeter_filter, 1.0 / s.joints_rate_hz);
+    add(stream, channel_name(name, trajectory::Quantity::current), "A", current, s.ammeter);
+    if (!spec_.exact) quantise_last(stream, s.ammeter_step);
+  }
+
+  /// Torque at the joint, as a driver works it out of its current.
+  void add_torque(trajectory::Stream& stream, const std::string& name) {
+    const SensorSpec& s = spec_.sensors;
+    Vector torque = mean(name, [&](Eigen::Index i) {
+      const Drive& drive = files_.drives[i];
+      return Vector(drive.current_scale / drive.constant * plain(r_.torque.row(i)));
+    });
+    const double most = torque.cwiseAbs().maxCoeff();
+    if (!spec_.exact) low_pass(torque, s.ammeter_filter, 1.0 / s.joints_rate_hz);
+    add(stream, channel_name(name, trajectory::Quantity::torque), "N m", torque,
+        s.torque_noise * most);
+    if (!spec_.exact) quantise_last(stream, s.torque_step * most);
+  }
+
+  static void quantise_last(trajectory::Stream& stream, double step) {
+    Vector values = stream.values.bottomRows<1>().transpose();
+    quantise(values, step);
+    stream.values.bottomRows<1>() = values.transpose();
+  }
+
+  void add(trajectory::Stream& stream, const std::string& name, const std::string& unit,
+           Vector values, double noise) {
+    if (!spec_.exact) add_noise(values, noise, 1.0 / stream.rate_hz, spec_.sensors.shape, random_);
     append(stream, name, unit, values);
   }
 
-  static void append(Stream& stream, const std::string& name, const std::string& unit, const Vector& values) {
+  static void append(trajectory::Stream& stream, const std::string& name, const std::string& unit,
+                     const Vector& values) {
     stream.channels.push_back(name);
     stream.units.push_back(unit);
     stream.values.conservativeResize(stream.values.rows() + 1, Eigen::NoChange);
@@ -182,7 +238,7 @@ class Observer {
   }
 
   /// Markers hidden for one to five samples at a time.
-  void lose(Stream& stream, double share) {
+  void lose(trajectory::Stream& stream, double share) {
     std::uniform_real_distribution<double> unit(0.0, 1.0);
     std::uniform_int_distribution<int> length(1, 5);
     for (Eigen::Index k = 1; k < stream.values.cols();) {
@@ -190,11 +246,13 @@ class Observer {
         ++k;
         continue;
       }
-      for (int i = length(random_); i > 0 && k < stream.values.cols(); --i) stream.values.col(k++).setConstant(kNaN);
+      for (int i = length(random_); i > 0 && k < stream.values.cols(); --i)
+        stream.values.col(k++).setConstant(kNaN);
     }
   }
 
   const Recording& r_;
+  const RobotFiles& files_;
   const Changes& changes_;
   const TrialSpec& spec_;
   double end_, clock_ = 0.0;
@@ -202,16 +260,17 @@ class Observer {
   Random& random_;
 };
 
-bool base_fixed(const Dataset& asked, const RobotFiles& files) {
-  return asked.experiment == "tail_bench" || !files.floating;
+bool base_fixed(const trajectory::Dataset& asked, const RobotFiles& files) {
+  return asked.experiment == trajectory::ExperimentKind::tail_bench || !files.floating;
 }
 
 /// Plays a trial, from whose generator the observer then draws.
-Recording play_trial(const Dataset& asked, const RobotFiles& files, const PlanCommands& plan, const Changes& changes,
-                     const TrialSpec& spec, Random& random) {
+Recording play_trial(const trajectory::Dataset& asked, const RobotFiles& files,
+                     const PlanCommands& plan, const Changes& changes, const TrialSpec& spec,
+                     Random& random) {
   std::normal_distribution<double> normal;
   PlayOptions options;
-  options.floor = asked.experiment == "leap";
+  options.floor = asked.experiment == trajectory::ExperimentKind::leap;
   options.base_fixed = base_fixed(asked, files);
   options.stops = !asked.stops.empty();
   options.start = plan.start;
@@ -220,18 +279,23 @@ Recording play_trial(const Dataset& asked, const RobotFiles& files, const PlanCo
     options.start[joint] += offset;
     options.level = options.floor;
   }
+
   if (!spec.exact) {
-    for (const std::string& motor : files.planar_motors) options.start[motor] += spec.pose_scatter * normal(random);
+    for (const std::string& motor : files.planar_motors)
+      options.start[motor] += spec.pose_scatter * normal(random);
     // Nobody sets a joint beyond its stop.
     for (const auto& [joint, stop] : asked.stops)
       options.start[joint] = std::clamp(options.start[joint], stop.range.lower, stop.range.upper);
     options.level = options.floor;
-    options.sensors = {spec.sensors.encoder_step, spec.sensors.encoder, spec.sensors.tachometer, random()};
+    options.sensors = {spec.sensors.encoder_step, spec.sensors.encoder, spec.sensors.tachometer,
+                       random()};
   }
+
   Recording recording = play(files, changes, plan.commands, options, Numerics{});
   if (recording.diverged) {
-    throw std::runtime_error(fmt::format("the MuJoCo robot was lost at {:.4f} s", recording.end_time));
+    throw LostRobot(fmt::format("the MuJoCo robot was lost at {:.4f} s", recording.end_time));
   }
+
   return recording;
 }
 
@@ -240,21 +304,23 @@ double most_apart(const Recording& r, double end) {
   const auto count = std::upper_bound(r.time.begin(), r.time.end(), end) - r.time.begin();
   double most = 0.0;
   for (Eigen::Index i = 1; i < r.position.rows(); ++i) {
-    const auto at = static_cast<std::size_t>(i);
+    const std::size_t at = i;
     if (r.motor_of[at] == r.motor_of[at - 1])
-      most = std::max(most, (r.position.row(i) - r.position.row(i - 1)).head(count).cwiseAbs().maxCoeff());
+      most = std::max(
+          most, (r.position.row(i) - r.position.row(i - 1)).head(count).cwiseAbs().maxCoeff());
   }
   return most;
 }
 
-Trial one_trial(const Dataset& asked, const RobotFiles& files, const PlanCommands& plan, const Changes& changes,
-                const TrialSpec& spec, int index, double& legs_apart) {
-  Random random(task_seed(spec.seed, static_cast<std::uint64_t>(index)));
+trajectory::Trial one_trial(const trajectory::Dataset& asked, const RobotFiles& files,
+                            const PlanCommands& plan, const Changes& changes, const TrialSpec& spec,
+                            int index, double& legs_apart) {
+  Random random(task_seed(spec.seed, index));
   const Recording recording = play_trial(asked, files, plan, changes, spec, random);
   legs_apart = std::max(legs_apart, most_apart(recording, plan.duration));
   const double end = plan.duration + spec.after;
-  Observer observer(recording, changes, spec, end, random);
-  Trial trial;
+  Observer observer(recording, files, changes, spec, end, random);
+  trajectory::Trial trial;
   trial.name = fmt::format("trial_{:02}", index + 1);
   const bool held = base_fixed(asked, files);
   if (spec.sensors.mocap && !held) trial.streams.push_back(observer.mocap());
@@ -264,66 +330,24 @@ Trial one_trial(const Dataset& asked, const RobotFiles& files, const PlanCommand
 
 }  // namespace
 
-Dataset run_trials(const Dataset& asked, const Changes& changes, const TrialSpec& spec, double* legs_apart) {
-  const RobotFiles files = read_robot_files(find_robot(asked.robot, asked.folder));
-  const PlanCommands plan = commands_of(asked, files);
-  Dataset out = asked;
+trajectory::Dataset run_trials(const trajectory::Dataset& asked, const Changes& changes,
+                               const TrialSpec& spec, double* legs_apart) {
+  const RobotFiles believed = read_robot_files(model::find_robot(asked.robot, asked.folder));
+  const PlanCommands plan = commands_of(asked, believed);
+  const RobotFiles real =
+      spec.clutter_seed
+          ? cluttered(believed, draw_clutter(believed, believed.tolerances, *spec.clutter_seed))
+          : believed;
+
+  trajectory::Dataset out = asked;
   out.trials.clear();
+  // What was commanded is no part of a log that itself says what drove the joints.
+  if (asked.controller.kind == trajectory::ControllerKind::measured) out.script.reset();
   double apart = 0.0;
-  for (int i = 0; i < spec.trials; ++i) out.trials.push_back(one_trial(asked, files, plan, changes, spec, i, apart));
+  for (int i = 0; i < spec.trials; ++i)
+    out.trials.push_back(one_trial(asked, real, plan, changes, spec, i, apart));
   if (legs_apart != nullptr) *legs_apart = apart;
   return out;
-}
-
-double channel_floor(const std::string& channel, const std::string& unit, const SensorSpec& s) {
-  const double sides = channel.starts_with("tail") ? 1.0 : 2.0;
-  if (channel == "x" || channel == "z") return s.mocap_position;
-  if (channel == "pitch") return s.mocap_angle;
-  if (channel == "imu_pitch") return s.imu_angle;
-  if (channel == "imu_pitch_velocity") return s.imu_rate;
-  if (unit == "rad") return std::hypot(s.encoder, s.encoder_step / std::sqrt(12.0)) / std::sqrt(sides);
-  if (unit == "rad/s") return s.tachometer / std::sqrt(sides);
-  return kNaN;  // currents and the like are inputs of the motion rather than the motion
-}
-
-Vector bends(const Vector& y) {
-  const Eigen::Index n = y.size();
-  Vector own = Vector::Zero(n), most = own;
-  if (n > 2) own.segment(1, n - 2) = (y.tail(n - 2) - 2.0 * y.segment(1, n - 2) + y.head(n - 2)).cwiseAbs();
-  for (Eigen::Index k = 0; k < n; ++k) {
-    const Eigen::Index from = std::max<Eigen::Index>(0, k - 1), to = std::min(k + 1, n - 1);
-    most[k] = own.segment(from, to - from + 1).maxCoeff();
-  }
-  return most;
-}
-
-namespace {
-
-/// Mean square of a difference in noise floors. A sample beside a jump says when rather than how much: its floor is half of what the run
-/// bends there.
-double mean_square(const Vector& was, const Vector& is, double floor) {
-  const Vector most = bends(was).cwiseMax(bends(is));
-  return ((is - was).array().square() / (floor * floor + 0.25 * most.array().square())).mean();
-}
-
-}  // namespace
-
-double gap(const Dataset& a, const Dataset& b, const SensorSpec& sensors) {
-  double sum = 0.0;
-  int channels = 0;
-  for (std::size_t t = 0; t < a.trials.size(); ++t) {
-    for (const Stream& stream : a.trials[t].streams) {
-      const Stream* other = b.trials.at(t).stream(stream.name);
-      for (std::size_t c = 0; c < stream.channels.size(); ++c) {
-        const double floor = channel_floor(stream.channels[c], stream.units[c], sensors);
-        if (std::isnan(floor)) continue;
-        const auto row = static_cast<Eigen::Index>(c);
-        sum += mean_square(stream.values.row(row).transpose(), other->values.row(row).transpose(), floor);
-        ++channels;
-      }
-    }
-  }
-  return channels == 0 ? 0.0 : std::sqrt(sum / channels);
 }
 
 }  // namespace jaculus::testbed

@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "jaculus/core/error.h"
-#include "jaculus/testbed/sealed_cases.h"
 #include "jaculus/trajectory/csv.h"
 
 namespace jaculus::testbed {
@@ -34,7 +33,8 @@ std::string hex(const Bytes& bytes) {
 Bytes from_hex(const std::string& text) {
   Bytes bytes(text.size() / 2);
   std::size_t length = 0;
-  if (sodium_hex2bin(bytes.data(), bytes.size(), text.data(), text.size(), nullptr, &length, nullptr) != 0 ||
+  if (sodium_hex2bin(bytes.data(), bytes.size(), text.data(), text.size(), nullptr, &length,
+                     nullptr) != 0 ||
       2 * length != text.size()) {
     return {};
   }
@@ -43,7 +43,9 @@ Bytes from_hex(const std::string& text) {
 
 std::string read_text(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
-  if (!in) throw InputError(fmt::format("{}: can't be read; allowed: a file of `testbed seal`", file.string()));
+  if (!in)
+    throw InputError(
+        fmt::format("{}: can't be read; allowed: a file of `testbed seal`", file.string()));
   std::ostringstream text;
   text << in.rdbuf();
   return text.str();
@@ -51,61 +53,69 @@ std::string read_text(const std::filesystem::path& file) {
 
 std::string commitment_of(const Bytes& salt, const std::string& text) {
   Bytes hash(crypto_generichash_BYTES);
-  crypto_generichash(hash.data(), hash.size(), reinterpret_cast<const unsigned char*>(text.data()), text.size(),
-                     salt.data(), salt.size());
+  crypto_generichash(hash.data(), hash.size(), reinterpret_cast<const unsigned char*>(text.data()),
+                     text.size(), salt.data(), salt.size());
   return hex(hash);
 }
 
 }  // namespace
 
-void lock_labels(const std::string& text, const std::filesystem::path& folder, const std::filesystem::path& key) {
+void lock_labels(const std::string& text, const std::filesystem::path& folder,
+                 const std::filesystem::path& key) {
   start();
   Bytes secret(crypto_secretbox_KEYBYTES), salt(kSalt), nonce(crypto_secretbox_NONCEBYTES);
   for (Bytes* bytes : {&secret, &salt, &nonce}) randombytes_buf(bytes->data(), bytes->size());
   Bytes box(text.size() + crypto_secretbox_MACBYTES);
-  crypto_secretbox_easy(box.data(), reinterpret_cast<const unsigned char*>(text.data()), text.size(), nonce.data(),
-                        secret.data());
-  write_file(folder / "labels.sealed", hex(nonce) + hex(box) + "\n");
-  write_file(folder / "commitment.txt", commitment_of(salt, text) + "\n");
-  write_file(key, hex(secret) + " " + hex(salt) + "\n");
-  std::filesystem::permissions(key, std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
+  crypto_secretbox_easy(box.data(), reinterpret_cast<const unsigned char*>(text.data()),
+                        text.size(), nonce.data(), secret.data());
+  trajectory::write_file(folder / "labels.sealed", hex(nonce) + hex(box) + "\n");
+  trajectory::write_file(folder / "commitment.txt", commitment_of(salt, text) + "\n");
+  trajectory::write_file(key, hex(secret) + " " + hex(salt) + "\n");
+  std::filesystem::permissions(
+      key, std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
 }
 
 std::string unlock_labels(const std::filesystem::path& folder, const std::filesystem::path& key) {
   start();
   std::istringstream parts(read_text(key));
-  std::string secret_hex, salt_hex, sealed_hex;
+  std::string secret_hex, salt_hex, box_hex;
   parts >> secret_hex >> salt_hex;
   const Bytes secret = from_hex(secret_hex), salt = from_hex(salt_hex);
   if (secret.size() != crypto_secretbox_KEYBYTES || salt.size() != kSalt) {
     throw InputError(fmt::format("{}: no key of `testbed seal`", key.string()));
   }
-  std::istringstream(read_text(folder / "labels.sealed")) >> sealed_hex;
-  const Bytes sealed = from_hex(sealed_hex);
+
+  std::istringstream(read_text(folder / "labels.sealed")) >> box_hex;
+  const Bytes box = from_hex(box_hex);
   constexpr std::size_t kHead = crypto_secretbox_NONCEBYTES;
   const std::string file = (folder / "labels.sealed").string();
-  if (sealed.size() < kHead + crypto_secretbox_MACBYTES) throw InputError(fmt::format("{}: no sealed labels", file));
-  std::string text(sealed.size() - kHead - crypto_secretbox_MACBYTES, '\0');
-  if (crypto_secretbox_open_easy(reinterpret_cast<unsigned char*>(text.data()), sealed.data() + kHead,
-                                 sealed.size() - kHead, sealed.data(), secret.data()) != 0) {
-    throw InputError(fmt::format("{}: the labels were altered or sealed with another key than {}", file, key.string()));
+  if (box.size() < kHead + crypto_secretbox_MACBYTES)
+    throw InputError(fmt::format("{}: no encrypted labels", file));
+  std::string text(box.size() - kHead - crypto_secretbox_MACBYTES, '\0');
+  if (crypto_secretbox_open_easy(reinterpret_cast<unsigned char*>(text.data()), box.data() + kHead,
+                                 box.size() - kHead, box.data(), secret.data()) != 0) {
+    throw InputError(fmt::format(
+        "{}: the labels were altered or encrypted with another key than {}", file, key.string()));
   }
+
   std::string commitment;
   std::istringstream(read_text(folder / "commitment.txt")) >> commitment;
   if (commitment != commitment_of(salt, text)) {
-    throw InputError(fmt::format("{}: the labels are not those committed to", (folder / "commitment.txt").string()));
+    throw InputError(fmt::format("{}: the labels are not those committed to",
+                                 (folder / "commitment.txt").string()));
   }
   return text;
 }
 
-std::uint64_t seed_of_commit(const std::string& hash) {
+std::uint64_t seed_of_hash(const std::string& hash) {
   start();
   if (hash.size() != 40 || from_hex(hash).empty()) {
-    throw InputError(fmt::format("--commit: '{}' given; allowed: a commit's full hash, 40 hexadecimal digits", hash));
+    throw InputError(fmt::format(
+        "--commit: '{}' given; allowed: a commit's full hash, 40 hexadecimal digits", hash));
   }
   std::array<unsigned char, crypto_generichash_BYTES> digest{};
-  crypto_generichash(digest.data(), digest.size(), reinterpret_cast<const unsigned char*>(hash.data()), hash.size(),
-                     nullptr, 0);
+  crypto_generichash(digest.data(), digest.size(),
+                     reinterpret_cast<const unsigned char*>(hash.data()), hash.size(), nullptr, 0);
   std::uint64_t seed = 0;
   for (std::size_t i = 0; i < 8; ++i) seed = seed << 8 | digest[i];
   return seed >> 1;

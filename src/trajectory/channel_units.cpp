@@ -7,30 +7,15 @@
 #include <optional>
 
 #include "jaculus/core/error.h"
+#include "jaculus/trajectory/quantity.h"
 
-namespace jaculus {
+namespace jaculus::trajectory {
 namespace {
 
 struct Rule {
   std::string_view text;
   std::vector<Dimension> dimensions;
 };
-
-const std::vector<Rule>& suffixes() {
-  static const std::vector<Rule> rules = {
-      {"_velocity", {dimension::angular_velocity, dimension::velocity}},
-      {"_acceleration", {dimension::angular_acceleration, dimension::acceleration}},
-      {"_torque", {dimension::torque, dimension::force}},
-      {"_current", {dimension::current}},
-      {"_voltage", {dimension::voltage}},
-      {"_duty", {dimension::none}},
-      {"_force", {dimension::force}},
-      {"_force_x", {dimension::force}},
-      {"_force_z", {dimension::force}},
-      {"_pitch", {dimension::angle}},
-  };
-  return rules;
-}
 
 const std::vector<Rule>& names() {
   static const std::vector<Rule> rules = {
@@ -41,7 +26,8 @@ const std::vector<Rule>& names() {
   return rules;
 }
 
-std::optional<ChannelUnit> convert(const std::string& unit, const std::vector<Dimension>& dimensions) {
+std::optional<ChannelUnit> convert(const std::string& unit,
+                                   const std::vector<Dimension>& dimensions) {
   for (const Dimension& dimension : dimensions) {
     try {
       return ChannelUnit{parse_quantity("1 " + unit, dimension), unit_name(dimension)};
@@ -56,10 +42,21 @@ std::optional<ChannelUnit> convert(const std::string& unit, const std::vector<Di
 std::vector<Dimension> channel_dimensions(std::string_view channel) {
   for (const Rule& rule : names())
     if (channel == rule.text) return rule.dimensions;
-  for (const Rule& rule : suffixes())
-    if (channel.ends_with(rule.text)) return rule.dimensions;
-  return {dimension::angle,       dimension::length, dimension::none,  dimension::time,    dimension::angular_velocity,
-          dimension::velocity,    dimension::torque, dimension::force, dimension::current, dimension::voltage,
+
+  const Quantity quantity = parse_channel(channel).quantity;
+  if (quantity != Quantity::position) return dimensions_of(quantity);
+
+  if (channel.ends_with("_pitch")) return {dimension::angle};
+  return {dimension::angle,
+          dimension::length,
+          dimension::none,
+          dimension::time,
+          dimension::angular_velocity,
+          dimension::velocity,
+          dimension::torque,
+          dimension::force,
+          dimension::current,
+          dimension::voltage,
           dimension::acceleration};
 }
 
@@ -69,13 +66,15 @@ ChannelUnit channel_unit(const Column& column, const std::string& place) {
   const bool pure = dimensions == std::vector<Dimension>{dimension::none};
   if (column.unit.empty()) {
     if (pure) return {1.0, "-"};
-    throw InputError(fmt::format("{}: column '{}' has no unit; allowed: '{} [{}]'{}", place, column.name, column.name,
-                                 expected, dimensions.size() > 2 ? ", or '[-]' for a pure number" : ""));
+    throw InputError(fmt::format("{}: column '{}' has no unit; allowed: '{} [{}]'{}", place,
+                                 column.name, column.name, expected,
+                                 dimensions.size() > 2 ? ", or '[-]' for a pure number" : ""));
   }
   if (const auto unit = convert(column.unit, dimensions)) return *unit;
-  throw InputError(fmt::format("{}: column '{} [{}]': allowed: a unit such as '[{}]'{}", place, column.name,
-                               column.unit, expected,
-                               dimensions.size() == 2 ? fmt::format(" or '[{}]'", unit_name(dimensions.back())) : ""));
+  throw InputError(fmt::format(
+      "{}: column '{} [{}]': allowed: a unit such as '[{}]'{}", place, column.name, column.unit,
+      expected,
+      dimensions.size() == 2 ? fmt::format(" or '[{}]'", unit_name(dimensions.back())) : ""));
 }
 
-}  // namespace jaculus
+}  // namespace jaculus::trajectory

@@ -1,6 +1,7 @@
 #pragma once
-// Units of a log's columns. A suffix of the name tells the dimension ("_velocity", "_torque", ...), as do the names of the base's
-// coordinates; any other name is a joint or a coordinate of its own and may have any dimension that a unit is known for.
+// Units of a log's columns. A suffix of the name tells the dimension ("_velocity", "_torque", ...),
+// as do the names of the base's coordinates; any other name is a joint or a coordinate of its own
+// and may have any dimension that a unit is known for.
 
 #include <string>
 #include <string_view>
@@ -9,7 +10,7 @@
 #include "jaculus/core/units.h"
 #include "jaculus/trajectory/csv.h"
 
-namespace jaculus {
+namespace jaculus::trajectory {
 
 /// What a unit means: SI = factor * given.
 struct ChannelUnit {
@@ -20,8 +21,8 @@ struct ChannelUnit {
 /// Dimensions that a channel of this name may have, the usual one first.
 std::vector<Dimension> channel_dimensions(std::string_view channel);
 
-/// The unit of a column. `place` stands before messages ("joints.csv:1"). None where a dimension needs one, unknown, or of
-/// another dimension than the name has: InputError.
+/// The unit of a column. `place` stands before messages ("joints.csv:1"). None where a dimension
+/// needs one, unknown, or of another dimension than the name has: InputError.
 ChannelUnit channel_unit(const Column& column, const std::string& place);
 
-}  // namespace jaculus
+}  // namespace jaculus::trajectory

@@ -13,7 +13,7 @@
 #include "trajectory/line_reader.h"
 #include "trajectory/open_input.h"
 
-namespace jaculus {
+namespace jaculus::trajectory {
 namespace {
 
 std::string column_text(const yaml::Node& node) {
@@ -27,44 +27,59 @@ MappedChannel read_channel(const std::string& name, const yaml::Node& node) {
   node.only({"column", "columns", "unit", "scale", "offset"});
   MappedChannel channel;
   channel.channel = name;
-  if (node.has("column") == node.has("columns")) throw node.error("allowed: one of column and columns");
+  if (node.has("column") == node.has("columns"))
+    throw node.error("allowed: one of column and columns");
+
   if (const auto column = node.find("column")) channel.columns = {column_text(*column)};
   if (const auto columns = node.find("columns"))
-    for (const yaml::Node& column : columns->items()) channel.columns.push_back(column_text(column));
-  if (channel.columns.empty()) throw node.at("columns").error("an empty list given; allowed: at least one column");
+    for (const yaml::Node& column : columns->items())
+      channel.columns.push_back(column_text(column));
+  if (channel.columns.empty())
+    throw node.at("columns").error("an empty list given; allowed: at least one column");
+
   if (const auto scale = node.find("scale")) channel.scale = scale->number(dimension::none);
   if (const auto offset = node.find("offset")) channel.shift = offset->number(dimension::none);
   if (channel.scale == 0.0) throw node.at("scale").error("0 given; allowed: any other factor");
+
   const auto unit = node.find("unit");
-  const ChannelUnit si =
-      channel_unit({name, unit ? unit->text() : ""}, fmt::format("{}:{}", node.file().string(), node.line()));
+  const ChannelUnit si = channel_unit({name, unit ? unit->text() : ""},
+                                      fmt::format("{}:{}", node.file().string(), node.line()));
   channel.scale *= si.factor;
   channel.shift *= si.factor;
   channel.unit = si.si;
+
   return channel;
 }
 
-class Reader {
+class ColumnMapReader {
  public:
-  Reader(std::istream& stream, const std::string& name, const ColumnMap& map) : reader_(stream, name), map_(map) {}
+  ColumnMapReader(std::istream& stream, const std::string& name, const ColumnMap& map)
+      : reader_(stream, name), map_(map) {}
 
   Stream read(std::vector<std::string>& notes) {
     std::string_view line;
     for (int i = 0; i < map_.skip_lines; ++i)
       if (!reader_.next(line))
-        throw InputError(fmt::format("{}: ends within the {} lines to skip", reader_.name(), map_.skip_lines));
+        throw InputError(
+            fmt::format("{}: ends within the {} lines to skip", reader_.name(), map_.skip_lines));
+
     if (map_.header) {
-      if (!reader_.next(line)) throw InputError(fmt::format("{}: there is no header line", reader_.name()));
+      if (!reader_.next(line))
+        throw InputError(fmt::format("{}: there is no header line", reader_.name()));
       split(line);
       names_ = cells_;
     }
+
     while (reader_.next(line)) row(line);
     if (times_.empty()) throw InputError(fmt::format("{}: there is no row", reader_.name()));
-    if (short_line_ > 0) notes.push_back(fmt::format("line {}, the last, is cut short and was dropped", short_line_));
+
+    if (short_line_ > 0)
+      notes.push_back(fmt::format("line {}, the last, is cut short and was dropped", short_line_));
     for (const MappedChannel& channel : map_.channels)
       if (channel.columns.size() > 1)
-        notes.push_back(
-            fmt::format("{} is the mean of the columns {}", channel.channel, fmt::join(channel.columns, ", ")));
+        notes.push_back(fmt::format("{} is the mean of the columns {}", channel.channel,
+                                    fmt::join(channel.columns, ", ")));
+
     return finish();
   }
 
@@ -92,12 +107,13 @@ class Reader {
         const auto found = std::find(names_.begin(), names_.end(), column);
         if (found == names_.end()) {
           const auto near = yaml::nearest_name(column, names_);
-          throw reader_.error(fmt::format("there is no column '{}' for {}{}; allowed: {}", column, channel.channel,
-                                          near ? fmt::format(", did you mean '{}'?", *near) : "", shown_names()));
+          throw reader_.error(
+              fmt::format("there is no column '{}' for {}{}; allowed: {}", column, channel.channel,
+                          near ? fmt::format(", did you mean '{}'?", *near) : "", shown_names()));
         }
         if (std::count(names_.begin(), names_.end(), column) > 1)
           throw reader_.error(fmt::format("column '{}' stands twice", shown(column)));
-        places_.back().push_back(static_cast<std::size_t>(found - names_.begin()));
+        places_.back().push_back(found - names_.begin());
       }
     }
   }
@@ -111,21 +127,27 @@ class Reader {
   void row(std::string_view line) {
     if (trim(line).empty()) return;
     if (short_line_ > 0)
-      throw InputError(fmt::format("{}:{}: the row has fewer cells than the others ({})", reader_.name(), short_line_,
-                                   names_.size()));
+      throw InputError(fmt::format("{}:{}: the row has fewer cells than the others ({})",
+                                   reader_.name(), short_line_, names_.size()));
+
     split(line);
     if (places_.empty()) find_columns();
+
     if (cells_.size() < names_.size()) {
       short_line_ = reader_.line();
       return;
     }
-    if (cells_.size() > names_.size() && !(cells_.size() == names_.size() + 1 && cells_.back().empty()))
-      throw reader_.error(fmt::format("the row has {} cells; the others have {}", cells_.size(), names_.size()));
+    if (cells_.size() > names_.size() &&
+        !(cells_.size() == names_.size() + 1 && cells_.back().empty()))
+      throw reader_.error(
+          fmt::format("the row has {} cells; the others have {}", cells_.size(), names_.size()));
+
     for (std::size_t c = 0; c < map_.channels.size(); ++c) {
       double sum = 0.0;
       for (const std::size_t place : places_[c]) sum += number(place);
       const MappedChannel& channel = map_.channels[c];
-      const double value = channel.scale * sum / static_cast<double>(places_[c].size()) + channel.shift;
+      const double value =
+          channel.scale * sum / static_cast<double>(places_[c].size()) + channel.shift;
       if (channel.channel == "time") {
         add_time(value);
       } else {
@@ -137,19 +159,22 @@ class Reader {
   [[nodiscard]] double number(std::size_t place) const {
     const std::string& text = cells_[place];
     double value = kNaN;
-    if (text.empty() || std::find(map_.gaps.begin(), map_.gaps.end(), text) != map_.gaps.end()) return kNaN;
+    if (text.empty() || std::find(map_.gaps.begin(), map_.gaps.end(), text) != map_.gaps.end())
+      return kNaN;
     if (!parse_number(text, value))
-      throw reader_.error(
-          fmt::format("column '{}': '{}' is not a number; allowed: a finite number, an empty cell, or what "
-                      "the map calls a gap",
-                      shown(names_[place]), shown(text)));
+      throw reader_.error(fmt::format(
+          "column '{}': '{}' is not a number; allowed: a finite number, an empty cell, or what "
+          "the map calls a gap",
+          shown(names_[place]), shown(text)));
     return value;
   }
 
   void add_time(double time) {
-    if (std::isnan(time)) throw reader_.error("time: an empty cell given; allowed: a time in every row");
+    if (std::isnan(time))
+      throw reader_.error("time: an empty cell given; allowed: a time in every row");
     if (!times_.empty() && !(time > times_.back()))
-      throw reader_.error(fmt::format("time: {:.10g} s follows {:.10g} s; allowed: rising times", time, times_.back()));
+      throw reader_.error(fmt::format("time: {:.10g} s follows {:.10g} s; allowed: rising times",
+                                      time, times_.back()));
     times_.push_back(time);
   }
 
@@ -162,10 +187,9 @@ class Reader {
       stream.channels.push_back(channel.channel);
       stream.units.push_back(channel.unit);
     }
-    const auto samples = static_cast<Eigen::Index>(times_.size());
+    const auto samples = std::ssize(times_);
     stream.time = Eigen::Map<const Vector>(times_.data(), samples);
-    stream.values =
-        Eigen::Map<const Matrix>(values_.data(), static_cast<Eigen::Index>(stream.channels.size()), samples);
+    stream.values = Eigen::Map<const Matrix>(values_.data(), stream.channels.size(), samples);
     return stream;
   }
 
@@ -180,34 +204,45 @@ class Reader {
 }  // namespace
 
 ColumnMap read_column_map(const yaml::Node& node) {
-  node.only({"format", "stream", "rate_hz", "separator", "skip_lines", "header", "gaps", "channels"});
+  yaml::refuse_other_kind(node, "jaculus-columns/1");
+  node.only(
+      {"format", "stream", "rate_hz", "separator", "skip_lines", "header", "gaps", "channels"});
   (void)node.at("format").choice({"jaculus-columns/1"});
+
   ColumnMap map;
   if (const auto stream = node.find("stream")) map.stream = stream->text();
-  if (const auto rate = node.find("rate_hz")) map.rate_hz = rate->number(dimension::frequency, {1e-12, kInfinity});
+  if (const auto rate = node.find("rate_hz"))
+    map.rate_hz = rate->number(dimension::frequency, {1e-12, kInfinity});
   if (const auto separator = node.find("separator")) {
-    const std::map<std::string, char> separators = {{",", ','}, {";", ';'}, {"tab", '\t'}, {"space", ' '}};
+    const std::map<std::string, char> separators = {
+        {",", ','}, {";", ';'}, {"tab", '\t'}, {"space", ' '}};
     map.separator = separators.at(separator->choice({",", ";", "tab", "space"}));
   }
+
   if (const auto skip = node.find("skip_lines")) map.skip_lines = skip->integer(0, 1000000);
   if (const auto header = node.find("header")) map.header = header->boolean();
   if (const auto gaps = node.find("gaps")) map.gaps = gaps->texts();
-  for (const auto& [name, channel] : node.at("channels").entries()) map.channels.push_back(read_channel(name, channel));
-  const auto times = std::count_if(map.channels.begin(), map.channels.end(),
-                                   [](const MappedChannel& channel) { return channel.channel == "time"; });
+
+  for (const auto& [name, channel] : node.at("channels").entries())
+    map.channels.push_back(read_channel(name, channel));
+  const auto times =
+      std::count_if(map.channels.begin(), map.channels.end(),
+                    [](const MappedChannel& channel) { return channel.channel == "time"; });
   if (times != 1 || map.channels.size() < 2)
     throw node.at("channels").error("allowed: time and at least one more channel");
+
   return map;
 }
 
 Stream read_mapped_csv(std::istream& stream, const std::string& name, const ColumnMap& map,
                        std::vector<std::string>& notes) {
-  return Reader(stream, name, map).read(notes);
+  return ColumnMapReader(stream, name, map).read(notes);
 }
 
-Stream read_mapped_csv(const std::filesystem::path& file, const ColumnMap& map, std::vector<std::string>& notes) {
+Stream read_mapped_csv(const std::filesystem::path& file, const ColumnMap& map,
+                       std::vector<std::string>& notes) {
   std::ifstream stream = open_input(file, "a CSV file");
   return read_mapped_csv(stream, file.string(), map, notes);
 }
 
-}  // namespace jaculus
+}  // namespace jaculus::trajectory

@@ -14,7 +14,7 @@
 #include "trajectory/line_reader.h"
 #include "trajectory/open_input.h"
 
-namespace jaculus {
+namespace jaculus::trajectory {
 namespace {
 
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -26,14 +26,15 @@ class Parser {
   Table parse() {
     std::string_view line;
     if (!next_line(line))
-      throw InputError(fmt::format("{}: the file is empty; a header line and rows are expected", name_));
+      throw InputError(
+          fmt::format("{}: the file is empty; a header line and rows are expected", name_));
     header(line);
     while (next_line(line)) row(line);
     if (cells_.empty() && table_.phase.empty())
       throw InputError(fmt::format("{}:1: there is a header but no row", name_));
-    const auto columns = static_cast<Eigen::Index>(table_.columns.size());
+    const auto columns = std::ssize(table_.columns);
     table_.values =
-        Eigen::Map<const RowMajor>(cells_.data(), static_cast<Eigen::Index>(cells_.size()) / columns, columns);
+        Eigen::Map<const RowMajor>(cells_.data(), std::ssize(cells_) / columns, columns);
     return std::move(table_);
   }
 
@@ -56,11 +57,12 @@ class Parser {
     return false;
   }
 
-  /// Takes the next cell off `line`; `more` tells whether a comma followed. Quoted text with doubled quotes goes
-  /// through unquoted_.
+  /// Takes the next cell off `line`; `more` tells whether a comma followed. Quoted text with
+  /// doubled quotes goes through unquoted_.
   std::string_view next_cell(std::string_view& line, bool& more) {
     const auto start = line.find_first_not_of(" \t");
-    if (start != std::string_view::npos && line[start] == '"') return quoted_cell(line, start + 1, more);
+    if (start != std::string_view::npos && line[start] == '"')
+      return quoted_cell(line, start + 1, more);
     const auto end = line.find(',');
     const std::string_view cell = line.substr(0, end);
     more = end != std::string_view::npos;
@@ -80,10 +82,13 @@ class Parser {
         break;
       }
     }
+
     line.remove_prefix(at + 1);
     const auto end = line.find(',');
     if (!trim(line.substr(0, end)).empty())
-      throw error(fmt::format("'{}' stands behind a closing quote", shown(trim(line.substr(0, end)))));
+      throw error(
+          fmt::format("'{}' stands behind a closing quote", shown(trim(line.substr(0, end)))));
+
     more = end != std::string_view::npos;
     line.remove_prefix(more ? end + 1 : line.size());
     return trim(unquoted_);
@@ -95,7 +100,8 @@ class Parser {
     std::set<std::string> seen;
     for (bool more = true; more;) {
       const Column column = parse_column(next_cell(line, more));
-      if (!seen.insert(column.name).second) throw error(fmt::format("column '{}' stands twice", shown(column.name)));
+      if (!seen.insert(column.name).second)
+        throw error(fmt::format("column '{}' stands twice", shown(column.name)));
       if (column.name == "phase" && column.unit.empty()) {
         phase_column_ = columns_;
       } else {
@@ -111,14 +117,16 @@ class Parser {
     const std::string_view name = trim(cell.substr(0, bracket));
     if (name.empty()) throw error("a column has no name; 'name [unit]' is expected");
     if (double number = 0.0; parse_number(name, number))
-      throw error(
-          fmt::format("'{}' stands where a column name is expected; the first line is to be a header", shown(name)));
+      throw error(fmt::format(
+          "'{}' stands where a column name is expected; the first line is to be a header",
+          shown(name)));
     if (bracket == std::string_view::npos) return {std::string(name), ""};
     if (!cell.ends_with(']') || cell.find_first_of("[]", bracket + 1) != cell.size() - 1)
       throw error(fmt::format("column '{}': 'name [unit]' is expected", shown(cell)));
     const std::string_view unit = trim(cell.substr(bracket + 1, cell.size() - bracket - 2));
     if (unit.empty())
-      throw error(fmt::format("column '{}': the brackets hold no unit; '[-]' stands for none", shown(cell)));
+      throw error(fmt::format("column '{}': the brackets hold no unit; '[-]' stands for none",
+                              shown(cell)));
     return {std::string(name), std::string(unit)};
   }
 
@@ -132,16 +140,20 @@ class Parser {
         table_.phase.emplace_back(cell);
         continue;
       }
+
       double value = kNaN;
       if (!cell.empty() && !parse_number(cell, value))
         throw error(
-            fmt::format("column '{}': '{}' is not a number; a finite number, or an empty cell for a gap, is expected",
+            fmt::format("column '{}': '{}' is not a number; a finite number, or an empty cell for "
+                        "a gap, is expected",
                         table_.columns[numbers].name, shown(cell)));
       cells_.push_back(value);
       ++numbers;
     }
+
     if (cells != columns_)
-      throw error(fmt::format("the row has {} cell{}; the header has {}", cells, cells == 1 ? "" : "s", columns_));
+      throw error(fmt::format("the row has {} cell{}; the header has {}", cells,
+                              cells == 1 ? "" : "s", columns_));
   }
 
   LineReader reader_;
@@ -154,8 +166,10 @@ class Parser {
 };
 
 void append_text(std::string& out, const std::string& text) {
-  // An empty text needs its quotes where it would be all that stands on a line; elsewhere they do no harm.
-  if (!text.empty() && text.find_first_of(",\"") == std::string::npos && trim(text).size() == text.size()) {
+  // An empty text needs its quotes where it would be all that stands on a line; elsewhere they do
+  // no harm.
+  if (!text.empty() && text.find_first_of(",\"") == std::string::npos &&
+      trim(text).size() == text.size()) {
     out += text;
     return;
   }
@@ -171,8 +185,8 @@ std::string header_of(const Column& column) {
 }  // namespace
 
 int Table::column(const std::string& name) const {
-  for (std::size_t i = 0; i < columns.size(); ++i)
-    if (columns[i].name == name) return static_cast<int>(i);
+  for (int i = 0; i < count_of(columns); ++i)
+    if (columns[i].name == name) return i;
   return -1;
 }
 
@@ -193,22 +207,26 @@ Vector quantity(const Table& table, const std::string& name, const Dimension& di
     std::vector<std::string> names;
     for (const Column& column : table.columns) names.push_back(column.name);
     const std::optional<std::string> near = yaml::nearest_name(name, names);
-    throw InputError(fmt::format("{}:1: column '{} [{}]' is missing{}", file.string(), name, unit_name(dimension),
+    throw InputError(fmt::format("{}:1: column '{} [{}]' is missing{}", file.string(), name,
+                                 unit_name(dimension),
                                  near ? fmt::format("; did you mean '{}'?", *near) : ""));
   }
-  const std::string& unit = table.columns[static_cast<std::size_t>(index)].unit;
+
+  const std::string& unit = table.columns[index].unit;
   double factor = 1.0;
   if (unit.empty() || unit == "-") {
     if (dimension != dimension::none)
-      throw InputError(fmt::format("{}:1: column '{}' has no unit; '{} [{}]' is expected", file.string(), name, name,
-                                   unit_name(dimension)));
+      throw InputError(fmt::format("{}:1: column '{}' has no unit; '{} [{}]' is expected",
+                                   file.string(), name, name, unit_name(dimension)));
   } else {
     try {
       factor = parse_quantity("1 " + unit, dimension);
     } catch (const InputError& error) {
-      throw InputError(fmt::format("{}:1: column '{} [{}]': {}", file.string(), name, unit, error.what()));
+      throw InputError(
+          fmt::format("{}:1: column '{} [{}]': {}", file.string(), name, unit, error.what()));
     }
   }
+
   return factor * table.values.col(index);
 }
 
@@ -234,10 +252,11 @@ void append_header(std::string& out, const std::vector<Column>& columns, bool wi
               [&](std::size_t i) { append_text(out, header_of(columns[i])); });
 }
 
-void append_row(std::string& out, const Matrix& values, Eigen::Index row, const std::string* phase) {
-  const auto cells = static_cast<std::size_t>(values.cols());
+void append_row(std::string& out, const Matrix& values, Eigen::Index row,
+                const std::string* phase) {
+  const std::size_t cells = values.cols();
   append_line(out, cells, phase, [&](std::size_t i) {
-    const double value = values(row, static_cast<Eigen::Index>(i));
+    const double value = values(row, i);
     if (!std::isnan(value)) {
       fmt::format_to(std::back_inserter(out), "{}", value);
     } else if (cells == 1) {
@@ -250,14 +269,16 @@ void append_row(std::string& out, const Matrix& values, Eigen::Index row, const 
 
 std::string format_csv(const Table& table) {
   std::string out;
-  out.reserve(static_cast<std::size_t>(20 * table.values.size()) + 1024);
+  out.reserve(20 * table.values.size() + 1024);
   append_header(out, table.columns, !table.phase.empty());
   for (Eigen::Index row = 0; row < table.values.rows(); ++row)
-    append_row(out, table.values, row, table.phase.empty() ? nullptr : &table.phase[static_cast<std::size_t>(row)]);
+    append_row(out, table.values, row, table.phase.empty() ? nullptr : &table.phase[row]);
   return out;
 }
 
-void write_csv(const Table& table, const std::filesystem::path& file) { write_file(file, format_csv(table)); }
+void write_csv(const Table& table, const std::filesystem::path& file) {
+  write_file(file, format_csv(table));
+}
 
 void write_csv(const std::vector<Column>& columns, const std::function<Matrix(Eigen::Index)>& block,
                const std::filesystem::path& file) {
@@ -273,4 +294,4 @@ void write_csv(const std::vector<Column>& columns, const std::function<Matrix(Ei
   });
 }
 
-}  // namespace jaculus
+}  // namespace jaculus::trajectory

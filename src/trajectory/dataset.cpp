@@ -4,21 +4,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ranges>
 
 #include "jaculus/core/error.h"
 #include "trajectory/channel_units.h"
 #include "trajectory/dataset_yaml.h"
 
-namespace jaculus {
+namespace jaculus::trajectory {
 namespace {
 
 namespace fs = std::filesystem;
-
-template <class Names>
-int index_of(const Names& names, const std::string& name) {
-  const auto found = std::find(names.begin(), names.end(), name);
-  return found == names.end() ? -1 : static_cast<int>(found - names.begin());
-}
 
 /// Line of a row in a CSV file: one header line, no blank lines between (csv.h).
 Eigen::Index line_of(Eigen::Index row) { return row + 2; }
@@ -33,8 +28,10 @@ Vector read_time(const Table& table, const fs::path& file, bool borders_may_coin
     if (k == 0 || time[k] > time[k - 1]) continue;
     if (time[k] < time[k - 1])
       throw fault(
-          fmt::format("{:.10g} s follows {:.10g} s; allowed: time that never runs backwards", time[k], time[k - 1]));
-    if (!borders_may_coincide) throw fault(fmt::format("{} s stands twice; allowed: one row a time", time[k]));
+          fmt::format("{:.10g} s follows {:.10g} s; allowed: time that never runs backwards",
+                      time[k], time[k - 1]));
+    if (!borders_may_coincide)
+      throw fault(fmt::format("{} s stands twice; allowed: one row a time", time[k]));
   }
   return time;
 }
@@ -47,19 +44,22 @@ Stream read_stream(const StreamEntry& entry, const fs::path& file) {
   stream.time = read_time(table, file, false);
   std::vector<Eigen::Index> columns;
   std::vector<double> factors;
-  for (std::size_t i = 0; i < table.columns.size(); ++i) {
+  for (int i = 0; i < count_of(table.columns); ++i) {
     if (table.columns[i].name == "time") continue;
     const ChannelUnit unit = channel_unit(table.columns[i], file.string() + ":1");
     stream.channels.push_back(table.columns[i].name);
     stream.units.push_back(unit.si);
-    columns.push_back(static_cast<Eigen::Index>(i));
+    columns.push_back(i);
     factors.push_back(unit.factor);
   }
+
   if (columns.empty())
-    throw InputError(fmt::format("{}:1: there is no column but time; allowed: at least one channel", file.string()));
-  stream.values.resize(static_cast<Eigen::Index>(columns.size()), stream.time.size());
-  for (std::size_t i = 0; i < columns.size(); ++i)
-    stream.values.row(static_cast<Eigen::Index>(i)) = factors[i] * table.values.col(columns[i]).transpose();
+    throw InputError(fmt::format("{}:1: there is no column but time; allowed: at least one channel",
+                                 file.string()));
+  stream.values.resize(columns.size(), stream.time.size());
+  for (int i = 0; i < count_of(columns); ++i)
+    stream.values.row(i) = factors[i] * table.values.col(columns[i]).transpose();
+
   return stream;
 }
 
@@ -72,57 +72,65 @@ double command_end(const Dataset& dataset) {
 
 void check_start(const Stream& stream, const fs::path& file, double end) {
   if (stream.time[0] <= end) return;
-  throw InputError(fmt::format(
-      "{}:2: time: the stream begins at {} s, after the plan's end at {} s; allowed: a stream that overlaps "
-      "the plan, whose first sample is time 0",
-      file.string(), stream.time[0], end));
+  throw InputError(
+      fmt::format("{}:2: time: the stream begins at {} s, after the plan's end at {} s; allowed: a "
+                  "stream that overlaps "
+                  "the plan, whose first sample is time 0",
+                  file.string(), stream.time[0], end));
 }
 
-InputScript read_script(const fs::path& file, const std::string& quantity_name) {
+InputScript read_script(const fs::path& file, Quantity commanded) {
   const Table table = read_csv(file);
   InputScript script;
-  script.quantity = quantity_name;
+  script.quantity = commanded;
   script.time = read_time(table, file, false);
-  const std::string suffix = "_" + quantity_name;
+
+  const std::string allowed = channel_name("JOINT", commanded);
   std::vector<Vector> rows;
   for (const Column& column : table.columns) {
     if (column.name == "time") continue;
-    if (!column.name.ends_with(suffix) || column.name.size() == suffix.size())
-      throw InputError(
-          fmt::format("{}:1: column '{}' given; allowed: time and JOINT{}", file.string(), column.name, suffix));
-    script.joints.push_back(column.name.substr(0, column.name.size() - suffix.size()));
-    rows.push_back(quantity(table, column.name, command_dimension(quantity_name), file));
+    const ChannelName name = parse_channel(column.name);
+    if (name.quantity != commanded)
+      throw InputError(fmt::format("{}:1: column '{}' given; allowed: time and {}", file.string(),
+                                   column.name, allowed));
+    script.joints.push_back(name.of);
+    rows.push_back(quantity(table, column.name, command_dimension(commanded), file));
     if (rows.back().hasNaN())
-      throw InputError(
-          fmt::format("{}: column '{}' has gaps; allowed: a command in every row", file.string(), column.name));
+      throw InputError(fmt::format("{}: column '{}' has gaps; allowed: a command in every row",
+                                   file.string(), column.name));
   }
   if (rows.empty())
-    throw InputError(fmt::format("{}:1: no command given; allowed: a column JOINT{}", file.string(), suffix));
-  script.values.resize(static_cast<Eigen::Index>(rows.size()), script.time.size());
-  for (std::size_t i = 0; i < rows.size(); ++i) script.values.row(static_cast<Eigen::Index>(i)) = rows[i].transpose();
+    throw InputError(
+        fmt::format("{}:1: no command given; allowed: a column {}", file.string(), allowed));
+
+  script.values.resize(rows.size(), script.time.size());
+  for (int i = 0; i < count_of(rows); ++i) script.values.row(i) = rows[i].transpose();
   return script;
 }
 
 fs::path named_file(const yaml::Node& node, const fs::path& folder) {
   const fs::path file = folder / node.text();
-  if (!fs::is_regular_file(file)) throw node.error(fmt::format("there is no file {}", file.string()));
+  if (!fs::is_regular_file(file))
+    throw node.error(fmt::format("there is no file {}", file.string()));
   return file;
 }
 
 /// What drove the joint must have been logged where nothing was commanded.
 void check_measured(const Dataset& dataset, const yaml::Node& file) {
-  if (dataset.controller.kind != "measured") return;
-  const std::string suffix = "_" + dataset.controller.input;
+  if (dataset.controller.kind != ControllerKind::measured) return;
+
+  const Quantity input = dataset.controller.input;
+  const auto has_input = [&](const Stream& stream) {
+    return std::any_of(
+        stream.channels.begin(), stream.channels.end(),
+        [&](const std::string& channel) { return parse_channel(channel).quantity == input; });
+  };
   for (const Trial& trial : dataset.trials) {
-    const bool logged = std::any_of(trial.streams.begin(), trial.streams.end(), [&](const Stream& stream) {
-      return std::any_of(stream.channels.begin(), stream.channels.end(),
-                         [&](const std::string& channel) { return channel.ends_with(suffix); });
-    });
-    if (!logged)
-      throw file.at("controller")
-          .at("input")
-          .error(fmt::format("no stream of {} has a column JOINT{}; allowed: a quantity that was logged", trial.name,
-                             suffix));
+    if (std::any_of(trial.streams.begin(), trial.streams.end(), has_input)) continue;
+    throw file.at("controller")
+        .at("input")
+        .error(fmt::format("no stream of {} has a column {}; allowed: a quantity that was logged",
+                           trial.name, channel_name("JOINT", input)));
   }
 }
 
@@ -147,9 +155,12 @@ std::vector<Trial> read_all_trials(const DatasetOutline& outline, const fs::path
     }
     trials.push_back(std::move(trial));
   }
+
   for (std::size_t i = 0; i < found.size(); ++i)
     if (!found[i])
-      throw outline.streams[i].node.at("file").error(fmt::format("no trial has a file {}", outline.streams[i].file));
+      throw outline.streams[i].node.at("file").error(
+          fmt::format("no trial has a file {}", outline.streams[i].file));
+
   return trials;
 }
 
@@ -159,10 +170,10 @@ Table read_plan(const fs::path& file) {
   Table plan = read_csv(file);
   const Vector time = read_time(plan, file, true);
   plan.values.col(plan.column("time")) = time;
-  plan.columns[static_cast<std::size_t>(plan.column("time"))].unit = "s";
+  plan.columns[plan.column("time")].unit = "s";
   if (!(time[time.size() - 1] > time[0]))
-    throw InputError(fmt::format("{}:{}: the plan ends where it begins; allowed: a plan that lasts", file.string(),
-                                 line_of(time.size() - 1)));
+    throw InputError(fmt::format("{}:{}: the plan ends where it begins; allowed: a plan that lasts",
+                                 file.string(), line_of(time.size() - 1)));
   return plan;
 }
 
@@ -173,7 +184,9 @@ void load_commands(DatasetOutline& outline, const fs::path& folder) {
     dataset.script = read_script(named_file(*outline.input_file, folder), dataset.script->quantity);
 }
 
-int Stream::channel(const std::string& channel_name) const { return index_of(channels, channel_name); }
+int Stream::channel(const std::string& channel_name) const {
+  return index_of(channels, channel_name);
+}
 
 const Stream* Trial::stream(const std::string& stream_name) const {
   for (const Stream& stream : streams)
@@ -183,10 +196,12 @@ const Stream* Trial::stream(const std::string& stream_name) const {
 
 Dataset read_dataset(const fs::path& given) {
   const bool is_file = fs::is_regular_file(given);
-  if (!is_file && !fs::exists(given)) throw InputError(fmt::format("{}: there is no such folder", given.string()));
+  if (!is_file && !fs::exists(given))
+    throw InputError(fmt::format("{}: there is no such folder", given.string()));
   const fs::path folder = is_file ? given.parent_path() : given;
   if (!is_file && !fs::is_regular_file(folder / "dataset.yaml"))
-    throw InputError(fmt::format("{}: no dataset.yaml here; allowed: the folder of a dataset", folder.string()));
+    throw InputError(
+        fmt::format("{}: no dataset.yaml here; allowed: the folder of a dataset", folder.string()));
   const yaml::Node file = yaml::Node::load(is_file ? given : folder / "dataset.yaml");
   DatasetOutline outline = read_outline(file);
   load_commands(outline, folder);
@@ -199,4 +214,4 @@ Dataset read_dataset(const fs::path& given) {
   return dataset;
 }
 
-}  // namespace jaculus
+}  // namespace jaculus::trajectory

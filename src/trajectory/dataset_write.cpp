@@ -8,7 +8,7 @@
 #include "jaculus/core/error.h"
 #include "trajectory/dataset_yaml.h"
 
-namespace jaculus {
+namespace jaculus::trajectory {
 namespace {
 
 namespace fs = std::filesystem;
@@ -16,12 +16,12 @@ namespace fs = std::filesystem;
 /// A YAML scalar in double quotes, whatever it holds.
 std::string quoted(const std::string& text) {
   std::string out = "\"";
-  for (const char c : text) {
+  for (const unsigned char c : text) {
     if (c == '"' || c == '\\') out += '\\';
     if (c == '\n') {
       out += "\\n";
-    } else if (static_cast<unsigned char>(c) < 0x20) {
-      out += fmt::format("\\x{:02x}", static_cast<unsigned>(c));
+    } else if (c < 0x20) {
+      out += fmt::format("\\x{:02x}", c);
     } else {
       out += c;
     }
@@ -48,25 +48,28 @@ std::string gains_text(const std::map<std::string, StatedGain>& gains) {
 }
 
 std::string controller_text(const StatedController& controller) {
-  const bool feedback = controller.kind == "feedforward_pd";
-  std::string out = fmt::format("{{kind: {}", controller.kind);
-  if (feedback && controller.quantity_stated) out += fmt::format(", quantity: {}", controller.quantity);
-  if (controller.kind == "measured") {
-    out += fmt::format(", input: {}", controller.input);
+  const bool feedback = controller.kind == ControllerKind::feedforward_pd;
+  std::string out = fmt::format("{{kind: {}", name_of(controller.kind));
+  if (feedback && controller.quantity_stated)
+    out += fmt::format(", quantity: {}", name_of(controller.quantity));
+  if (controller.kind == ControllerKind::measured) {
+    out += fmt::format(", input: {}", name_of(controller.input));
   } else {
     out += fmt::format(", rate_hz: {}", controller.rate_hz);
   }
+
   if (!controller.kp.empty()) out += ", kp: " + gains_text(controller.kp);
   if (!controller.kd.empty()) out += ", kd: " + gains_text(controller.kd);
   if (controller.bus_voltage) out += fmt::format(", bus_voltage: {}", *controller.bus_voltage);
-  if (controller.after_end == "pose") {
+  if (controller.after_end == AfterEnd::pose) {
     std::string pose;
     for (const auto& [joint, value] : controller.landing_pose)
       pose += fmt::format("{}{}: {}", pose.empty() ? "" : ", ", quoted(joint), value);
     out += fmt::format(", after_end: {{pose: {{{}}}, within: {}}}", pose, controller.landing_time);
-  } else if (!controller.after_end.empty()) {
-    out += fmt::format(", after_end: {}", controller.after_end);
+  } else if (controller.after_end) {
+    out += fmt::format(", after_end: {}", name_of(*controller.after_end));
   }
+
   return out + "}";
 }
 
@@ -87,7 +90,8 @@ Table script_table(const InputScript& script) {
   Table table;
   table.columns.push_back({"time", "s"});
   for (const std::string& joint : script.joints)
-    table.columns.push_back({joint + "_" + script.quantity, unit_name(command_dimension(script.quantity))});
+    table.columns.push_back(
+        {channel_name(joint, script.quantity), unit_name(command_dimension(script.quantity))});
   table.values.resize(script.time.size(), 1 + script.values.rows());
   table.values.col(0) = script.time;
   table.values.rightCols(script.values.rows()) = script.values.transpose();
@@ -97,9 +101,10 @@ Table script_table(const InputScript& script) {
 /// Block by block, for a stream may be long.
 void write_stream(const Stream& stream, const fs::path& file) {
   assert(stream.channels.size() == stream.units.size());
-  assert(stream.values.rows() == static_cast<Eigen::Index>(stream.channels.size()));
+  assert(stream.values.rows() == std::ssize(stream.channels));
   std::vector<Column> columns = {{"time", "s"}};
-  for (std::size_t i = 0; i < stream.channels.size(); ++i) columns.push_back({stream.channels[i], stream.units[i]});
+  for (std::size_t i = 0; i < stream.channels.size(); ++i)
+    columns.push_back({stream.channels[i], stream.units[i]});
   const auto block = [&](Eigen::Index first) {
     constexpr Eigen::Index kRows = 4096;
     const Eigen::Index rows = std::min(kRows, stream.time.size() - first);
@@ -115,37 +120,48 @@ void make_folder(const fs::path& folder) {
   std::error_code code;
   fs::create_directories(folder, code);
   if (code || !fs::is_directory(folder))
-    throw InputError(fmt::format("{}: can't be made: {}", folder.string(), code ? code.message() : "it is a file"));
+    throw InputError(fmt::format("{}: can't be made: {}", folder.string(),
+                                 code ? code.message() : "it is a file"));
 }
 
 }  // namespace
 
 std::string outline_text(const Dataset& dataset) {
   std::string out = "format: jaculus-dataset/1\n";
-  out += fmt::format("experiment: {}\nrobot: {}\n", dataset.experiment, quoted(dataset.robot));
+  out += fmt::format("experiment: {}\nrobot: {}\n", name_of(dataset.experiment),
+                     quoted(dataset.robot));
   if (!dataset.overrides.empty()) {
     out += "override:\n";
-    for (const auto& [path, value] : dataset.overrides) out += fmt::format("  {}: {}\n", quoted(path), value);
+    for (const auto& [path, value] : dataset.overrides)
+      out += fmt::format("  {}: {}\n", quoted(path), value);
   }
+
   if (dataset.plan) out += "plan: plan.csv\n";
-  if (dataset.script) out += fmt::format("input: {{quantity: {}, file: input.csv}}\n", dataset.script->quantity);
+  if (dataset.script)
+    out += fmt::format("input: {{quantity: {}, file: input.csv}}\n",
+                       name_of(dataset.script->quantity));
   if (!dataset.initial.empty()) {
     out += "initial:\n";
-    for (const auto& [name, value] : dataset.initial) out += fmt::format("  {}: {}\n", quoted(name), value);
+    for (const auto& [name, value] : dataset.initial)
+      out += fmt::format("  {}: {}\n", quoted(name), value);
   }
+
   if (!dataset.stops.empty()) out += "stops:\n";
   for (const auto& [joint, stop] : dataset.stops)
-    out += fmt::format("  {}: {{range: [{}, {}], restitution: {}}}\n", quoted(joint), yaml_number(stop.range.lower),
-                       yaml_number(stop.range.upper), stop.restitution);
+    out +=
+        fmt::format("  {}: {{range: [{}, {}], restitution: {}}}\n", quoted(joint),
+                    yaml_number(stop.range.lower), yaml_number(stop.range.upper), stop.restitution);
   out += fmt::format("controller: {}\nstreams:\n", controller_text(dataset.controller));
   for (const Stream* stream : stream_kinds(dataset)) {
     out += fmt::format("  {}: {{file: {}", quoted(stream->name), quoted(stream->name + ".csv"));
     if (!std::isnan(stream->rate_hz)) out += fmt::format(", rate_hz: {}", stream->rate_hz);
     out += "}\n";
   }
+
   out += "trials:\n";
   for (const Trial& trial : dataset.trials) out += fmt::format("  - {}\n", quoted(trial.name));
-  if (!dataset.provenance.empty()) out += fmt::format("provenance: {}\n", quoted(dataset.provenance));
+  if (!dataset.provenance.empty())
+    out += fmt::format("provenance: {}\n", quoted(dataset.provenance));
   return out;
 }
 
@@ -158,10 +174,11 @@ void write_dataset(Dataset& dataset, const fs::path& folder) {
   if (dataset.script) write_csv(script_table(*dataset.script), folder / "input.csv");
   for (const Trial& trial : dataset.trials) {
     make_folder(folder / trial.name);
-    for (const Stream& stream : trial.streams) write_stream(stream, folder / trial.name / (stream.name + ".csv"));
+    for (const Stream& stream : trial.streams)
+      write_stream(stream, folder / trial.name / (stream.name + ".csv"));
   }
   write_file(folder / "dataset.yaml", outline_text(dataset));
   dataset.folder = folder;
 }
 
-}  // namespace jaculus
+}  // namespace jaculus::trajectory

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-namespace jaculus {
+namespace jaculus::trajectory {
 namespace {
 
 struct Speeds {
@@ -15,6 +15,7 @@ Speeds smoothed_speeds(const Vector& time, const Vector& x, const Vector& y) {
   assert(x.size() == time.size() && (y.size() == 0 || y.size() == time.size()));
   std::vector<double> t, s;
   double x0 = 0.0, y0 = 0.0;
+
   for (Eigen::Index k = 0; k < time.size(); ++k) {
     const double lateral = y.size() == 0 ? 0.0 : y[k];
     if (std::isnan(x[k]) || std::isnan(lateral)) continue;
@@ -25,10 +26,13 @@ Speeds smoothed_speeds(const Vector& time, const Vector& x, const Vector& y) {
     t.push_back(time[k]);
     s.push_back(std::hypot(x[k] - x0, lateral - y0));
   }
+
   Speeds out;
   if (t.size() < 3) return out;
+
   std::vector<double> raw(t.size() - 1);
   for (std::size_t k = 0; k + 1 < t.size(); ++k) raw[k] = (s[k + 1] - s[k]) / (t[k + 1] - t[k]);
+
   for (std::size_t k = 0; k < raw.size(); ++k) {
     double sum = raw[k];
     int count = 1;
@@ -37,6 +41,7 @@ Speeds smoothed_speeds(const Vector& time, const Vector& x, const Vector& y) {
     out.time.push_back(t[k]);
     out.speed.push_back(sum / count);
   }
+
   return out;
 }
 
@@ -59,7 +64,8 @@ std::optional<double> leap_start(const Vector& time, const Vector& x, const Vect
   return speeds.time[*start];
 }
 
-std::optional<LeapSpeed> leap_speed(const Vector& time, const Vector& x, const Vector& y, double duration) {
+std::optional<LeapSpeed> leap_speed(const Vector& time, const Vector& x, const Vector& y,
+                                    double duration) {
   assert(duration > 0.0);
   const Speeds speeds = smoothed_speeds(time, x, y);
   const auto start = start_index(speeds);
@@ -74,4 +80,4 @@ std::optional<LeapSpeed> leap_speed(const Vector& time, const Vector& x, const V
   return std::nullopt;
 }
 
-}  // namespace jaculus
+}  // namespace jaculus::trajectory

@@ -7,9 +7,10 @@
 #include <system_error>
 #include <utility>
 
-namespace jaculus {
+namespace jaculus::trajectory {
 
-LineReader::LineReader(std::istream& stream, std::string name) : stream_(stream), name_(std::move(name)) {
+LineReader::LineReader(std::istream& stream, std::string name)
+    : stream_(stream), name_(std::move(name)) {
   fill();
   if (std::string_view(buffer_).starts_with("\xEF\xBB\xBF")) at_ = 3;
 }
@@ -21,8 +22,8 @@ bool LineReader::fill() {
   at_ = 0;
   const std::size_t before = buffer_.size();
   buffer_.resize(before + kBlock);
-  stream_.read(buffer_.data() + before, static_cast<std::streamsize>(kBlock));
-  const auto got = static_cast<std::size_t>(stream_.gcount());
+  stream_.read(buffer_.data() + before, kBlock);
+  const std::size_t got = stream_.gcount();
   buffer_.resize(before + got);
   if (stream_.bad()) throw InputError(fmt::format("{}: can't be read", name_));
   ended_ = got < kBlock;
@@ -35,14 +36,17 @@ bool LineReader::next(std::string_view& line) {
     const std::size_t searched = buffer_.size() - at_;
     if (searched > kLongestLine) {
       ++line_;
-      throw error(fmt::format("the line has more than {} bytes; this is no table of text", kLongestLine));
+      throw error(
+          fmt::format("the line has more than {} bytes; this is no table of text", kLongestLine));
     }
     if (!fill()) break;
     end = buffer_.find('\n', at_ + searched);
   }
+
   const bool last = end == std::string::npos;
   if (last && at_ == buffer_.size()) return false;
   if (last) end = buffer_.size();
+
   line = std::string_view(buffer_).substr(at_, end - at_);
   if (line.ends_with('\r')) line.remove_suffix(1);
   at_ = last ? end : end + 1;
@@ -63,7 +67,8 @@ std::string_view trim(std::string_view text) {
 std::string shown(std::string_view text) {
   constexpr std::size_t kLongest = 40;
   std::string out;
-  for (const char c : text.substr(0, kLongest)) out += static_cast<unsigned char>(c) < 0x20 || c == 0x7f ? '?' : c;
+  for (const char c : text.substr(0, kLongest))
+    out += static_cast<unsigned char>(c) < 0x20 || c == 0x7f ? '?' : c;
   return text.size() > kLongest ? out + "..." : out;
 }
 
@@ -73,12 +78,14 @@ bool parse_number(std::string_view cell, double& value) {
   return status == std::errc() && end == cell.data() + cell.size() && std::isfinite(value);
 }
 
-void split_cells(std::string_view line, char separator, const LineReader& reader, std::vector<std::string>& cells) {
+void split_cells(std::string_view line, char separator, const LineReader& reader,
+                 std::vector<std::string>& cells) {
   std::size_t count = 0;
   const auto cell = [&]() -> std::string& {
     if (count == cells.size()) cells.emplace_back();
     return cells[count++];
   };
+
   for (bool more = true; more;) {
     const std::string_view rest = trim(line);
     if (!rest.empty() && rest.front() == '"') {
@@ -97,11 +104,13 @@ void split_cells(std::string_view line, char separator, const LineReader& reader
     } else {
       cell() = trim(line.substr(0, line.find(separator)));
     }
+
     const std::size_t end = line.find(separator);
     more = end != std::string_view::npos;
     line.remove_prefix(more ? end + 1 : line.size());
   }
+
   cells.resize(count);
 }
 
-}  // namespace jaculus
+}  // namespace jaculus::trajectory

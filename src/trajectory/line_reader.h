@@ -9,7 +9,7 @@
 
 #include "jaculus/core/error.h"
 
-namespace jaculus {
+namespace jaculus::trajectory {
 
 /// A stream over text in memory that is not copied.
 class ViewStream : private std::streambuf, public std::istream {
@@ -27,8 +27,8 @@ class LineReader {
   /// `name` stands for the file in messages. Skips a byte-order mark.
   LineReader(std::istream& stream, std::string name);
 
-  /// The next line without its LF or CRLF, valid until the next call; false at the end. A line of more than kLongestLine
-  /// bytes, or a stream that can't be read: InputError.
+  /// The next line without its LF or CRLF, valid until the next call; false at the end. A line of
+  /// more than kLongestLine bytes, or a stream that can't be read: InputError.
   bool next(std::string_view& line);
   [[nodiscard]] int line() const { return line_; }  ///< of the last next(), 1-based
   [[nodiscard]] const std::string& name() const { return name_; }
@@ -52,7 +52,9 @@ std::string shown(std::string_view text);
 /// A finite number in decimal notation and nothing else.
 bool parse_number(std::string_view cell, double& value);
 
-/// The cells of a line, trimmed; a cell in double quotes may hold separators and doubled quotes. `line` as error() has it.
-void split_cells(std::string_view line, char separator, const LineReader& reader, std::vector<std::string>& cells);
+/// The cells of a line, trimmed; a cell in double quotes may hold separators and doubled quotes.
+/// `line` as error() has it.
+void split_cells(std::string_view line, char separator, const LineReader& reader,
+                 std::vector<std::string>& cells);
 
-}  // namespace jaculus
+}  // namespace jaculus::trajectory

@@ -12,7 +12,7 @@
 #include "jaculus/core/yaml.h"
 #include "jaculus/trajectory/optitrack.h"
 
-namespace jaculus {
+namespace jaculus::trajectory {
 namespace {
 
 using Eigen::Matrix3d;
@@ -25,9 +25,8 @@ std::string axis_name(const Vector3d& axis) {
   return fmt::format("{}{}", axis[i] < 0.0 ? '-' : '+', "xyz"[i]);
 }
 
+/// The axis that a name states, "+x".
 Vector3d axis_of(const std::string& name) {
-  if (name.size() != 2 || (name[0] != '+' && name[0] != '-') || name[1] < 'x' || name[1] > 'z')
-    throw InputError(fmt::format("forward: '{}' given; allowed: +x, -x, +y, -y, +z, -z, motion, auto", name));
   return (name[0] == '-' ? -1.0 : 1.0) * Vector3d::Unit(name[1] - 'x');
 }
 
@@ -44,20 +43,25 @@ Vector3d displacement(const MocapBody& body, const Vector3d& up) {
   return farthest;
 }
 
-Vector3d forward_of(const MocapBody& body, const MocapAxes& axes, const Vector3d& up, std::vector<std::string>& notes) {
-  if (axes.forward != "auto" && axes.forward != "motion") {
-    const Vector3d forward = axis_of(axes.forward);
+Vector3d forward_of(const MocapBody& body, const MocapAxes& axes, const Vector3d& up,
+                    std::vector<std::string>& notes) {
+  if (axes.forward != MocapForward::automatic && axes.forward != MocapForward::motion) {
+    const std::string name = mocap_forwards().name(axes.forward);
+    const Vector3d forward = axis_of(name);
     if (std::abs(forward.dot(up)) > 0.5)
-      throw InputError(
-          fmt::format("forward: {} given while {} is up; allowed: a horizontal axis", axes.forward, axes.up));
+      throw InputError(fmt::format("forward: {} given while {} is up; allowed: a horizontal axis",
+                                   name, mocap_ups().name(axes.up)));
     return forward;
   }
+
   constexpr double kLeast = 0.02;
   const Vector3d moved = displacement(body, up);
   if (moved.norm() < kLeast)
-    throw InputError(fmt::format(
-        "body '{}' moves by {:.3g} m only, so forward can't be told from its motion; allowed: forward +x, -x, +y, ...",
-        body.name, moved.norm()));
+    throw InputError(
+        fmt::format("body '{}' moves by {:.3g} m only, so forward can't be told from its motion; "
+                    "allowed: forward +x, -x, +y, ...",
+                    body.name, moved.norm()));
+
   const Vector3d along = moved.normalized();
   Vector3d nearest = Vector3d::Zero();
   for (int i = 0; i < 3; ++i) {
@@ -66,12 +70,17 @@ Vector3d forward_of(const MocapBody& body, const MocapAxes& axes, const Vector3d
       if (std::abs(axis.dot(up)) < 0.5 && axis.dot(along) > nearest.dot(along)) nearest = axis;
     }
   }
-  const double off = std::acos(std::clamp(nearest.dot(along), -1.0, 1.0)) * 180.0 / std::numbers::pi;
-  const bool snap = axes.forward == "auto" && off < 15.0;
-  notes.push_back(snap ? fmt::format("forward is taken as {} of the file: the body moves {:.1f} degrees off it",
-                                     axis_name(nearest), off)
-                       : fmt::format("forward is taken along the body's motion, {:.1f} degrees off {} of the file", off,
-                                     axis_name(nearest)));
+
+  const double off =
+      std::acos(std::clamp(nearest.dot(along), -1.0, 1.0)) * 180.0 / std::numbers::pi;
+  const bool snap = axes.forward == MocapForward::automatic && off < 15.0;
+  notes.push_back(
+      snap ? fmt::format("forward is taken as {} of the file: the body moves {:.1f} degrees off it",
+                         axis_name(nearest), off)
+           : fmt::format(
+                 "forward is taken along the body's motion, {:.1f} degrees off {} of the file", off,
+                 axis_name(nearest)));
+
   return snap ? nearest : along;
 }
 
@@ -93,7 +102,8 @@ Pose0 rest_pose(const MocapTake& take, const MocapBody& body, double rest) {
     ++seen;
   }
   if (seen == 0)
-    throw InputError(fmt::format("body '{}' is not seen in the first {} s, which are to be at rest", body.name, rest));
+    throw InputError(fmt::format("body '{}' is not seen in the first {} s, which are to be at rest",
+                                 body.name, rest));
   mean.position /= seen;
   mean.rotation.coeffs() = sum.normalized();
   return mean;
@@ -105,7 +115,8 @@ double unwrapped(double angle, double before) {
 }
 
 /// Rows x, y, z, pitch, roll, yaw of one body; x and y against `origin`.
-Matrix planar_rows(const MocapTake& take, const MocapBody& body, const Matrix3d& R_WF, const Pose0& pose) {
+Matrix planar_rows(const MocapTake& take, const MocapBody& body, const Matrix3d& R_WF,
+                   const Pose0& pose) {
   Matrix rows = Matrix::Constant(6, take.time.size(), kNaN);
   double before = kNaN;
   for (Eigen::Index k = 0; k < take.time.size(); ++k) {
@@ -114,13 +125,14 @@ Matrix planar_rows(const MocapTake& take, const MocapBody& body, const Matrix3d&
     const Quaterniond q(Eigen::Vector4d(body.rotation.col(k)));
     const Matrix3d R = R_WF * (q * pose.rotation.conjugate()).toRotationMatrix() * R_WF.transpose();
     before = unwrapped(std::atan2(-R(2, 0), R(0, 0)), before);
-    rows.col(k) << moved.x(), moved.y(), moved.z() + (R_WF * pose.position).z(), before, std::atan2(-R(1, 2), R(1, 1)),
-        std::asin(std::clamp(R(1, 0), -1.0, 1.0));
+    rows.col(k) << moved.x(), moved.y(), moved.z() + (R_WF * pose.position).z(), before,
+        std::atan2(-R(1, 2), R(1, 1)), std::asin(std::clamp(R(1, 0), -1.0, 1.0));
   }
   return rows;
 }
 
-const MocapBody& base_of(const MocapTake& take, const MocapAxes& axes, std::vector<std::string>& notes) {
+const MocapBody& base_of(const MocapTake& take, const MocapAxes& axes,
+                         std::vector<std::string>& notes) {
   std::vector<std::string> names;
   for (const MocapBody& body : take.bodies) {
     if (body.name == axes.body) return body;
@@ -129,37 +141,58 @@ const MocapBody& base_of(const MocapTake& take, const MocapAxes& axes, std::vect
   if (!axes.body.empty()) {
     const auto near = yaml::nearest_name(axes.body, names);
     throw InputError(fmt::format("body: '{}' given{}; allowed: {}", axes.body,
-                                 near ? fmt::format(", did you mean '{}'?", *near) : "", fmt::join(names, ", ")));
+                                 near ? fmt::format(", did you mean '{}'?", *near) : "",
+                                 fmt::join(names, ", ")));
   }
   if (take.bodies.size() > 1)
-    notes.push_back(fmt::format("of the bodies {} the first is taken as the robot's base", fmt::join(names, ", ")));
+    notes.push_back(fmt::format("of the bodies {} the first is taken as the robot's base",
+                                fmt::join(names, ", ")));
   return take.bodies.front();
 }
 
 }  // namespace
 
+const NameTable<MocapUp>& mocap_ups() {
+  static const NameTable<MocapUp> table({{MocapUp::y, "y"}, {MocapUp::z, "z"}});
+  return table;
+}
+
+const NameTable<MocapForward>& mocap_forwards() {
+  static const NameTable<MocapForward> table({{MocapForward::automatic, "auto"},
+                                              {MocapForward::motion, "motion"},
+                                              {MocapForward::plus_x, "+x"},
+                                              {MocapForward::minus_x, "-x"},
+                                              {MocapForward::plus_y, "+y"},
+                                              {MocapForward::minus_y, "-y"},
+                                              {MocapForward::plus_z, "+z"},
+                                              {MocapForward::minus_z, "-z"}});
+  return table;
+}
+
 Stream mocap_stream(const MocapTake& take, const MocapAxes& axes, std::vector<std::string>& notes) {
-  if (axes.up != "y" && axes.up != "z") throw InputError(fmt::format("up: '{}' given; allowed: y, z", axes.up));
-  const Vector3d up = axis_of("+" + axes.up);
+  const Vector3d up = axes.up == MocapUp::y ? Vector3d::UnitY() : Vector3d::UnitZ();
   const MocapBody& base = base_of(take, axes, notes);
   const Vector3d forward = forward_of(base, axes, up, notes);
   Matrix3d R_WF;
   R_WF << forward.transpose(), up.cross(forward).transpose(), up.transpose();
 
   Stream stream;
-  stream.name = "mocap";
+  stream.name = kMocapStream;
   stream.rate_hz = take.rate_hz;
   stream.time = take.time;
-  stream.values.resize(6 * static_cast<Eigen::Index>(take.bodies.size()), take.time.size());
+  stream.values.resize(6 * std::ssize(take.bodies), take.time.size());
   const auto add = [&](const MocapBody& body, const std::string& prefix) {
-    const auto row = static_cast<Eigen::Index>(stream.channels.size());
-    stream.values.middleRows(row, 6) = planar_rows(take, body, R_WF, rest_pose(take, body, axes.rest));
+    const auto row = std::ssize(stream.channels);
+    stream.values.middleRows(row, 6) =
+        planar_rows(take, body, R_WF, rest_pose(take, body, axes.rest));
     for (const char* name : {"x", "y", "z", "pitch", "roll", "yaw"}) {
       stream.channels.push_back(prefix + name);
-      stream.units.emplace_back(stream.channels.size() % 6 >= 1 && stream.channels.size() % 6 <= 3 ? "m" : "rad");
+      stream.units.emplace_back(
+          stream.channels.size() % 6 >= 1 && stream.channels.size() % 6 <= 3 ? "m" : "rad");
     }
     const auto gaps = stream.values.row(row).array().isNaN().count();
-    if (gaps > 0) notes.push_back(fmt::format("body '{}' has {} frames without data: gaps", body.name, gaps));
+    if (gaps > 0)
+      notes.push_back(fmt::format("body '{}' has {} frames without data: gaps", body.name, gaps));
   };
   add(base, "");
   for (const MocapBody& body : take.bodies)
@@ -167,4 +200,4 @@ Stream mocap_stream(const MocapTake& take, const MocapAxes& axes, std::vector<st
   return stream;
 }
 
-}  // namespace jaculus
+}  // namespace jaculus::trajectory

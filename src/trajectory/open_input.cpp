@@ -6,11 +6,12 @@
 
 #include "jaculus/core/error.h"
 
-namespace jaculus {
+namespace jaculus::trajectory {
 
 std::ifstream open_input(const std::filesystem::path& file, std::string_view expected) {
   std::error_code code;
-  if (!std::filesystem::exists(file, code)) throw InputError(fmt::format("{}: there is no such file", file.string()));
+  if (!std::filesystem::exists(file, code))
+    throw InputError(fmt::format("{}: there is no such file", file.string()));
   if (std::filesystem::is_directory(file, code))
     throw InputError(fmt::format("{}: a folder; {} is expected", file.string(), expected));
   std::ifstream stream(file, std::ios::binary);
@@ -18,4 +19,4 @@ std::ifstream open_input(const std::filesystem::path& file, std::string_view exp
   return stream;
 }
 
-}  // namespace jaculus
+}  // namespace jaculus::trajectory

@@ -10,7 +10,7 @@
 #include "jaculus/core/error.h"
 #include "trajectory/open_input.h"
 
-namespace jaculus {
+namespace jaculus::trajectory {
 namespace {
 
 /// A window over a stream of bytes that is read by blocks.
@@ -22,12 +22,12 @@ class Bytes {
   bool have(std::size_t count) {
     constexpr std::size_t kBlock = std::size_t{1} << 18;
     while (buffer_.size() - at_ < count && !ended_) {
-      buffer_.erase(buffer_.begin(), buffer_.begin() + static_cast<std::ptrdiff_t>(at_));
+      buffer_.erase(buffer_.begin(), buffer_.begin() + at_);
       at_ = 0;
       const std::size_t before = buffer_.size();
       buffer_.resize(before + kBlock);
-      stream_.read(reinterpret_cast<char*>(buffer_.data()) + before, static_cast<std::streamsize>(kBlock));
-      const auto got = static_cast<std::size_t>(stream_.gcount());
+      stream_.read(reinterpret_cast<char*>(buffer_.data()) + before, kBlock);
+      const std::size_t got = stream_.gcount();
       buffer_.resize(before + got);
       ended_ = got < kBlock;
     }
@@ -59,26 +59,27 @@ double raw_value(const OpenLogField& field, const std::uint8_t* record, bool big
   const std::uint64_t bits = raw_bits(record + field.offset, field.bytes, big_endian);
   if (field.kind == 'u') return static_cast<double>(bits);
   if (field.kind == 'f') {
-    return field.bytes == 4 ? static_cast<double>(std::bit_cast<float>(static_cast<std::uint32_t>(bits)))
-                            : std::bit_cast<double>(bits);
+    const std::uint32_t low = bits & 0xffffffffU;
+    return field.bytes == 4 ? std::bit_cast<float>(low) : std::bit_cast<double>(bits);
   }
-  const int unused = 64 - 8 * static_cast<int>(field.bytes);
-  return static_cast<double>(static_cast<std::int64_t>(bits << unused) >> unused);
+
+  const std::size_t unused = 64 - 8 * field.bytes;
+  return static_cast<double>(std::bit_cast<std::int64_t>(bits << unused) >> unused);
 }
 
 bool checksum_holds(const OpenLogFormat& format, const std::uint8_t* record) {
   std::uint8_t sum = 0;
   for (std::size_t i = format.sync.size(); i + 1 < format.record_bytes; ++i)
-    sum = format.checksum == "sum8" ? static_cast<std::uint8_t>(sum + record[i])
-                                    : static_cast<std::uint8_t>(sum ^ record[i]);
+    sum = (format.checksum == "sum8" ? sum + record[i] : sum ^ record[i]) & 0xff;
   return sum == record[format.record_bytes - 1];
 }
 
 constexpr double kRounding = 1e-9;  ///< of times, at the ends of a window [s]
 
-class Reader {
+class OpenLogReader {
  public:
-  Reader(std::istream& stream, std::string name, const OpenLogFormat& format, const LogWindow* window)
+  OpenLogReader(std::istream& stream, std::string name, const OpenLogFormat& format,
+                const LogWindow* window)
       : bytes_(stream), name_(std::move(name)), format_(format), window_(window) {
     stream_.name = format.stream;
     stream_.rate_hz = format.rate_hz;
@@ -87,23 +88,26 @@ class Reader {
       if (field.channel.empty() || field.channel == "time") continue;
       channel_.back() = stream_.channel(field.channel);
       if (channel_.back() < 0) {
-        channel_.back() = static_cast<int>(stream_.channels.size());
+        channel_.back() = count_of(stream_.channels);
         stream_.channels.push_back(field.channel);
         stream_.units.push_back(field.unit);
         shares_.push_back(0);
       }
-      ++shares_[static_cast<std::size_t>(channel_.back())];
+      ++shares_[channel_.back()];
     }
+
     if (window_ == nullptr || window_->channel.empty()) return;
     passing_ = stream_.channel(window_->channel);
     if (passing_ >= 0) return;
     const auto near = yaml::nearest_name(window_->channel, stream_.channels);
-    throw InputError(fmt::format("{}: there is no channel '{}' in this log{}", name_, window_->channel,
+    throw InputError(fmt::format("{}: there is no channel '{}' in this log{}", name_,
+                                 window_->channel,
                                  near ? fmt::format(", did you mean '{}'?", *near) : ""));
   }
 
   Stream read(std::vector<std::string>& notes) {
     skip_header();
+
     while (!behind_ && bytes_.have(format_.record_bytes)) {
       const std::uint8_t* record = bytes_.data();
       const bool in_step = std::equal(format_.sync.begin(), format_.sync.end(), record);
@@ -115,9 +119,11 @@ class Reader {
       take(record);
       bytes_.advance(format_.record_bytes);
     }
+
     if (records_ == 0)
-      throw InputError(fmt::format("{}: no record of {} bytes is in this log; allowed: a log that the description fits",
-                                   name_, format_.record_bytes));
+      throw InputError(fmt::format(
+          "{}: no record of {} bytes is in this log; allowed: a log that the description fits",
+          name_, format_.record_bytes));
     if (window_ != nullptr) check_window();
     report(notes);
     return finish();
@@ -131,7 +137,10 @@ class Reader {
       bytes_.advance(step);
       left -= step;
     }
-    if (left > 0) throw InputError(fmt::format("{}: ends within its header of {} bytes", name_, format_.header_bytes));
+    if (left > 0)
+      throw InputError(
+          fmt::format("{}: ends within its header of {} bytes", name_, format_.header_bytes));
+
     const auto& until = format_.header_until;
     if (until.empty()) return;
     for (; bytes_.have(until.size()); bytes_.advance(1)) {
@@ -151,17 +160,21 @@ class Reader {
     do {
       bytes_.advance(1);
       ++skipped_;
-    } while (bytes_.have(format_.sync.size()) && !std::equal(format_.sync.begin(), format_.sync.end(), bytes_.data()));
+    } while (bytes_.have(format_.sync.size()) &&
+             !std::equal(format_.sync.begin(), format_.sync.end(), bytes_.data()));
   }
 
   void take(const std::uint8_t* record) {
-    const auto kept = static_cast<Eigen::Index>(times_.size());
-    if (kept == stream_.values.cols()) {  // rows stay, so that this is a reallocation in place where there is room
+    const auto kept = std::ssize(times_);
+    // rows stay, so that this is a reallocation in place where there is room
+    if (kept == stream_.values.cols()) {
       const Eigen::Index more = std::max<Eigen::Index>(1024, kept + kept / 2);
-      stream_.values.conservativeResize(static_cast<Eigen::Index>(stream_.channels.size()), more);
+      stream_.values.conservativeResize(stream_.channels.size(), more);
     }
+
     auto values = stream_.values.col(kept);
     values.setZero();
+
     for (std::size_t i = 0; i < format_.fields.size(); ++i) {
       const OpenLogField& field = format_.fields[i];
       if (field.channel.empty()) continue;
@@ -172,8 +185,9 @@ class Reader {
       }
       const double value = field.scale * raw + field.shift;
       // What no number is (a sensor's fault written as NaN) is a gap.
-      values[channel_[i]] += std::isfinite(value) ? value / shares_[static_cast<std::size_t>(channel_[i])] : kNaN;
+      values[channel_[i]] += std::isfinite(value) ? value / shares_[channel_[i]] : kNaN;
     }
+
     ++records_;
     if (window_ != nullptr) keep_window();
   }
@@ -181,7 +195,7 @@ class Reader {
   /// Finds time zero and lets go of what lies outside the window.
   void keep_window() {
     const double time = times_.back();
-    const auto last = static_cast<Eigen::Index>(times_.size()) - 1;
+    const auto last = std::ssize(times_) - 1;
     if (std::isnan(zero_)) {
       if (passing_ < 0) {
         zero_ = window_->zero.value_or(time);
@@ -200,59 +214,75 @@ class Reader {
   /// Forgets records before a time, unless they are fewer than `least`.
   void drop_before(double time, std::size_t least = 1) {
     const auto first = std::lower_bound(times_.begin(), times_.end(), time - kRounding);
-    const std::ptrdiff_t count = first - times_.begin();
-    if (static_cast<std::size_t>(count) < std::max<std::size_t>(least, 1)) return;
+    const std::size_t count = first - times_.begin();
+    if (count < std::max<std::size_t>(least, 1)) return;
     times_.erase(times_.begin(), first);
     double* data = stream_.values.data();
     const std::ptrdiff_t rows = stream_.values.rows();
-    std::copy(data + count * rows, data + (count + static_cast<std::ptrdiff_t>(times_.size())) * rows, data);
+    std::copy(data + count * rows, data + (count + std::ssize(times_)) * rows, data);
   }
 
   void check_window() const {
     if (std::isnan(zero_))
-      throw InputError(
-          fmt::format("{}: {} never passes {}; allowed: another start", name_, window_->channel, window_->above));
+      throw InputError(fmt::format("{}: {} never passes {}; allowed: another start", name_,
+                                   window_->channel, window_->above));
     if (times_.empty())
-      throw InputError(fmt::format("{}: no sample lies within the cut, {} to {} s about {:.6g} s of the log", name_,
-                                   window_->cut.lower, window_->cut.upper, zero_));
+      throw InputError(
+          fmt::format("{}: no sample lies within the cut, {} to {} s about {:.6g} s of the log",
+                      name_, window_->cut.lower, window_->cut.upper, zero_));
   }
 
   void add_time(const OpenLogField& field, double raw) {
-    const double range = std::ldexp(1.0, 8 * static_cast<int>(field.bytes));
+    const double range = std::exp2(8.0 * static_cast<double>(field.bytes));
     if (field.kind == 'u' && records_ > 0 && raw < last_raw_ && last_raw_ - raw > 0.5 * range) {
       wraps_ += range;
       ++wrapped_;
     }
     last_raw_ = raw;
+
     const double time = field.scale * (raw + wraps_) + field.shift;
     const auto fault = [&](const std::string& what) {
-      return InputError(fmt::format("{}: byte {}, record {}: {}", name_, bytes_.place(), records_ + 1, what));
+      return InputError(
+          fmt::format("{}: byte {}, record {}: {}", name_, bytes_.place(), records_ + 1, what));
     };
     if (!std::isfinite(time)) throw fault("time is no number");
     if (records_ > 0 && !(time > last_time_))
-      throw fault(fmt::format("time {:.10g} s follows {:.10g} s; allowed: rising times", time, last_time_));
+      throw fault(
+          fmt::format("time {:.10g} s follows {:.10g} s; allowed: rising times", time, last_time_));
     last_time_ = time;
     times_.push_back(time);
   }
 
   void report(std::vector<std::string>& notes) const {
-    notes.push_back(fmt::format("{} records of {} bytes were read", records_, format_.record_bytes));
+    notes.push_back(
+        fmt::format("{} records of {} bytes were read", records_, format_.record_bytes));
+
     if (passing_ >= 0)
-      notes.push_back(fmt::format("time zero where {} first passes {}: {:.6g} s of the file", window_->channel,
-                                  window_->above, zero_));
-    if (behind_) notes.push_back(fmt::format("reading ended behind the cut, at byte {}", bytes_.place()));
-    if (skipped_ > 0) notes.push_back(fmt::format("{} bytes belong to no record and were passed over", skipped_));
-    if (bad_sums_ > 0) notes.push_back(fmt::format("{} records have a wrong checksum and were dropped", bad_sums_));
-    if (wrapped_ > 0) notes.push_back(fmt::format("the clock wrapped {} times and was unwrapped", wrapped_));
+      notes.push_back(fmt::format("time zero where {} first passes {}: {:.6g} s of the file",
+                                  window_->channel, window_->above, zero_));
+
+    if (behind_)
+      notes.push_back(fmt::format("reading ended behind the cut, at byte {}", bytes_.place()));
+    if (skipped_ > 0)
+      notes.push_back(fmt::format("{} bytes belong to no record and were passed over", skipped_));
+    if (bad_sums_ > 0)
+      notes.push_back(fmt::format("{} records have a wrong checksum and were dropped", bad_sums_));
+    if (wrapped_ > 0)
+      notes.push_back(fmt::format("the clock wrapped {} times and was unwrapped", wrapped_));
+
     if (bytes_.left() > 0 && !behind_)
-      notes.push_back(fmt::format("the last record is cut short: {} of {} bytes are there and were dropped",
-                                  bytes_.left(), format_.record_bytes));
+      notes.push_back(
+          fmt::format("the last record is cut short: {} of {} bytes are there and were dropped",
+                      bytes_.left(), format_.record_bytes));
+
     for (std::size_t c = 0; c < shares_.size(); ++c)
-      if (shares_[c] > 1) notes.push_back(fmt::format("{} is the mean of {} fields", stream_.channels[c], shares_[c]));
+      if (shares_[c] > 1)
+        notes.push_back(
+            fmt::format("{} is the mean of {} fields", stream_.channels[c], shares_[c]));
   }
 
   Stream finish() {
-    const auto samples = static_cast<Eigen::Index>(times_.size());
+    const auto samples = std::ssize(times_);
     stream_.time = Eigen::Map<const Vector>(times_.data(), samples);
     if (window_ != nullptr) stream_.time.array() -= zero_;
     stream_.values.conservativeResize(Eigen::NoChange, samples);
@@ -266,10 +296,11 @@ class Reader {
   std::vector<int> channel_;  ///< of each field, -1 where it is none or time
   std::vector<int> shares_;   ///< fields of each channel
   const LogWindow* window_;
-  int passing_ = -1;           ///< channel that tells time zero
-  double zero_ = kNaN;         ///< once known [s of the log]
-  bool behind_ = false;        ///< the window lies behind
-  std::vector<double> times_;  ///< of the records that are kept; their values are the first columns of stream_.values
+  int passing_ = -1;     ///< channel that tells time zero
+  double zero_ = kNaN;   ///< once known [s of the log]
+  bool behind_ = false;  ///< the window lies behind
+  /// of the records that are kept; their values are the first columns of stream_.values
+  std::vector<double> times_;
   double last_raw_ = 0.0, last_time_ = 0.0, wraps_ = 0.0;
   std::uint64_t skipped_ = 0, records_ = 0;
   int bad_sums_ = 0, wrapped_ = 0;
@@ -279,23 +310,24 @@ class Reader {
 
 Stream read_openlog(std::istream& stream, const std::string& name, const OpenLogFormat& format,
                     std::vector<std::string>& notes) {
-  return Reader(stream, name, format, nullptr).read(notes);
+  return OpenLogReader(stream, name, format, nullptr).read(notes);
 }
 
-Stream read_openlog(const std::filesystem::path& file, const OpenLogFormat& format, std::vector<std::string>& notes) {
+Stream read_openlog(const std::filesystem::path& file, const OpenLogFormat& format,
+                    std::vector<std::string>& notes) {
   std::ifstream stream = open_input(file, "a binary log");
   return read_openlog(stream, file.string(), format, notes);
 }
 
-Stream read_openlog(std::istream& stream, const std::string& name, const OpenLogFormat& format, const LogWindow& window,
-                    std::vector<std::string>& notes) {
-  return Reader(stream, name, format, &window).read(notes);
+Stream read_openlog(std::istream& stream, const std::string& name, const OpenLogFormat& format,
+                    const LogWindow& window, std::vector<std::string>& notes) {
+  return OpenLogReader(stream, name, format, &window).read(notes);
 }
 
-Stream read_openlog(const std::filesystem::path& file, const OpenLogFormat& format, const LogWindow& window,
-                    std::vector<std::string>& notes) {
+Stream read_openlog(const std::filesystem::path& file, const OpenLogFormat& format,
+                    const LogWindow& window, std::vector<std::string>& notes) {
   std::ifstream stream = open_input(file, "a binary log");
   return read_openlog(stream, file.string(), format, window, notes);
 }
 
-}  // namespace jaculus
+}  // namespace jaculus::trajectory

@@ -17,7 +17,7 @@
 #include "trajectory/line_reader.h"
 #include "trajectory/open_input.h"
 
-namespace jaculus {
+namespace jaculus::trajectory {
 namespace {
 
 using Cells = std::vector<std::string>;
@@ -33,14 +33,15 @@ Eigen::Quaterniond euler(const std::string& order, const Eigen::Vector3d& degree
   Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
   for (const char axis : order) {
     const int i = axis - 'X';
-    rotation = rotation * Eigen::AngleAxisd(degrees[i] * std::numbers::pi / 180.0, Eigen::Vector3d::Unit(i));
+    rotation = rotation *
+               Eigen::AngleAxisd(degrees[i] * std::numbers::pi / 180.0, Eigen::Vector3d::Unit(i));
   }
   return rotation;
 }
 
-class Reader {
+class OptitrackReader {
  public:
-  Reader(std::istream& stream, const std::string& name) : reader_(stream, name) {}
+  OptitrackReader(std::istream& stream, const std::string& name) : reader_(stream, name) {}
 
   MocapTake read() {
     std::string_view line;
@@ -69,27 +70,31 @@ class Reader {
     take_.version = keys["Format Version"];
     double version = 0.0;
     if (!parse_number(take_.version, version) || version < 1.1 || version >= 2.0)
-      throw reader_.error(fmt::format("Format Version '{}' given; allowed: 1.1 and later 1.x", shown(take_.version)));
+      throw reader_.error(fmt::format("Format Version '{}' given; allowed: 1.1 and later 1.x",
+                                      shown(take_.version)));
     for (const char* key : {"Export Frame Rate", "Capture Frame Rate"}) {
       double rate = 0.0;
-      if (std::isnan(take_.rate_hz) && parse_number(keys[key], rate) && rate > 0.0) take_.rate_hz = rate;
+      if (std::isnan(take_.rate_hz) && parse_number(keys[key], rate) && rate > 0.0)
+        take_.rate_hz = rate;
     }
     read_units(keys["Length Units"]);
     read_rotation(keys["Rotation Type"]);
     if (const std::string& space = keys["Coordinate Space"]; space == "Local")
-      throw reader_.error("Coordinate Space 'Local' given; allowed: Global (export again in global coordinates)");
+      throw reader_.error(
+          "Coordinate Space 'Local' given; allowed: Global (export again in global coordinates)");
   }
 
   void read_units(const std::string& unit) {
-    const std::map<std::string, double> units = {{"Meters", 1.0}, {"Centimeters", 0.01}, {"Millimeters", 0.001}};
+    const std::map<std::string, double> units = {
+        {"Meters", 1.0}, {"Centimeters", 0.01}, {"Millimeters", 0.001}};
     if (unit.empty()) {
       take_.notes.emplace_back("no Length Units are stated: metres are taken");
       return;
     }
     const auto found = units.find(unit);
     if (found == units.end())
-      throw reader_.error(
-          fmt::format("Length Units '{}' given; allowed: Meters, Centimeters, Millimeters", shown(unit)));
+      throw reader_.error(fmt::format(
+          "Length Units '{}' given; allowed: Meters, Centimeters, Millimeters", shown(unit)));
     scale_ = found->second;
     take_.notes.push_back(fmt::format("lengths are in {} as the file states", unit));
   }
@@ -103,14 +108,16 @@ class Reader {
     std::string letters = type;
     std::sort(letters.begin(), letters.end());
     if (letters != "XYZ")
-      throw reader_.error(
-          fmt::format("Rotation Type '{}' given; allowed: Quaternion, or an order of X, Y, Z", shown(type)));
+      throw reader_.error(fmt::format(
+          "Rotation Type '{}' given; allowed: Quaternion, or an order of X, Y, Z", shown(type)));
     order_ = type;
-    take_.notes.push_back(
-        fmt::format("rotations are Euler angles {} in degrees, taken as turns about the body's own axes", type));
+    take_.notes.push_back(fmt::format(
+        "rotations are Euler angles {} in degrees, taken as turns about the body's own axes",
+        type));
   }
 
-  /// The rows between the first line and "Frame,Time ...". Which is which is told by their first two cells or their content.
+  /// The rows between the first line and "Frame,Time ...". Which is which is told by their first
+  /// two cells or their content.
   void read_header() {
     std::vector<Cells> rows;
     constexpr std::size_t kMostRows = 12;
@@ -123,29 +130,43 @@ class Reader {
       if (!trim(line).empty()) rows.push_back(cells_);
     }
     throw reader_.error(
-        "no line 'Frame,Time (Seconds),...' follows the header; the file is cut short or no Motive export");
+        "no line 'Frame,Time (Seconds),...' follows the header; the file is cut short or no Motive "
+        "export");
   }
 
   void assign_columns(const std::vector<Cells>& rows) {
     frame_cells_ = cells_.size();
     const auto has = [](const Cells& row, std::string_view text) {
-      return std::any_of(row.begin(), row.end(), [text](const std::string& c) { return c == text; });
+      return std::any_of(row.begin(), row.end(),
+                         [text](const std::string& c) { return c == text; });
     };
-    const auto kinds = std::find_if(rows.begin(), rows.end(), [&](const Cells& row) { return has(row, "Rigid Body"); });
-    const auto parts = std::find_if(rows.begin(), rows.end(), [&](const Cells& row) { return has(row, "Position"); });
+
+    const auto kinds = std::find_if(rows.begin(), rows.end(),
+                                    [&](const Cells& row) { return has(row, "Rigid Body"); });
+    const auto parts = std::find_if(rows.begin(), rows.end(),
+                                    [&](const Cells& row) { return has(row, "Position"); });
+
     if (kinds == rows.end() || kinds + 1 == rows.end())
-      throw reader_.error("there is no rigid body in this export; allowed: an export with rigid bodies");
-    if (parts == rows.end()) throw reader_.error("no header row says which columns are Position and which Rotation");
+      throw reader_.error(
+          "there is no rigid body in this export; allowed: an export with rigid bodies");
+    if (parts == rows.end())
+      throw reader_.error("no header row says which columns are Position and which Rotation");
+
     const Cells& names = *(kinds + 1);
     for (std::size_t i = 2; i < frame_cells_; ++i) {
-      if (i >= kinds->size() || (*kinds)[i] != "Rigid Body" || i >= names.size() || i >= parts->size()) continue;
+      if (i >= kinds->size() || (*kinds)[i] != "Rigid Body" || i >= names.size() ||
+          i >= parts->size())
+        continue;
       assign_column((*parts)[i], names[i], cells_[i], static_cast<int>(i));
     }
+
     check_columns();
   }
 
-  void assign_column(const std::string& part, const std::string& name, const std::string& axis, int index) {
-    auto body = std::find_if(columns_.begin(), columns_.end(), [&](const BodyColumns& b) { return b.name == name; });
+  void assign_column(const std::string& part, const std::string& name, const std::string& axis,
+                     int index) {
+    auto body = std::find_if(columns_.begin(), columns_.end(),
+                             [&](const BodyColumns& b) { return b.name == name; });
     if (body == columns_.end())
       body = columns_.insert(columns_.end(), BodyColumns{name, {-1, -1, -1}, {-1, -1, -1, -1}});
     const std::size_t at = std::string_view("XYZW").find(axis);
@@ -156,19 +177,22 @@ class Reader {
     if (place == nullptr) return;
     if (*place >= 0)
       throw reader_.error(
-          fmt::format("body '{}' has two columns {} {}; allowed: bodies of different names", shown(name), part, axis));
+          fmt::format("body '{}' has two columns {} {}; allowed: bodies of different names",
+                      shown(name), part, axis));
     *place = index;
   }
 
   void check_columns() {
     const std::size_t parts = order_.empty() ? 4 : 3;
     for (const BodyColumns& body : columns_) {
-      const bool whole = std::all_of(body.position.begin(), body.position.end(), [](int i) { return i >= 0; }) &&
-                         std::all_of(body.rotation.begin(), body.rotation.begin() + static_cast<std::ptrdiff_t>(parts),
-                                     [](int i) { return i >= 0; });
+      const bool whole =
+          std::all_of(body.position.begin(), body.position.end(), [](int i) { return i >= 0; }) &&
+          std::all_of(body.rotation.begin(), body.rotation.begin() + parts,
+                      [](int i) { return i >= 0; });
       if (!whole)
-        throw reader_.error(fmt::format("body '{}' lacks columns; allowed: Position X, Y, Z and Rotation {}",
-                                        shown(body.name), order_.empty() ? "X, Y, Z, W" : "X, Y, Z"));
+        throw reader_.error(
+            fmt::format("body '{}' lacks columns; allowed: Position X, Y, Z and Rotation {}",
+                        shown(body.name), order_.empty() ? "X, Y, Z, W" : "X, Y, Z"));
     }
     if (columns_.empty()) throw reader_.error("there is no rigid body in this export");
     samples_.resize(columns_.size());
@@ -178,13 +202,18 @@ class Reader {
     if (trim(line).empty()) return;
     require_whole();
     split(line);
-    while (cells_.size() > frame_cells_ && cells_.back().empty()) cells_.pop_back();  // Motive ends lines with a comma
+
+    // Motive ends lines with a comma
+    while (cells_.size() > frame_cells_ && cells_.back().empty()) cells_.pop_back();
     if (cells_.size() > frame_cells_)
-      throw reader_.error(fmt::format("the frame has {} cells; the header has {}", cells_.size(), frame_cells_));
+      throw reader_.error(
+          fmt::format("the frame has {} cells; the header has {}", cells_.size(), frame_cells_));
+
     if (cells_.size() + 1 < frame_cells_) {
       short_line_ = reader_.line();
       return;
     }
+
     add_time(1);
     for (std::size_t b = 0; b < columns_.size(); ++b) {
       std::array<double, 7> values{};
@@ -197,25 +226,27 @@ class Reader {
   /// A frame cut short may only be the last.
   void require_whole() {
     if (short_line_ == 0) return;
-    throw InputError(fmt::format("{}:{}: the frame has fewer cells than the header ({})", reader_.name(), short_line_,
-                                 frame_cells_));
+    throw InputError(fmt::format("{}:{}: the frame has fewer cells than the header ({})",
+                                 reader_.name(), short_line_, frame_cells_));
   }
 
   [[nodiscard]] double number(int index) const {
     if (index < 0) return kNaN;
-    const std::string& text = cell(static_cast<std::size_t>(index));
+    const std::string& text = cell(index);
     double value = kNaN;
     if (!text.empty() && !parse_number(text, value))
-      throw reader_.error(
-          fmt::format("'{}' is not a number; a number, or an empty cell for a gap, is expected", shown(text)));
+      throw reader_.error(fmt::format(
+          "'{}' is not a number; a number, or an empty cell for a gap, is expected", shown(text)));
     return value;
   }
 
   void add_time(std::size_t index) {
     double time = kNaN;
-    if (!parse_number(cell(index), time)) throw reader_.error(fmt::format("'{}' is not a time", shown(cell(index))));
+    if (!parse_number(cell(index), time))
+      throw reader_.error(fmt::format("'{}' is not a time", shown(cell(index))));
     if (!times_.empty() && !(time > times_.back()))
-      throw reader_.error(fmt::format("time {:.10g} s follows {:.10g} s; allowed: rising times", time, times_.back()));
+      throw reader_.error(fmt::format("time {:.10g} s follows {:.10g} s; allowed: rising times",
+                                      time, times_.back()));
     times_.push_back(time);
   }
 
@@ -231,7 +262,8 @@ class Reader {
     samples_[body].push_back(sample);
   }
 
-  // Version 1.1 ------------------------------------------------------------------------------------------------------
+  // Version 1.1
+  // -----------------------------------------------------------------------------------------------
 
   void read_keyword_file() {
     std::set<std::string> seen;
@@ -245,21 +277,25 @@ class Reader {
       } else if (keyword == "lefthanded") {
         throw reader_.error("left-handed coordinates given; allowed: righthanded");
       } else if (keyword == "rigidbody" && times_.empty()) {
-        if (!seen.insert(cell(2)).second) throw reader_.error(fmt::format("body id '{}' stands twice", shown(cell(2))));
+        if (!seen.insert(cell(2)).second)
+          throw reader_.error(fmt::format("body id '{}' stands twice", shown(cell(2))));
         columns_.push_back({cell(1), {-1, -1, -1}, {-1, -1, -1, -1}});
         ids_.push_back(cell(2));
         samples_.emplace_back();
-      } else if (!keyword.empty() && keyword != "comment" && keyword != "righthanded" && keyword != "info" &&
-                 keyword != "rigidbody") {
-        throw reader_.error(fmt::format(
-            "'{}' begins the line; allowed: 'Format Version' at the top, or the keywords of version 1.1 (comment, "
-            "righthanded, info, rigidbody, frame)",
-            shown(keyword)));
+      } else if (!keyword.empty() && keyword != "comment" && keyword != "righthanded" &&
+                 keyword != "info" && keyword != "rigidbody") {
+        throw reader_.error(
+            fmt::format("'{}' begins the line; allowed: 'Format Version' at the top, or the "
+                        "keywords of version 1.1 (comment, "
+                        "righthanded, info, rigidbody, frame)",
+                        shown(keyword)));
       }
       if (!reader_.next(line)) break;
     }
+
     if (take_.version.empty())
-      throw InputError(fmt::format("{}: no 'Format Version' and no 'info,version' here", reader_.name()));
+      throw InputError(
+          fmt::format("{}: no 'Format Version' and no 'info,version' here", reader_.name()));
     if (columns_.empty()) throw reader_.error("there is no rigid body in this export");
     take_.notes.emplace_back("format version 1.1: metres and quaternions are taken");
   }
@@ -268,29 +304,39 @@ class Reader {
     constexpr std::size_t kFirst = 4, kCells = 11;
     int count = 0;
     double number_of_bodies = 0.0;
-    if (!parse_number(cell(3), number_of_bodies) || number_of_bodies < 0.0 || number_of_bodies > 1000.0) {
-      if (cells_.size() > 3) throw reader_.error(fmt::format("'{}' is no number of bodies", shown(cell(3))));
+
+    if (!parse_number(cell(3), number_of_bodies) || number_of_bodies < 0.0 ||
+        number_of_bodies > 1000.0) {
+      if (cells_.size() > 3)
+        throw reader_.error(fmt::format("'{}' is no number of bodies", shown(cell(3))));
       short_line_ = reader_.line();
       return;
     }
+
     count = static_cast<int>(number_of_bodies);
-    frame_cells_ = kFirst + static_cast<std::size_t>(count) * kCells;
+    frame_cells_ = kFirst + count * kCells;
     if (cells_.size() < frame_cells_) {
       short_line_ = reader_.line();
       return;
     }
+
     add_time(2);
     std::vector<bool> present(ids_.size(), false);
     for (std::size_t first = kFirst; first < frame_cells_; first += kCells) {
       const auto id = std::find(ids_.begin(), ids_.end(), cell(first));
-      if (id == ids_.end()) throw reader_.error(fmt::format("body id '{}' was not declared", shown(cell(first))));
-      const auto body = static_cast<std::size_t>(id - ids_.begin());
-      if (present[body]) throw reader_.error(fmt::format("body id '{}' stands twice in the frame", shown(*id)));
+      if (id == ids_.end())
+        throw reader_.error(fmt::format("body id '{}' was not declared", shown(cell(first))));
+
+      const std::size_t body = id - ids_.begin();
+      if (present[body])
+        throw reader_.error(fmt::format("body id '{}' stands twice in the frame", shown(*id)));
       present[body] = true;
+
       std::array<double, 7> values{};
       for (std::size_t i = 0; i < 7; ++i) values[i] = number(static_cast<int>(first + 1 + i));
       add_sample(body, values);
     }
+
     std::array<double, 7> gap{};
     gap.fill(kNaN);
     for (std::size_t b = 0; b < present.size(); ++b)
@@ -298,21 +344,26 @@ class Reader {
   }
 
   MocapTake finish() {
-    if (times_.empty()) throw InputError(fmt::format("{}: there is a header but no frame", reader_.name()));
+    if (times_.empty())
+      throw InputError(fmt::format("{}: there is a header but no frame", reader_.name()));
     if (short_line_ > 0)
-      take_.notes.push_back(fmt::format("line {}, the last, is cut short and was dropped", short_line_));
-    const auto frames = static_cast<Eigen::Index>(times_.size());
+      take_.notes.push_back(
+          fmt::format("line {}, the last, is cut short and was dropped", short_line_));
+
+    const auto frames = std::ssize(times_);
     take_.time = Eigen::Map<const Vector>(times_.data(), frames);
     if (std::isnan(take_.rate_hz) && frames > 1)
       take_.rate_hz = static_cast<double>(frames - 1) / (take_.time[frames - 1] - take_.time[0]);
+
     for (std::size_t b = 0; b < columns_.size(); ++b) {
       MocapBody body{columns_[b].name, Matrix(3, frames), Matrix(4, frames)};
       for (Eigen::Index k = 0; k < frames; ++k) {
-        body.position.col(k) = samples_[b][static_cast<std::size_t>(k)].head<3>();
-        body.rotation.col(k) = samples_[b][static_cast<std::size_t>(k)].tail<4>();
+        body.position.col(k) = samples_[b][k].head<3>();
+        body.rotation.col(k) = samples_[b][k].tail<4>();
       }
       take_.bodies.push_back(std::move(body));
     }
+
     return std::move(take_);
   }
 
@@ -331,11 +382,13 @@ class Reader {
 
 }  // namespace
 
-MocapTake read_optitrack(std::istream& stream, const std::string& name) { return Reader(stream, name).read(); }
+MocapTake read_optitrack(std::istream& stream, const std::string& name) {
+  return OptitrackReader(stream, name).read();
+}
 
 MocapTake read_optitrack(const std::filesystem::path& file) {
   std::ifstream stream = open_input(file, "a CSV export of Motive");
   return read_optitrack(stream, file.string());
 }
 
-}  // namespace jaculus
+}  // namespace jaculus::trajectory

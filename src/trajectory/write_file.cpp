@@ -12,7 +12,7 @@
 #include "jaculus/core/error.h"
 #include "jaculus/trajectory/csv.h"
 
-namespace jaculus {
+namespace jaculus::trajectory {
 namespace {
 
 InputError unwritable(const std::filesystem::path& file, const std::string& why) {
@@ -20,11 +20,12 @@ InputError unwritable(const std::filesystem::path& file, const std::string& why)
 }
 
 /// Returns why it failed, or nothing.
-std::string write_in_place(const std::filesystem::path& file, const std::function<std::string()>& piece) {
+std::string write_in_place(const std::filesystem::path& file,
+                           const std::function<std::string()>& piece) {
   errno = 0;
   std::ofstream stream(file, std::ios::binary | std::ios::trunc);
   for (std::string text = piece(); stream && !text.empty(); text = piece())
-    stream.write(text.data(), static_cast<std::streamsize>(text.size()));
+    stream.write(text.data(), text.size());
   stream.close();
   const int reason = errno;
   if (stream) return "";
@@ -43,17 +44,22 @@ void write_file(const std::filesystem::path& file, const std::function<std::stri
   const auto status = std::filesystem::status(file, code);  // follows links
   if (std::filesystem::is_directory(status)) throw unwritable(file, "it is a folder");
   if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
-    if (const std::string why = write_in_place(file, piece); !why.empty()) throw unwritable(file, why);
+    if (const std::string why = write_in_place(file, piece); !why.empty())
+      throw unwritable(file, why);
     return;
   }
-  // A link keeps pointing at its file: the neighbour of what it points to is the one that is renamed.
-  const std::filesystem::path target =
-      std::filesystem::is_symlink(file, code) ? std::filesystem::weakly_canonical(file, code) : file;
+  // A link keeps pointing at its file: the neighbour of what it points to is the one that is
+  // renamed.
+  const std::filesystem::path target = std::filesystem::is_symlink(file, code)
+                                           ? std::filesystem::weakly_canonical(file, code)
+                                           : file;
 
-  // The name is unique among the threads of this process and among processes; no fsync, for a kill does not need it.
+  // The name is unique among the threads of this process and among processes; no fsync, for a kill
+  // does not need it.
   static std::atomic<unsigned> counter{0};
   std::filesystem::path temporary = target;
-  temporary.replace_filename(fmt::format(".{}.{}-{}.part", target.filename().string(), ::getpid(), counter++));
+  temporary.replace_filename(
+      fmt::format(".{}.{}-{}.part", target.filename().string(), ::getpid(), counter++));
   std::string why = write_in_place(temporary, piece);
   if (why.empty()) {
     std::filesystem::rename(temporary, target, code);
@@ -64,4 +70,4 @@ void write_file(const std::filesystem::path& file, const std::function<std::stri
   throw unwritable(file, why);
 }
 
-}  // namespace jaculus
+}  // namespace jaculus::trajectory

@@ -3,14 +3,14 @@
 #include <cmath>
 #include <random>
 
-namespace jaculus {
+namespace jaculus::transcription {
 
 namespace {
 
 Matrix dense(const Sparsity& s, const Vector& values, int rows, int columns, bool symmetric) {
   Matrix m = Matrix::Zero(rows, columns);
   for (int k = 0; k < s.size(); ++k) {
-    const int i = s.rows[static_cast<size_t>(k)], j = s.columns[static_cast<size_t>(k)];
+    const int i = s.rows[k], j = s.columns[k];
     m(i, j) += values[k];
     if (symmetric && i != j) m(j, i) += values[k];
   }
@@ -30,29 +30,41 @@ class Checker {
     Vector gradient, g;
     Matrix J;
     if (!first(x, gradient, g, J)) return report_;
+
     Vector h_values = Vector::Constant(nlp_.hessian_sparsity().size(), kNaN);
     if (!nlp_.hessian(x, 1.0, lambda_, h_values)) return report_;
-    const Matrix H = dense(nlp_.hessian_sparsity(), h_values, nlp_.variables(), nlp_.variables(), true);
-    const Vector row_size = J.cwiseAbs().rowwise().maxCoeff(), H_size = H.cwiseAbs().rowwise().maxCoeff();
+    const Matrix H =
+        dense(nlp_.hessian_sparsity(), h_values, nlp_.variables(), nlp_.variables(), true);
+    const Vector row_size = J.cwiseAbs().rowwise().maxCoeff(),
+                 H_size = H.cwiseAbs().rowwise().maxCoeff();
     const double gradient_size = gradient.cwiseAbs().maxCoeff();
+
     for (int j = 0; j < nlp_.variables(); ++j) {
       const double step = h_ * nlp_.variable_scale()[j];
       double f[2] = {0.0, 0.0};
       Vector g_at[2], gradient_at[2];
       Matrix J_at[2];
+
       for (int side = 0; side < 2; ++side) {
         Vector moved = x;
         moved[j] += side == 0 ? -step : step;
-        if (!first(moved, gradient_at[side], g_at[side], J_at[side]) || !nlp_.objective(moved, f[side])) return report_;
+        if (!first(moved, gradient_at[side], g_at[side], J_at[side]) ||
+            !nlp_.objective(moved, f[side]))
+          return report_;
       }
-      compare(gradient[j], (f[1] - f[0]) / (2 * step), gradient_size, "objective", j, report_.gradient);
+
+      compare(gradient[j], (f[1] - f[0]) / (2 * step), gradient_size, "objective", j,
+              report_.gradient);
       for (int i = 0; i < nlp_.rows(); ++i)
-        compare(J(i, j), (g_at[1][i] - g_at[0][i]) / (2 * step), row_size[i], nlp_.row_name(i), j, report_.jacobian);
+        compare(J(i, j), (g_at[1][i] - g_at[0][i]) / (2 * step), row_size[i], nlp_.row_name(i), j,
+                report_.jacobian);
       const Vector lagrangian =
-          (gradient_at[1] - gradient_at[0] + (J_at[1] - J_at[0]).transpose() * lambda_) / (2 * step);
+          (gradient_at[1] - gradient_at[0] + (J_at[1] - J_at[0]).transpose() * lambda_) /
+          (2 * step);
       for (int i = 0; i < nlp_.variables(); ++i)
         compare(H(i, j), lagrangian[i], H_size[i], nlp_.variable_name(i), j, report_.hessian);
     }
+
     report_.defined = true;
     return report_;
   }
@@ -62,7 +74,8 @@ class Checker {
     gradient = Vector::Constant(nlp_.variables(), kNaN);
     g = Vector::Constant(nlp_.rows(), kNaN);
     Vector values = Vector::Constant(nlp_.jacobian_sparsity().size(), kNaN);
-    if (!nlp_.gradient(x, gradient) || !nlp_.constraints(x, g) || !nlp_.jacobian(x, values)) return false;
+    if (!nlp_.gradient(x, gradient) || !nlp_.constraints(x, g) || !nlp_.jacobian(x, values))
+      return false;
     J = dense(nlp_.jacobian_sparsity(), values, nlp_.rows(), nlp_.variables(), false);
     return true;
   }
@@ -71,7 +84,8 @@ class Checker {
                DerivativeError& worst) {
     const double error = std::abs(analytic - difference) / (1.0 + size);
     if (error <= worst.error) return;  // a NaN is neither and is taken as the worst
-    worst = {std::isnan(error) ? kInfinity : error, analytic, difference, row, nlp_.variable_name(column)};
+    worst = {std::isnan(error) ? kInfinity : error, analytic, difference, row,
+             nlp_.variable_name(column)};
   }
 
   Nlp& nlp_;
@@ -82,11 +96,13 @@ class Checker {
 
 }  // namespace
 
-DerivativeReport check_derivatives(Nlp& nlp, const ConstVectorRef& x, double h, std::uint64_t seed) {
+DerivativeReport check_derivatives(Nlp& nlp, const ConstVectorRef& x, double h,
+                                   std::uint64_t seed) {
   return Checker(nlp, h, seed).run(x);
 }
 
-Vector random_point(const Nlp& nlp, const ConstVectorRef& centre, double spread, std::uint64_t seed) {
+Vector random_point(const Nlp& nlp, const ConstVectorRef& centre, double spread,
+                    std::uint64_t seed) {
   std::mt19937_64 rng(seed);
   Vector x = centre;
   for (int i = 0; i < x.size(); ++i) {
@@ -96,4 +112,4 @@ Vector random_point(const Nlp& nlp, const ConstVectorRef& centre, double spread,
   return x;
 }
 
-}  // namespace jaculus
+}  // namespace jaculus::transcription

@@ -6,16 +6,21 @@
 #include <numbers>
 #include <random>
 
-namespace jaculus {
+#include "transcription/guess_from_plan.h"
+
+namespace jaculus::transcription {
 
 namespace {
 
 double middle(double lower, double upper) {
   if (std::isfinite(lower) && std::isfinite(upper)) return 0.5 * (lower + upper);
-  return std::isfinite(lower) ? std::max(lower, 0.0) : std::isfinite(upper) ? std::min(upper, 0.0) : 0.0;
+  return std::isfinite(lower)   ? std::max(lower, 0.0)
+         : std::isfinite(upper) ? std::min(upper, 0.0)
+                                : 0.0;
 }
 
-// How far random guesses stray: durations by factors within exp(+-spread), motions by this share of the bounds' width.
+// Spread of random guesses: durations by factors within exp(+-spread), motions by this share of
+// the bounds' width.
 constexpr double kDurationSpread = 0.5;
 constexpr double kMotionSpread = 0.08;
 
@@ -29,29 +34,32 @@ struct GuessMotion {
 Vector sample(const std::vector<Vector>& list, double s) {
   if (list.size() == 1) return list.front();
   const double at = std::clamp(s, 0.0, 1.0) * static_cast<double>(list.size() - 1);
-  const auto k = std::min(static_cast<size_t>(at), list.size() - 2);
+  const auto k = std::min<std::ptrdiff_t>(std::lround(std::floor(at)), std::ssize(list) - 2);
   const double f = at - static_cast<double>(k);
   return (1.0 - f) * list[k] + f * list[k + 1];
 }
 
 class GuessBuilder {
  public:
-  GuessBuilder(Programme& programme, const GuessSpec& spec)
-      : programme_(programme),
+  GuessBuilder(NonlinearProgram& program, const GuessSpec& spec)
+      : program_(program),
         spec_(spec),
-        layout_(programme.layout()),
-        model_(programme.equations().model()),
-        motion_(programme.equations().tree()) {}
+        layout_(program.layout()),
+        model_(program.equations().model()),
+        motion_(program.equations().tree()) {}
 
-  Vector build(std::uint64_t seed, const Trajectory* earlier) {
+  Vector build(std::uint64_t seed, const trajectory::Trajectory* earlier) {
     x_ = Vector(layout_.columns());
     for (int i = 0; i < x_.size(); ++i) x_[i] = middle(layout_.lower[i], layout_.upper[i]);
-    for (size_t i = 0; i < layout_.extra_guess.size(); ++i)
-      x_[layout_.first_extra + static_cast<int>(i)] = layout_.extra_guess[i];
+    for (int i = 0; i < count_of(layout_.extra_guess); ++i)
+      x_[layout_.first_extra + i] = layout_.extra_guess[i];
     if (spec_.kind == "static") fill({{standing_pose()}, durations()});
     if (spec_.kind == "line") fill(line());
     if (spec_.kind == "random") fill(random_motion(seed));
-    if (spec_.kind == "file" && earlier) fill_from(*earlier);
+    if (spec_.kind == "file" && earlier) {
+      fill({{standing_pose()}, durations()});
+      copy_plan(*earlier, layout_, model_, x_);
+    }
     return x_.cwiseMax(layout_.lower).cwiseMin(layout_.upper);
   }
 
@@ -59,7 +67,7 @@ class GuessBuilder {
   /// Middle of the bounds, replaced by what the start fixes and by the pose of the file.
   Vector pose(const std::map<std::string, double>& named) const {
     const NodeBlock &first = layout_.nodes.front(),
-                    &other = layout_.nodes[std::min<size_t>(1, layout_.nodes.size() - 1)];
+                    &other = layout_.nodes[std::min<std::size_t>(1, layout_.nodes.size() - 1)];
     Vector q(layout_.n);
     for (int i = 0; i < layout_.n; ++i) {
       const bool fixed = layout_.lower[first.q + i] == layout_.upper[first.q + i];
@@ -73,16 +81,17 @@ class GuessBuilder {
     return q;
   }
 
-  /// Lowers or raises the base until the lowest foot that the first phase stands on touches the ground.
+  /// Lowers or raises the base until the lowest foot that the first phase stands on touches the
+  /// ground.
   Vector stand(Vector q, bool keep_z) const {
     const int z = model_.coordinate_index("z");
     const std::vector<int>& feet = layout_.phases.front().feet;
     if (z < 0 || feet.empty() || keep_z) return q;
-    const AbsoluteTree& tree = programme_.equations().tree();
-    Motion motion(tree);
-    if (!set_configuration(tree, q, motion)) return q;
+    const dynamics::AbsoluteTree& tree = program_.equations().tree();
+    dynamics::Motion motion(tree);
+    if (!dynamics::set_configuration(tree, q, motion)) return q;
     double lowest = kInfinity;
-    for (int foot : feet) lowest = std::min(lowest, position(tree.feet[static_cast<size_t>(foot)], motion.pose).y());
+    for (int foot : feet) lowest = std::min(lowest, position(tree.feet[foot], motion.pose).y());
     q[z] -= lowest;
     return q;
   }
@@ -91,17 +100,19 @@ class GuessBuilder {
 
   std::vector<double> durations() const {
     std::vector<double> result = spec_.durations;
-    for (size_t p = result.size(); p < layout_.phases.size(); ++p) {
+    for (std::size_t p = result.size(); p < layout_.phases.size(); ++p) {
       const int column = layout_.phases[p].duration;
       result.push_back(middle(layout_.lower[column], layout_.upper[column]));
     }
     return result;
   }
 
-  /// Straight lines between the poses; a plan that starts at rest moves along them with constant acceleration.
+  /// Straight lines between the poses; a plan that starts at rest moves along them with constant
+  /// acceleration.
   GuessMotion line() const {
     std::vector<Vector> corners;
-    for (const auto& named : spec_.poses) corners.push_back(stand(pose(named), named.count("z") > 0));
+    for (const auto& named : spec_.poses)
+      corners.push_back(stand(pose(named), named.count("z") > 0));
     const NodeBlock &first = layout_.nodes.front(), &last = layout_.nodes.back();
     const auto fixed_at_rest = [&](const NodeBlock& node) {
       return layout_.lower.segment(node.v, layout_.n).isZero(0.0) &&
@@ -117,88 +128,105 @@ class GuessBuilder {
     return motion;
   }
 
-  /// The problem's own poses, or a standing start that reaches the rates the end asks for, with a smooth random motion on top.
+  /// The problem's own poses, or a standing start that reaches the rates the end asks for, with a
+  /// smooth random motion on top.
   GuessMotion random_motion(std::uint64_t seed) const {
     std::mt19937_64 rng(seed);
-    const auto uniform = [&rng] { return 2.0 * (static_cast<double>(rng() >> 11) * 0x1.0p-53) - 1.0; };
+    const auto uniform = [&rng] {
+      return 2.0 * (static_cast<double>(rng() >> 11) * 0x1.0p-53) - 1.0;
+    };
     GuessMotion motion = spec_.poses.empty() ? GuessMotion{{}, durations()} : line();
+
     double total = 0.0;
-    for (size_t p = 0; p < layout_.phases.size(); ++p) {
+    for (std::size_t p = 0; p < layout_.phases.size(); ++p) {
       const int column = layout_.phases[p].duration;
       motion.durations[p] = std::clamp(motion.durations[p] * std::exp(kDurationSpread * uniform()),
                                        layout_.lower[column], layout_.upper[column]);
       total += motion.durations[p];
     }
+
     constexpr int kSamples = 41;
     const bool standing = motion.poses.empty();
     if (standing) motion.poses.assign(kSamples, standing_pose());
-    const NodeBlock &inner = layout_.nodes[std::min<size_t>(1, layout_.nodes.size() - 1)], &last = layout_.nodes.back();
+
+    const NodeBlock &inner = layout_.nodes[std::min<std::size_t>(1, layout_.nodes.size() - 1)],
+                    &last = layout_.nodes.back();
     for (int i = 0; i < layout_.n; ++i) {
       const double width = layout_.upper[inner.q + i] - layout_.lower[inner.q + i];
       const double amplitude = std::isfinite(width) ? kMotionSpread * width : kMotionSpread;
+
       // Nearest rate to zero that the end allows, reached from rest: q = q_0 + v T s^2 / 2.
-      const double rate = standing ? std::clamp(0.0, layout_.lower[last.v + i], layout_.upper[last.v + i]) : 0.0;
+      const double rate =
+          standing ? std::clamp(0.0, layout_.lower[last.v + i], layout_.upper[last.v + i]) : 0.0;
       const double c[4] = {uniform(), uniform(), uniform(), uniform()};
+
       for (int k = 0; k < kSamples; ++k) {
         const double s = static_cast<double>(k) / (kSamples - 1);
         double value = c[0] * s * s;
         for (int m = 1; m <= 3; ++m) value += c[m] * std::sin(m * std::numbers::pi * s) / m;
-        motion.poses[static_cast<size_t>(k)][i] += amplitude * s * value + 0.5 * rate * total * s * s;
+        motion.poses[k][i] += amplitude * s * value + 0.5 * rate * total * s * s;
       }
     }
+
     return motion;
   }
 
-  /// Moves q so that the feet stay at `anchors` (x, z a foot), the base as little as possible. Damped Gauss-Newton.
+  /// Moves q so that the feet stay at `anchors` (x, z a foot), the base as little as possible.
+  /// Damped Gauss-Newton.
   Vector pin_feet(Vector q, const std::vector<int>& feet, const Vector& anchors) const {
-    const AbsoluteTree& tree = programme_.equations().tree();
-    const int rows = 2 * static_cast<int>(feet.size());
+    const dynamics::AbsoluteTree& tree = program_.equations().tree();
+    const int rows = 2 * count_of(feet);
     if (rows == 0) return q;
     Vector mobility = Vector::Ones(layout_.n);  // squares of how readily a coordinate moves
     for (int c : tree.cyclic) mobility[c] = 1e-3;
     if (model_.coordinate_index("pitch") >= 0) mobility[model_.coordinate_index("pitch")] = 1e-2;
+
     for (int iteration = 0; iteration < 15; ++iteration) {
-      if (!set_configuration(tree, q, motion_)) return q;
+      if (!dynamics::set_configuration(tree, q, motion_)) return q;
       Matrix J(rows, layout_.n);
       Vector error(rows);
       for (int k = 0; k < rows / 2; ++k) {
-        const Path& path = tree.feet[static_cast<size_t>(feet[static_cast<size_t>(k)])];
+        const dynamics::Path& path = tree.feet[feet[k]];
         error.segment<2>(2 * k) = position(path, motion_.pose) - anchors.segment<2>(2 * k);
-        jacobian_columns(path, motion_.pose, motion_.columns);
+        dynamics::jacobian_columns(path, motion_.pose, motion_.columns);
         J.middleRows(2 * k, 2).setZero();
         for (int c = 0; c < motion_.columns.count; ++c) {
           J.row(2 * k) += motion_.columns.x[c] * motion_.G.row(motion_.columns.index[c]);
           J.row(2 * k + 1) += motion_.columns.z[c] * motion_.G.row(motion_.columns.index[c]);
         }
       }
+
       const Matrix weighted = J * mobility.asDiagonal();
       Matrix normal = weighted * J.transpose();
       normal.diagonal().array() += 1e-8;
       q = within(q - weighted.transpose() * normal.ldlt().solve(error));
     }
+
     return q;
   }
 
   /// Keeps positions inside the bounds of an inner node.
   Vector within(const Vector& q) const {
-    const int at = layout_.nodes[std::min<size_t>(1, layout_.nodes.size() - 1)].q;
-    return q.cwiseMax(layout_.lower.segment(at, layout_.n)).cwiseMin(layout_.upper.segment(at, layout_.n));
+    const int at = layout_.nodes[std::min<std::size_t>(1, layout_.nodes.size() - 1)].q;
+    return q.cwiseMax(layout_.lower.segment(at, layout_.n))
+        .cwiseMin(layout_.upper.segment(at, layout_.n));
   }
 
   Vector foot_positions(const Vector& q, const std::vector<int>& feet) const {
-    const AbsoluteTree& tree = programme_.equations().tree();
-    Vector anchors(2 * static_cast<int>(feet.size()));
-    set_configuration(tree, q, motion_);
-    for (size_t k = 0; k < feet.size(); ++k)
-      anchors.segment<2>(2 * static_cast<int>(k)) =
-          Vec2(position(tree.feet[static_cast<size_t>(feet[k])], motion_.pose).x(), 0.0);
+    const dynamics::AbsoluteTree& tree = program_.equations().tree();
+    Vector anchors(2 * count_of(feet));
+    dynamics::set_configuration(tree, q, motion_);
+    for (int k = 0; k < count_of(feet); ++k)
+      anchors.segment<2>(2 * k) = Vec2(position(tree.feet[feet[k]], motion_.pose).x(), 0.0);
     return anchors;
   }
 
-  /// Torques whose accelerations come nearest to those wanted (the accelerations are linear in the torques).
-  Vector fitting_torque(const Vector& q, const Vector& v, const Vector& a, const std::vector<int>& feet) const {
-    const Equations& equations = programme_.equations();
-    EquationsPoint point(equations, feet);
+  /// Torques whose accelerations come nearest to those wanted (the accelerations are linear in the
+  /// torques).
+  Vector fitting_torque(const Vector& q, const Vector& v, const Vector& a,
+                        const std::vector<int>& feet) const {
+    const components::Equations& equations = program_.equations();
+    components::EquationsPoint point(equations, feet);
     const Vector none = Vector::Zero(layout_.n_u);
     if (!equations.evaluate(q, v, none, point)) return none;
     equations.differentiate(point);
@@ -209,51 +237,56 @@ class GuessBuilder {
   void fill(const GuessMotion& motion) {
     double total = 0.0, begin = 0.0;
     for (double t : motion.durations) total += t;
-    for (size_t p = 0; p < layout_.phases.size(); ++p) {
+
+    for (std::size_t p = 0; p < layout_.phases.size(); ++p) {
       const PhaseBlock& phase = layout_.phases[p];
       x_[phase.duration] = motion.durations[p];
       const Vector start =
           p == 0 ? sample(motion.poses, 0.0)
-                 : Vector(x_.segment(layout_.nodes[static_cast<size_t>(layout_.phases[p - 1].last_node)].q, layout_.n));
+                 : Vector(x_.segment(layout_.nodes[layout_.phases[p - 1].last_node].q, layout_.n));
       const Vector anchors = foot_positions(start, phase.feet);
+
       double done = 0.0;
       for (int node = phase.first_node; node <= phase.last_node; ++node) {
         const bool shared = p > 0 && phase.landing.empty() && node == phase.first_node;
         if (!shared) {
           const double s = (begin + done * motion.durations[p]) / total;
-          x_.segment(layout_.nodes[static_cast<size_t>(node)].q, layout_.n) =
+          x_.segment(layout_.nodes[node].q, layout_.n) =
               pin_feet(sample(motion.poses, s), phase.feet, anchors);
         }
         const int k = phase.first_interval + node - phase.first_node;
-        if (k <= phase.last_interval) done += layout_.intervals[static_cast<size_t>(k)].fraction;
+        if (k <= phase.last_interval) done += layout_.intervals[k].fraction;
       }
       begin += motion.durations[p];
     }
+
     fill_rates();
     fill_torques();
   }
 
   /// Velocities as differences of the positions of neighbouring nodes.
   void fill_rates() {
-    const auto last = layout_.nodes.size() - 1;
+    const int last = count_of(layout_.nodes) - 1;
     std::vector<double> times(layout_.nodes.size(), 0.0);
     for (const IntervalBlock& interval : layout_.intervals) {
-      const double h = interval.fraction * x_[layout_.phases[static_cast<size_t>(interval.phase)].duration];
-      times[static_cast<size_t>(interval.last)] = times[static_cast<size_t>(interval.first)] + h;
+      const double h = interval.fraction * x_[layout_.phases[interval.phase].duration];
+      times[interval.last] = times[interval.first] + h;
       const bool next_is_new =
-          static_cast<size_t>(interval.last) < last &&
-          interval.number + 1 == layout_.phases[static_cast<size_t>(interval.phase)].last_interval -
-                                     layout_.phases[static_cast<size_t>(interval.phase)].first_interval + 1;
-      if (next_is_new) times[static_cast<size_t>(interval.last) + 1] = times[static_cast<size_t>(interval.last)];
+          interval.last < last &&
+          interval.number + 1 == layout_.phases[interval.phase].last_interval -
+                                     layout_.phases[interval.phase].first_interval + 1;
+      if (next_is_new) times[interval.last + 1] = times[interval.last];
     }
-    for (size_t k = 0; k <= last; ++k) {
-      size_t a = k > 0 ? k - 1 : k, b = std::min(k + 1, last);
+
+    for (int k = 0; k <= last; ++k) {
+      const int a = k > 0 ? k - 1 : k, b = std::min(k + 1, last);
       const NodeBlock& node = layout_.nodes[k];
       if (times[b] <= times[a]) continue;
       x_.segment(node.v, layout_.n) =
           (x_.segment(layout_.nodes[b].q, layout_.n) - x_.segment(layout_.nodes[a].q, layout_.n)) /
           (times[b] - times[a]);
     }
+
     x_.segment(layout_.nodes.front().v, layout_.n) =
         x_.segment(layout_.nodes.front().v, layout_.n)
             .cwiseMax(layout_.lower.segment(layout_.nodes.front().v, layout_.n))
@@ -262,84 +295,36 @@ class GuessBuilder {
 
   void fill_torques() {
     for (const IntervalBlock& interval : layout_.intervals) {
-      const PhaseBlock& phase = layout_.phases[static_cast<size_t>(interval.phase)];
-      const NodeBlock &first = layout_.nodes[static_cast<size_t>(interval.first)],
-                      &second = layout_.nodes[static_cast<size_t>(interval.last)];
+      const PhaseBlock& phase = layout_.phases[interval.phase];
+      const NodeBlock &first = layout_.nodes[interval.first],
+                      &second = layout_.nodes[interval.last];
       const auto q = [&](const NodeBlock& n) { return x_.segment(n.q, layout_.n); };
       const auto v = [&](const NodeBlock& n) { return x_.segment(n.v, layout_.n); };
       const Vector a = (v(second) - v(first)) / (interval.fraction * x_[phase.duration]);
-      const Vector u = fitting_torque(0.5 * (q(first) + q(second)), 0.5 * (v(first) + v(second)), a, phase.feet);
+      const Vector u =
+          fitting_torque(0.5 * (q(first) + q(second)), 0.5 * (v(first) + v(second)), a, phase.feet);
       x_.segment(interval.u_first, layout_.n_u) = u;
       x_.segment(interval.u_last, layout_.n_u) = u;
     }
   }
 
-  /// Copies what an earlier plan has by name: samples at the same fraction of the phase of the same number.
-  void fill_from(const Trajectory& earlier) {
-    fill({{standing_pose()}, durations()});
-    for (size_t p = 0; p < layout_.phases.size() && p < earlier.phases.size(); ++p) {
-      const PhaseSpan& span = earlier.phases[p];
-      const PhaseBlock& phase = layout_.phases[p];
-      const double start = earlier.time[span.first], length = earlier.time[span.last] - start;
-      x_[phase.duration] = length;
-      double done = 0.0;
-      for (int k = phase.first_interval; k <= phase.last_interval; ++k) {
-        const IntervalBlock& interval = layout_.intervals[static_cast<size_t>(k)];
-        const double t0 = start + done * length;
-        done += interval.fraction;
-        const double t1 = start + done * length;
-        copy_node(earlier, span, t0, layout_.nodes[static_cast<size_t>(interval.first)]);
-        copy_node(earlier, span, t1, layout_.nodes[static_cast<size_t>(interval.last)]);
-        const double middle_time = 0.5 * (t0 + t1);
-        copy_input(earlier, span, layout_.held ? middle_time : t0, interval.u_first);
-        if (!layout_.held) copy_input(earlier, span, t1, interval.u_last);
-      }
-    }
-  }
-
-  /// Sample index and fraction for time t within a span.
-  static std::pair<int, double> locate(const Trajectory& plan, const PhaseSpan& span, double t) {
-    int k = span.first;
-    while (k + 1 < span.last && plan.time[k + 1] <= t) ++k;
-    const double h = plan.time[std::min(k + 1, span.last)] - plan.time[k];
-    return {k, h > 0.0 ? std::clamp((t - plan.time[k]) / h, 0.0, 1.0) : 0.0};
-  }
-
-  void copy_node(const Trajectory& plan, const PhaseSpan& span, double t, const NodeBlock& node) {
-    const auto [k, f] = locate(plan, span, t);
-    const int next = std::min(k + 1, span.last);
-    for (size_t c = 0; c < plan.coordinates.size(); ++c) {
-      const int i = model_.coordinate_index(plan.coordinates[c]);
-      const auto row = static_cast<int>(c);
-      if (i < 0) continue;
-      x_[node.q + i] = (1.0 - f) * plan.position(row, k) + f * plan.position(row, next);
-      x_[node.v + i] = (1.0 - f) * plan.velocity(row, k) + f * plan.velocity(row, next);
-    }
-  }
-
-  void copy_input(const Trajectory& plan, const PhaseSpan& span, double t, int column) {
-    const int k = locate(plan, span, t).first;
-    for (size_t m = 0; m < plan.motors.size(); ++m) {
-      const int i = model_.motor_index(plan.motors[m]);
-      if (i >= 0) x_[column + i] = plan.torque(static_cast<int>(m), k);
-    }
-  }
-
-  Programme& programme_;
+  NonlinearProgram& program_;
   const GuessSpec& spec_;
   const Layout& layout_;
-  const PlanarModel& model_;
+  const model::PlanarModel& model_;
   Vector x_;
-  mutable Motion motion_;
+  mutable dynamics::Motion motion_;
 };
 
 }  // namespace
 
-Vector initial_guess(Programme& programme, const GuessSpec& spec, std::uint64_t seed, const Trajectory* earlier) {
-  return GuessBuilder(programme, spec).build(seed, earlier);
+Vector initial_guess(NonlinearProgram& program, const GuessSpec& spec, std::uint64_t seed,
+                     const trajectory::Trajectory* earlier) {
+  return GuessBuilder(program, spec).build(seed, earlier);
 }
 
-std::vector<std::string> guess_gaps(const Programme& programme, const Trajectory& earlier) {
+std::vector<std::string> guess_gaps(const NonlinearProgram& program,
+                                    const trajectory::Trajectory& earlier) {
   std::vector<std::string> gaps;
   const auto missing = [](const auto& list, const std::string& name) {
     return std::find(list.begin(), list.end(), name) == list.end();
@@ -348,16 +333,22 @@ std::vector<std::string> guess_gaps(const Programme& programme, const Trajectory
     gaps.push_back("the earlier plan has no " + std::string(what) + " '" + name +
                    "': the guess takes a static posture's");
   };
-  const PlanarModel& model = programme.equations().model();
-  const std::vector<PhaseBlock>& phases = programme.layout().phases;
-  for (size_t p = earlier.phases.size(); p < phases.size(); ++p) add("phase for", phases[p].name);
+
+  const model::PlanarModel& model = program.equations().model();
+  const std::vector<PhaseBlock>& phases = program.layout().phases;
+
+  for (std::size_t p = earlier.phases.size(); p < phases.size(); ++p)
+    add("phase for", phases[p].name);
   if (earlier.phases.size() > phases.size())
-    gaps.push_back("the earlier plan has more phases than this one: its last ones are left out of the guess");
-  for (const Coordinate& c : model.coordinates)
+    gaps.push_back(
+        "the earlier plan has more phases than this one: its last ones are left out of the guess");
+
+  for (const model::Coordinate& c : model.coordinates)
     if (missing(earlier.coordinates, c.name)) add("coordinate", c.name);
-  for (const PlanarMotor& motor : model.motors)
+  for (const model::PlanarMotor& motor : model.motors)
     if (missing(earlier.motors, motor.joint)) add("motor", motor.joint);
+
   return gaps;
 }
 
-}  // namespace jaculus
+}  // namespace jaculus::transcription

@@ -1,17 +1,17 @@
 #include "jaculus/transcription/interval.h"
 
-namespace jaculus {
+namespace jaculus::transcription {
 
-Interval::Interval(const Equations& equations, const Layout& layout, const IntervalBlock& block, Scheme scheme)
+Interval::Interval(const components::Equations& equations, const Layout& layout,
+                   const IntervalBlock& block, Scheme scheme)
     : equations_(equations),
       scheme_(scheme),
       held_(layout.held),
       n_(layout.n),
       n_u_(layout.n_u),
       fraction_(block.fraction) {
-  const NodeBlock &first = layout.nodes[static_cast<size_t>(block.first)],
-                  &last = layout.nodes[static_cast<size_t>(block.last)];
-  const PhaseBlock& phase = layout.phases[static_cast<size_t>(block.phase)];
+  const NodeBlock &first = layout.nodes[block.first], &last = layout.nodes[block.last];
+  const PhaseBlock& phase = layout.phases[block.phase];
   const auto append = [&](int from, int count) {
     for (int i = 0; i < count; ++i) columns.push_back(from + i);
   };
@@ -21,15 +21,14 @@ Interval::Interval(const Equations& equations, const Layout& layout, const Inter
   if (!held_) append(block.u_last, n_u_);
   columns.push_back(phase.duration);
 
-  const int w = size(), s = 2 * n_ + n_u_, xi = s + n_ + 2 * static_cast<int>(phase.feet.size());
+  const int w = size(), s = 2 * n_ + n_u_, xi = s + n_ + 2 * count_of(phase.feet);
   for (int i = 0; i < 3; ++i) {
     points_.emplace_back(equations, phase.feet);
-    const auto k = static_cast<size_t>(i);
-    u_[k] = Vector::Zero(n_u_);
-    f_[k] = Vector::Zero(2 * n_);
-    S_[k] = Matrix::Zero(s, w);
-    F_[k] = Matrix::Zero(2 * n_, s);
-    F_w_[k] = Matrix::Zero(2 * n_, w);
+    u_[i] = Vector::Zero(n_u_);
+    f_[i] = Vector::Zero(2 * n_);
+    S_[i] = Matrix::Zero(s, w);
+    F_[i] = Matrix::Zero(2 * n_, s);
+    F_w_[i] = Matrix::Zero(2 * n_, w);
   }
   defect_w_ = Matrix::Zero(2 * n_, w);
   w_ = grad_w_ = Vector::Zero(w);
@@ -67,30 +66,29 @@ double Interval::weight(int i) const {
   return i == 1 ? 4.0 / 6.0 : 1.0 / 6.0;
 }
 
-PointView Interval::view(int i) {
-  return {equations_, points_[static_cast<size_t>(i)], u_[static_cast<size_t>(i)], n_, n_u_};
-}
+PointView Interval::view(int i) { return {equations_, points_[i], u_[i], n_, n_u_}; }
 
 void Interval::f_into(int i, Vector& f) const {
-  const EquationsPoint& p = points_[static_cast<size_t>(i)];
+  const components::EquationsPoint& p = points_[i];
   f.head(n_) = p.v;
   f.tail(n_) = p.a;
 }
 
 void Interval::f_jacobian(int i, Matrix& F) const {
   for (int k = 0; k < n_; ++k) F(k, n_ + k) = 1.0;
-  F.bottomRows(n_) = points_[static_cast<size_t>(i)].Z.topRows(n_);
+  F.bottomRows(n_) = points_[i].Z.topRows(n_);
 }
 
 bool Interval::evaluate(const Eigen::Ref<const Vector>& x) {
-  for (int i = 0; i < size(); ++i) w_[i] = x[columns[static_cast<size_t>(i)]];
+  for (int i = 0; i < size(); ++i) w_[i] = x[columns[i]];
   h_ = fraction_ * w_[size() - 1];
   const int second = held_ ? 4 * n_ : 4 * n_ + n_u_;
   u_[0] = w_.segment(4 * n_, n_u_);
   u_[2] = w_.segment(second, n_u_);
   u_[1] = 0.5 * (u_[0] + u_[2]);
   if (!equations_.evaluate(w_.segment(0, n_), w_.segment(n_, n_), u_[0], points_[0])) return false;
-  if (!equations_.evaluate(w_.segment(2 * n_, n_), w_.segment(3 * n_, n_), u_[2], points_[2])) return false;
+  if (!equations_.evaluate(w_.segment(2 * n_, n_), w_.segment(3 * n_, n_), u_[2], points_[2]))
+    return false;
   f_into(0, f_[0]);
   f_into(2, f_[2]);
   if (!has_middle()) return true;
@@ -103,14 +101,16 @@ bool Interval::evaluate(const Eigen::Ref<const Vector>& x) {
 void Interval::differentiate() {
   for (int i = 0; i < 3; ++i) {
     if (i == 1 && !has_middle()) continue;
-    equations_.differentiate(points_[static_cast<size_t>(i)]);
-    f_jacobian(i, F_[static_cast<size_t>(i)]);
+    equations_.differentiate(points_[i]);
+    f_jacobian(i, F_[i]);
   }
+
   const int second = held_ ? 4 * n_ : 4 * n_ + n_u_;
   F_w_[0].leftCols(2 * n_) = F_[0].leftCols(2 * n_);
   F_w_[0].middleCols(4 * n_, n_u_) = F_[0].rightCols(n_u_);
   F_w_[2].middleCols(2 * n_, 2 * n_) = F_[2].leftCols(2 * n_);
   F_w_[2].middleCols(second, n_u_) = F_[2].rightCols(n_u_);
+
   if (has_middle()) {
     auto Sx = S_[1].topRows(2 * n_);
     Sx = h_ / 8.0 * (F_w_[0] - F_w_[2]);
@@ -121,13 +121,14 @@ void Interval::differentiate() {
     Sx.col(size() - 1) += fraction_ / 8.0 * (f_[0] - f_[2]);
     F_w_[1].noalias() = F_[1] * S_[1];
   }
+
   differentiate_defects();
 }
 
 void Interval::defects(VectorRef out) const {
   out = w_.segment(2 * n_, 2 * n_) - w_.segment(0, 2 * n_);
   for (int i = 0; i < 3; ++i)
-    if (weight(i) != 0.0) out -= h_ * weight(i) * f_[static_cast<size_t>(i)];
+    if (weight(i) != 0.0) out -= h_ * weight(i) * f_[i];
 }
 
 void Interval::differentiate_defects() {
@@ -137,10 +138,9 @@ void Interval::differentiate_defects() {
     defect_w_(i, 2 * n_ + i) = 1.0;
   }
   for (int i = 0; i < 3; ++i) {
-    const auto k = static_cast<size_t>(i);
     if (weight(i) == 0.0) continue;
-    defect_w_ -= h_ * weight(i) * F_w_[k];
-    defect_w_.col(size() - 1) -= fraction_ * weight(i) * f_[k];
+    defect_w_ -= h_ * weight(i) * F_w_[i];
+    defect_w_.col(size() - 1) -= fraction_ * weight(i) * f_[i];
   }
 }
 
@@ -148,20 +148,21 @@ void Interval::path_values(const PathRows& rows, VectorRef out) {
   rows.term->evaluate(view(rows.point), out, nullptr, nullptr, nullptr);
 }
 
-/// Jacobian of a term by (q, v, u) of its point: direct, and through accelerations and forces. Values are left in values_.
+/// Jacobian of a term by (q, v, u) of its point: direct, and through accelerations and forces.
+/// Values are left in values_.
 void Interval::chain_term(int i, const PathTerm& term, Matrix& by_s) {
-  const int rows = static_cast<int>(term.rows.size()), s = 2 * n_ + n_u_;
+  const int rows = count_of(term.rows), s = 2 * n_ + n_u_;
   J_xi_.topRows(rows).setZero();
   term.evaluate(view(i), values_.head(rows), &J_xi_, nullptr, nullptr);
   by_s.topRows(rows) = J_xi_.topRows(rows).leftCols(s);
   if (term.reads.dynamics()) {
-    const EquationsPoint& p = points_[static_cast<size_t>(i)];
+    const components::EquationsPoint& p = points_[i];
     by_s.topRows(rows) += J_xi_.topRows(rows).rightCols(J_xi_.cols() - s).lazyProduct(p.Z);
   }
 }
 
 void Interval::path_jacobian(const PathRows& rows, Matrix& out) {
-  const int count = static_cast<int>(rows.term->rows.size());
+  const int count = count_of(rows.term->rows);
   chain_term(rows.point, *rows.term, by_s_);
   auto J = out.topRows(count);
   const auto by_s = by_s_.topRows(count);
@@ -190,14 +191,15 @@ void Interval::add_integral_gradient(const IntegralCost& cost, double scale, Vec
     if (weight(i) == 0.0) continue;
     const double factor = scale * cost.weight * weight(i);
     chain_term(i, *cost.term, by_s_);
-    gradient_w.noalias() += factor * h_ * S_[static_cast<size_t>(i)].transpose().lazyProduct(by_s_.row(0).transpose());
+    gradient_w.noalias() += factor * h_ * S_[i].transpose().lazyProduct(by_s_.row(0).transpose());
     gradient_w[size() - 1] += factor * fraction_ * values_[0];
   }
 }
 
-/// Adds a term at one point, weighted: its Hessian to H_xi_, its gradient to grad_s_ and, by accelerations and forces, to mu_.
+/// Adds a term at one point, weighted: its Hessian to H_xi_, its gradient to grad_s_ and, by
+/// accelerations and forces, to mu_.
 void Interval::add_point_term(int i, const PathTerm& term, const ConstVectorRef& multipliers) {
-  const int rows = static_cast<int>(term.rows.size()), s = 2 * n_ + n_u_;
+  const int rows = count_of(term.rows), s = 2 * n_ + n_u_;
   J_xi_.topRows(rows).setZero();
   term.evaluate(view(i), values_.head(rows), &J_xi_, &multipliers, &H_xi_);
   const auto J = J_xi_.topRows(rows);
@@ -206,19 +208,20 @@ void Interval::add_point_term(int i, const PathTerm& term, const ConstVectorRef&
 }
 
 /// Gradient (grad_s_) and Hessian (H_s_) by (q, v, u) of phi . f + path rows + costs at one point.
-void Interval::point_hessian(int i, const Vector& phi, const ConstVectorRef& row_multipliers, double sigma,
-                             const std::vector<IntegralCost>& costs) {
-  EquationsPoint& p = points_[static_cast<size_t>(i)];
+void Interval::point_hessian(int i, const Vector& phi, const ConstVectorRef& row_multipliers,
+                             double sigma, const std::vector<IntegralCost>& costs) {
+  components::EquationsPoint& p = points_[i];
   grad_s_.setZero();
   H_s_.setZero();
   mu_.setZero();
   mu_.head(n_) = phi.tail(n_);
   grad_s_.segment(n_, n_) = phi.head(n_);
+
   bool curved = false;
   H_xi_.setZero();
   for (const PathRows& rows : path) {
     if (rows.point != i) continue;
-    add_point_term(i, *rows.term, row_multipliers.segment(rows.row, static_cast<int>(rows.term->rows.size())));
+    add_point_term(i, *rows.term, row_multipliers.segment(rows.row, count_of(rows.term->rows)));
     curved = true;
   }
   for (const IntegralCost& cost : costs) {
@@ -227,12 +230,14 @@ void Interval::point_hessian(int i, const Vector& phi, const ConstVectorRef& row
     add_point_term(i, *cost.term, factor);
     curved = true;
   }
+
   equations_.add_hessian(mu_, p, H_s_);
   if (curved) add_term_curvature(p.Z);
   grad_s_ += p.Z.transpose().lazyProduct(mu_);
 }
 
-/// H_s_ += second derivatives of the terms, of those that read accelerations and forces through Z = d(a, f)/d(q, v, u).
+/// H_s_ += second derivatives of the terms, of those that read accelerations and forces through Z =
+/// d(a, f)/d(q, v, u).
 void Interval::add_term_curvature(const Matrix& Z) {
   const auto s = H_s_.rows(), z = H_xi_.rows() - s;
   H_s_ += H_xi_.topLeftCorner(s, s);
@@ -254,6 +259,7 @@ void Interval::add_hessian(const Vector& eta, const ConstVectorRef& row_multipli
                            const std::vector<IntegralCost>& costs, Matrix& H) {
   const int x = 2 * n_;
   pull_.setZero();  // gradient by x_m, which f_0 and f_2 move
+
   if (has_middle()) {
     phi_ = -h_ * weight(1) * eta;
     point_hessian(1, phi_, row_multipliers, sigma, costs);
@@ -264,6 +270,7 @@ void Interval::add_hessian(const Vector& eta, const ConstVectorRef& row_multipli
     grad_w_.noalias() -= F_w_[2].transpose() * pull_;
     add_time_coupling(grad_w_, fraction_ / 8.0, H);
   }
+
   for (int i = 0; i < 3; i += 2) {
     phi_ = -h_ * weight(i) * eta + (i == 0 ? h_ / 8.0 : -h_ / 8.0) * pull_;
     point_hessian(i, phi_, row_multipliers, sigma, costs);
@@ -273,17 +280,17 @@ void Interval::add_hessian(const Vector& eta, const ConstVectorRef& row_multipli
     H.block(u, at, n_u_, x) += H_s_.bottomLeftCorner(n_u_, x);
     H.block(u, u, n_u_, n_u_) += H_s_.bottomRightCorner(n_u_, n_u_);
   }
+
   for (int i = 0; i < 3; ++i) {
     if (weight(i) == 0.0) continue;
-    const auto k = static_cast<size_t>(i);
-    grad_w_.noalias() = F_w_[k].transpose() * eta;
+    grad_w_.noalias() = F_w_[i].transpose() * eta;
     add_time_coupling(grad_w_, -fraction_ * weight(i), H);
     for (const IntegralCost& cost : costs) {
       chain_term(i, *cost.term, by_s_);
-      grad_w_ = S_[k].transpose().lazyProduct(by_s_.row(0).transpose());
+      grad_w_ = S_[i].transpose().lazyProduct(by_s_.row(0).transpose());
       add_time_coupling(grad_w_, sigma * cost.weight * weight(i) * fraction_, H);
     }
   }
 }
 
-}  // namespace jaculus
+}  // namespace jaculus::transcription

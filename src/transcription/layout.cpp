@@ -8,13 +8,13 @@
 
 #include "jaculus/components/motor.h"
 
-namespace jaculus {
+namespace jaculus::transcription {
 
 namespace {
 
 struct Writer {
   const Problem& problem;
-  const PlanarModel& model;
+  const model::PlanarModel& model;
   Layout& layout;
 
   int append(const std::string& name, const std::string& unit, const Bounds& bounds, double scale) {
@@ -32,45 +32,46 @@ struct Writer {
   }
 };
 
-std::string unit_of(const Coordinate& c, bool rate) {
+std::string unit_of(const model::Coordinate& c, bool rate) {
   if (c.angular) return rate ? "rad/s" : "rad";
   return rate ? "m/s" : "m";
 }
 
-Bounds find_or(const std::map<std::string, Bounds>& map, const std::string& name, const Bounds& otherwise) {
+Bounds find_or(const std::map<std::string, Bounds>& map, const std::string& name,
+               const Bounds& otherwise) {
   const auto it = map.find(name);
   return it == map.end() ? otherwise : it->second;
 }
 
 NodeBlock append_node(Writer& w, int phase, int number) {
   NodeBlock node{phase, number, w.layout.columns(), 0};
-  const std::string where = fmt::format("{}, node {}: ", w.problem.phases[static_cast<size_t>(phase)].name, number);
-  for (const Coordinate& c : w.model.coordinates) {
+  const std::string where = fmt::format("{}, node {}: ", w.problem.phases[phase].name, number);
+  for (const model::Coordinate& c : w.model.coordinates) {
     w.append(where + c.name, unit_of(c, false), find_or(w.problem.position_bounds, c.name, c.range),
              c.angular ? 1.0 : 0.3);
   }
   node.v = w.layout.columns();
-  for (const Coordinate& c : w.model.coordinates) {
-    w.append(where + c.name + " velocity", unit_of(c, true), find_or(w.problem.velocity_bounds, c.name, {}),
-             c.angular ? 10.0 : 1.0);
+  for (const model::Coordinate& c : w.model.coordinates) {
+    w.append(where + c.name + " velocity", unit_of(c, true),
+             find_or(w.problem.velocity_bounds, c.name, {}), c.angular ? 10.0 : 1.0);
   }
   return node;
 }
 
 int append_input(Writer& w, int phase, int number) {
   const int column = w.layout.columns();
-  for (const PlanarMotor& motor : w.model.motors) {
+  for (const model::PlanarMotor& motor : w.model.motors) {
     const double limit = usable_torque(w.problem, motor);
-    w.append(fmt::format("{}, {} {}: {} torque", w.problem.phases[static_cast<size_t>(phase)].name,
+    w.append(fmt::format("{}, {} {}: {} torque", w.problem.phases[phase].name,
                          w.layout.held ? "interval" : "node", number, motor.joint),
-             w.model.bodies[static_cast<size_t>(motor.body)].kind == JointKind::revolute ? "N m" : "N", {-limit, limit},
-             std::isfinite(limit) ? limit : 1.0);
+             w.model.bodies[motor.body].kind == model::JointKind::revolute ? "N m" : "N",
+             {-limit, limit}, std::isfinite(limit) ? limit : 1.0);
   }
   return column;
 }
 
 std::vector<double> fractions(const PhaseSpec& spec) {
-  std::vector<double> f = spec.mesh.empty() ? std::vector<double>(static_cast<size_t>(spec.intervals), 1.0) : spec.mesh;
+  std::vector<double> f = spec.mesh.empty() ? std::vector<double>(spec.intervals, 1.0) : spec.mesh;
   double sum = 0.0;
   for (double value : f) sum += value;
   for (double& value : f) value /= sum;
@@ -79,39 +80,44 @@ std::vector<double> fractions(const PhaseSpec& spec) {
 
 void append_phase(Writer& w, int p) {
   Layout& layout = w.layout;
-  const PhaseSpec& spec = w.problem.phases[static_cast<size_t>(p)];
+  const PhaseSpec& spec = w.problem.phases[p];
   PhaseBlock phase;
   phase.name = spec.name;
   for (const std::string& foot : spec.contacts) phase.feet.push_back(w.model.foot_index(foot));
   std::sort(phase.feet.begin(), phase.feet.end());
+
   if (p > 0) {
     const std::vector<int>& before = layout.phases.back().feet;
     std::set_difference(phase.feet.begin(), phase.feet.end(), before.begin(), before.end(),
                         std::back_inserter(phase.landing));
   }
   if (p == 0 || !phase.landing.empty()) layout.nodes.push_back(append_node(w, p, 0));
-  phase.first_node = static_cast<int>(layout.nodes.size()) - 1;
-  phase.first_interval = static_cast<int>(layout.intervals.size());
+
+  phase.first_node = count_of(layout.nodes) - 1;
+  phase.first_interval = count_of(layout.intervals);
   int input = append_input(w, p, 0);
+
   const std::vector<double> mesh = fractions(spec);
   double begin = 0.0;
   for (int k = 0; k < spec.intervals; ++k) {
     IntervalBlock interval;
     interval.phase = p;
     interval.number = k;
-    interval.first = static_cast<int>(layout.nodes.size()) - 1;
+    interval.first = count_of(layout.nodes) - 1;
     interval.last = interval.first + 1;
     interval.u_first = interval.u_last = input;
-    interval.fraction = mesh[static_cast<size_t>(k)];
+    interval.fraction = mesh[k];
     interval.begin = begin;
     begin += interval.fraction;
+
     layout.nodes.push_back(append_node(w, p, k + 1));
     if (!layout.held || k + 1 < spec.intervals) input = append_input(w, p, k + 1);
     if (!layout.held) interval.u_last = input;
     layout.intervals.push_back(interval);
   }
-  phase.last_interval = static_cast<int>(layout.intervals.size()) - 1;
-  phase.last_node = static_cast<int>(layout.nodes.size()) - 1;
+
+  phase.last_interval = count_of(layout.intervals) - 1;
+  phase.last_node = count_of(layout.nodes) - 1;
   layout.phases.push_back(phase);
 }
 
@@ -120,18 +126,19 @@ void tighten(const BoundarySpec& spec, Layout& layout, int column, const Bounds&
   const double lower = std::max(layout.lower[column], bounds.lower);
   const double upper = std::min(layout.upper[column], bounds.upper);
   if (lower > upper) {
-    throw spec.node.error(fmt::format("{}: [{}, {}] {} leaves nothing of the bounds [{}, {}]",
-                                      layout.names[static_cast<size_t>(column)], bounds.lower, bounds.upper,
-                                      layout.units[static_cast<size_t>(column)], layout.lower[column],
-                                      layout.upper[column]));
+    throw spec.node.error(fmt::format(
+        "{}: [{}, {}] {} leaves nothing of the bounds [{}, {}]", layout.names[column], bounds.lower,
+        bounds.upper, layout.units[column], layout.lower[column], layout.upper[column]));
   }
   layout.lower[column] = lower;
   layout.upper[column] = upper;
 }
 
-/// Turns values given for joints into values of the coordinates they make up; each coordinate needs all its joints.
-std::map<std::string, Bounds> on_coordinates(const std::map<std::string, Bounds>& given, const PlanarModel& model,
-                                             bool rate, const BoundarySpec& spec) {
+/// Turns values given for joints into values of the coordinates they make up; each coordinate needs
+/// all its joints.
+std::map<std::string, Bounds> on_coordinates(const std::map<std::string, Bounds>& given,
+                                             const model::PlanarModel& model, bool rate,
+                                             const BoundarySpec& spec) {
   std::map<std::string, Bounds> result;
   std::map<std::string, double> joints;
   for (const auto& [name, bounds] : given) {
@@ -149,33 +156,41 @@ std::map<std::string, Bounds> on_coordinates(const std::map<std::string, Bounds>
     }
   }
   if (joints.empty()) return result;
-  // theta = T q + offset restricted to the given joints; solved for the coordinates that they determine.
-  Matrix rows(static_cast<int>(joints.size()), model.size());
-  Vector values(static_cast<int>(joints.size()));
+
+  // theta = T q + offset restricted to the given joints; solved for the coordinates that they
+  // determine.
+  Matrix rows(count_of(joints), model.size());
+  Vector values(count_of(joints));
   int i = 0;
   for (const auto& [name, value] : joints) {
     const int body = model.body_of_joint(name);
     rows.row(i) = model.joint_map.row(body);
     values[i++] = value - (rate ? 0.0 : model.joint_offset[body]);
   }
+
   const Eigen::CompleteOrthogonalDecomposition<Matrix> solver(rows);
   const Vector q = solver.solve(values);
   if ((rows * q - values).cwiseAbs().maxCoeff() > 1e-9)
-    throw spec.node.error("the values given for joints contradict one another or name a dependent joint");
+    throw spec.node.error(
+        "the values given for joints contradict one another or name a dependent joint");
+
   // A coordinate is determined where its unit vector lies in the row space.
   const Matrix projector = solver.pseudoInverse() * rows;
   for (int c = 0; c < model.size(); ++c) {
     const bool touched = rows.col(c).cwiseAbs().maxCoeff() > 0.0;
     const bool determined = std::abs(projector(c, c) - 1.0) < 1e-9;
-    const std::string& name = model.coordinates[static_cast<size_t>(c)].name;
+    const std::string& name = model.coordinates[c].name;
     if (touched && !determined)
-      throw spec.node.error(fmt::format("{} is only partly given: name all joints that it combines", name));
+      throw spec.node.error(
+          fmt::format("{} is only partly given: name all joints that it combines", name));
     if (determined) result[name] = {q[c], q[c]};
   }
+
   return result;
 }
 
-void apply_boundary(const BoundarySpec& spec, const PlanarModel& model, const NodeBlock& node, Layout& layout) {
+void apply_boundary(const BoundarySpec& spec, const model::PlanarModel& model,
+                    const NodeBlock& node, Layout& layout) {
   for (const auto& [name, bounds] : on_coordinates(spec.position, model, false, spec))
     tighten(spec, layout, node.q + model.coordinate_index(name), bounds);
   for (const auto& [name, bounds] : on_coordinates(spec.velocity, model, true, spec))
@@ -183,28 +198,29 @@ void apply_boundary(const BoundarySpec& spec, const PlanarModel& model, const No
 }
 
 /// Jacobian of the feet that a phase stands on, in the middle of a node's bounds: 2 rows a foot.
-Matrix stance_jacobian(const AbsoluteTree& tree, const PhaseBlock& phase, const NodeBlock& node, const Layout& layout) {
+Matrix stance_jacobian(const dynamics::AbsoluteTree& tree, const PhaseBlock& phase,
+                       const NodeBlock& node, const Layout& layout) {
   Vector q(layout.n);
   for (int i = 0; i < layout.n; ++i) {
     const double lower = layout.lower[node.q + i], upper = layout.upper[node.q + i];
     q[i] = std::isfinite(lower) && std::isfinite(upper) ? 0.5 * (lower + upper) : 0.0;
   }
-  Matrix J = Matrix::Zero(2 * static_cast<int>(phase.feet.size()), layout.n);
-  Motion motion(tree);
-  if (!set_configuration(tree, q, motion)) return J;
-  for (size_t k = 0; k < phase.feet.size(); ++k) {
-    jacobian_columns(tree.feet[static_cast<size_t>(phase.feet[k])], motion.pose, motion.columns);
+  Matrix J = Matrix::Zero(2 * count_of(phase.feet), layout.n);
+  dynamics::Motion motion(tree);
+  if (!dynamics::set_configuration(tree, q, motion)) return J;
+  for (int k = 0; k < count_of(phase.feet); ++k) {
+    dynamics::jacobian_columns(tree.feet[phase.feet[k]], motion.pose, motion.columns);
     for (int c = 0; c < motion.columns.count; ++c) {
-      J.row(2 * static_cast<int>(k)) += motion.columns.x[c] * motion.G.row(motion.columns.index[c]);
-      J.row(2 * static_cast<int>(k) + 1) += motion.columns.z[c] * motion.G.row(motion.columns.index[c]);
+      J.row(2 * k) += motion.columns.x[c] * motion.G.row(motion.columns.index[c]);
+      J.row(2 * k + 1) += motion.columns.z[c] * motion.G.row(motion.columns.index[c]);
     }
   }
   return J;
 }
 
-/// Zero rates at a node. Where a phase that stands on feet ends, the stance already holds as many combinations of rates at zero as
-/// its Jacobian J has rank (but for integration error); only rates independent of those are fixed, the base's first. Fixing all of
-/// them would leave dependent rows.
+/// Zero rates at a node. Where a phase that stands on feet ends, the stance already holds as many
+/// combinations of rates at zero as its Jacobian J has rank (but for integration error); only rates
+/// independent of those are fixed, the base's first. Fixing all of them would leave dependent rows.
 void apply_rest(const BoundarySpec& spec, const Matrix& J, const NodeBlock& node, Layout& layout) {
   Matrix basis(layout.n, 0);
   const auto extends = [&basis](Vector direction) {
@@ -222,11 +238,11 @@ void apply_rest(const BoundarySpec& spec, const Matrix& J, const NodeBlock& node
 
 }  // namespace
 
-double usable_torque(const Problem& problem, const PlanarMotor& motor) {
-  PlanarMotor limited = motor;
+double usable_torque(const Problem& problem, const model::PlanarMotor& motor) {
+  model::PlanarMotor limited = motor;
   if (problem.torque) limited.torque_limit = *problem.torque;
   if (problem.current) limited.current_limit = *problem.current;
-  return largest_joint_torque(limited).value;
+  return components::largest_joint_torque(limited).value;
 }
 
 int Layout::add_variable(const ExtraVariable& variable) {
@@ -243,28 +259,34 @@ int Layout::add_variable(const ExtraVariable& variable) {
   return column;
 }
 
-Layout make_layout(const Problem& problem, const Equations& equations) {
-  const PlanarModel& model = equations.model();
+Layout make_layout(const Problem& problem, const components::Equations& equations) {
+  const model::PlanarModel& model = equations.model();
   Layout layout;
   layout.n = model.size();
   layout.n_u = equations.inputs();
   layout.held = problem.transcription.inputs == InputHold::held;
   Writer writer{problem, model, layout};
-  for (int p = 0; p < static_cast<int>(problem.phases.size()); ++p) append_phase(writer, p);
-  for (size_t p = 0; p < problem.phases.size(); ++p) {
+
+  for (int p = 0; p < count_of(problem.phases); ++p) append_phase(writer, p);
+  for (std::size_t p = 0; p < problem.phases.size(); ++p) {
     const Bounds& bounds = problem.phases[p].duration;
     const double scale = std::clamp(std::sqrt(bounds.lower * bounds.upper), 1e-3, 10.0);
-    layout.phases[p].duration = writer.append(problem.phases[p].name + ": duration", "s", bounds, scale);
+    layout.phases[p].duration =
+        writer.append(problem.phases[p].name + ": duration", "s", bounds, scale);
   }
+
   layout.first_extra = layout.columns();
   apply_boundary(problem.initial, model, layout.nodes.front(), layout);
   apply_boundary(problem.final, model, layout.nodes.back(), layout);
-  if (problem.initial.at_rest) apply_rest(problem.initial, Matrix(0, layout.n), layout.nodes.front(), layout);
+  if (problem.initial.at_rest)
+    apply_rest(problem.initial, Matrix(0, layout.n), layout.nodes.front(), layout);
   if (problem.final.at_rest) {
-    const Matrix J = stance_jacobian(equations.tree(), layout.phases.back(), layout.nodes.back(), layout);
+    const Matrix J =
+        stance_jacobian(equations.tree(), layout.phases.back(), layout.nodes.back(), layout);
     apply_rest(problem.final, J, layout.nodes.back(), layout);
   }
+
   return layout;
 }
 
-}  // namespace jaculus
+}  // namespace jaculus::transcription

@@ -7,71 +7,81 @@
 
 #include "jaculus/transcription/problem.h"
 
-namespace jaculus {
+namespace jaculus::transcription {
 namespace {
 
 using yaml::Node;
 using Names = std::vector<std::string>;
 
-[[noreturn]] void unknown(const Node& node, const std::string& what, const std::string& given, const Names& allowed) {
+[[noreturn]] void unknown(const Node& node, const std::string& what, const std::string& given,
+                          const Names& allowed) {
   const auto nearest = yaml::nearest_name(given, allowed);
-  throw node.error(fmt::format("unknown {} '{}'{}; allowed: {}", what, given,
-                               nearest ? fmt::format(", did you mean '{}'?", *nearest) : "",
-                               allowed.empty() ? "none" : fmt::format("{}", fmt::join(allowed, ", "))));
+  throw node.error(
+      fmt::format("unknown {} '{}'{}; allowed: {}", what, given,
+                  nearest ? fmt::format(", did you mean '{}'?", *nearest) : "",
+                  allowed.empty() ? "none" : fmt::format("{}", fmt::join(allowed, ", "))));
 }
 
-void require(const Node& node, const std::string& what, const std::string& given, const Names& allowed) {
-  if (std::find(allowed.begin(), allowed.end(), given) == allowed.end()) unknown(node, what, given, allowed);
+void require(const Node& node, const std::string& what, const std::string& given,
+             const Names& allowed) {
+  if (std::find(allowed.begin(), allowed.end(), given) == allowed.end())
+    unknown(node, what, given, allowed);
 }
 
-Names foot_names(const PlanarModel& model) {
+Names foot_names(const model::PlanarModel& model) {
   Names names;
-  for (const PlanarPoint& foot : model.feet) names.push_back(foot.name);
+  for (const model::PlanarPoint& foot : model.feet) names.push_back(foot.name);
   return names;
 }
 
-Names motor_names(const PlanarModel& model) {
+Names motor_names(const model::PlanarModel& model) {
   Names names;
-  for (const PlanarMotor& motor : model.motors) names.push_back(motor.joint);
+  for (const model::PlanarMotor& motor : model.motors) names.push_back(motor.joint);
   return names;
 }
 
-Names coordinate_names(const PlanarModel& model) {
+Names coordinate_names(const model::PlanarModel& model) {
   Names names;
-  for (const Coordinate& coordinate : model.coordinates) names.push_back(coordinate.name);
+  for (const model::Coordinate& coordinate : model.coordinates) names.push_back(coordinate.name);
   return names;
 }
 
 /// Coordinates, then joints that are no coordinates themselves.
-Names coordinate_and_joint_names(const PlanarModel& model) {
+Names coordinate_and_joint_names(const model::PlanarModel& model) {
   Names names = coordinate_names(model);
   for (std::size_t body = 1; body < model.bodies.size(); ++body) {
     const std::string& joint = model.bodies[body].joint;
-    if (!joint.empty() && std::find(names.begin(), names.end(), joint) == names.end()) names.push_back(joint);
+    if (!joint.empty() && std::find(names.begin(), names.end(), joint) == names.end())
+      names.push_back(joint);
   }
   return names;
 }
 
-bool angular(const PlanarModel& model, const std::string& name) {
-  if (const int i = model.coordinate_index(name); i >= 0) return model.coordinates[static_cast<std::size_t>(i)].angular;
+bool angular(const model::PlanarModel& model, const std::string& name) {
+  if (const int i = model.coordinate_index(name); i >= 0) return model.coordinates[i].angular;
   const int body = model.body_of_joint(name);
-  return body < 0 || model.bodies[static_cast<std::size_t>(body)].kind == JointKind::revolute;
+  return body < 0 || model.bodies[body].kind == model::JointKind::revolute;
 }
 
 /// The last part of "bounds.position.front_angle".
 std::string name_of(const std::string& place) { return place.substr(place.rfind('.') + 1); }
 
 /// Names and units of all values by coordinate or joint.
-void check_places(const Problem& problem, const PlanarModel& model) {
+void check_places(const Problem& problem, const model::PlanarModel& model) {
   const Names coordinates = coordinate_names(model);
   const Names both = coordinate_and_joint_names(model);
   for (const auto& [place, node] : problem.places) {
     if (place.starts_with("limits.")) continue;
     const std::string name = name_of(place);
     const bool only_coordinates = place.starts_with("bounds.") || place.starts_with("lock.");
-    // What a base file says of a coordinate may have been dropped since; only what still counts is checked.
+
+    // What a base file says of a coordinate may have been dropped since; only what still counts is
+    // checked.
     const bool velocity = place.find(".velocity.") != std::string::npos;
-    const auto counts = [&](const BoundarySpec& s) { return (velocity ? s.velocity : s.position).contains(name); };
+    const auto counts = [&](const BoundarySpec& s) {
+      return (velocity ? s.velocity : s.position).contains(name);
+    };
+
     if (place.starts_with("initial.") && !counts(problem.initial)) continue;
     if (place.starts_with("final.") && !counts(problem.final)) continue;
     if (place.starts_with("bounds.") &&
@@ -79,27 +89,32 @@ void check_places(const Problem& problem, const PlanarModel& model) {
       continue;
     }
     if (place.starts_with("lock.") &&
-        std::none_of(problem.locks.begin(), problem.locks.end(), [&](const auto& l) { return l.first == name; })) {
+        std::none_of(problem.locks.begin(), problem.locks.end(),
+                     [&](const auto& l) { return l.first == name; })) {
       continue;
     }
-    require(node, only_coordinates ? "coordinate" : "coordinate or joint", name, only_coordinates ? coordinates : both);
+
+    require(node, only_coordinates ? "coordinate" : "coordinate or joint", name,
+            only_coordinates ? coordinates : both);
     const bool angle = angular(model, name);
-    static_cast<void>(node.bounds(velocity ? (angle ? dimension::angular_velocity : dimension::velocity)
-                                           : (angle ? dimension::angle : dimension::length)));
+    static_cast<void>(node.bounds(velocity
+                                      ? (angle ? dimension::angular_velocity : dimension::velocity)
+                                      : (angle ? dimension::angle : dimension::length)));
   }
 }
 
 /// Values that leave nothing of the robot's own range.
-void check_ranges(const Problem& problem, const PlanarModel& model) {
+void check_ranges(const Problem& problem, const model::PlanarModel& model) {
   const auto check = [&](const std::map<std::string, Bounds>& values, const std::string& prefix) {
     for (const auto& [name, bounds] : values) {
       const int i = model.coordinate_index(name);
       if (i < 0) continue;
-      const Bounds& range = model.coordinates[static_cast<std::size_t>(i)].range;
+      const Bounds& range = model.coordinates[i].range;
       if (bounds.lower <= range.upper && bounds.upper >= range.lower) continue;
       throw problem.places.at(prefix + name)
-          .error(fmt::format("[{:g}, {:g}] lies outside the robot's own range; allowed: within [{:g}, {:g}]",
-                             bounds.lower, bounds.upper, range.lower, range.upper));
+          .error(fmt::format(
+              "[{:g}, {:g}] lies outside the robot's own range; allowed: within [{:g}, {:g}]",
+              bounds.lower, bounds.upper, range.lower, range.upper));
     }
   };
   check(problem.position_bounds, "bounds.position.");
@@ -107,56 +122,51 @@ void check_ranges(const Problem& problem, const PlanarModel& model) {
   check(problem.final.position, "final.position.");
 }
 
-void check_term(const TermSpec& term, const PlanarModel& model) {
-  const Names feet = foot_names(model);
-  const Names motors = motor_names(model);
-  if (const auto foot = term.node.find("foot")) require(*foot, "foot", foot->text(), feet);
-  if (const auto list = term.node.find("feet")) {
-    for (const Node& item : list->items()) require(item, "foot", item.text(), feet);
-  }
-  if (const auto list = term.node.find("motors")) {
-    for (const Node& item : list->items()) require(item, "motor", item.text(), motors);
-  }
-}
-
-/// A plan may use less than the robot has, not more: that would be another robot, which `override` makes.
-void check_limit(const Problem& problem, const char* key, const std::optional<double>& limit, double robots,
-                 const std::string& motor, const char* unit) {
+/// A plan may use less than the robot has, not more: that would be another robot, which `override`
+/// makes.
+void check_limit(const Problem& problem, const char* key, const std::optional<double>& limit,
+                 double robots, const std::string& motor, const char* unit) {
   if (!limit || *limit <= robots) return;
   throw problem.places.at(std::string("limits.") + key)
-      .error(fmt::format(
-          "{:g} {} given; allowed: at most {:g} {}, what motor '{}' has (override the robot to give it more)", *limit,
-          unit, robots, unit, motor));
+      .error(fmt::format("{:g} {} given; allowed: at most {:g} {}, what motor '{}' has (override "
+                         "the robot to give it more)",
+                         *limit, unit, robots, unit, motor));
 }
 
 }  // namespace
 
-void check_problem(const Problem& problem, const PlanarModel& model) {
+void check_problem(const Problem& problem, const model::PlanarModel& model) {
   const Names feet = foot_names(model);
   for (const PhaseSpec& phase : problem.phases) {
-    for (const Node& contact : phase.node.at("contacts").items()) require(contact, "foot", contact.text(), feet);
+    for (const Node& contact : phase.node.at("contacts").items())
+      require(contact, "foot", contact.text(), feet);
   }
   check_places(problem, model);
   check_ranges(problem, model);
-  for (const TermSpec& term : problem.constraints) check_term(term, model);
-  for (const TermSpec& term : problem.objective) check_term(term, model);
-  for (const PlanarMotor& motor : model.motors) {
+  for (const auto* terms : {&problem.constraints, &problem.objective}) {
+    for (const TermSpec& term : *terms) {
+      term.values.check_names(key::Of::foot, feet);
+      term.values.check_names(key::Of::motor, motor_names(model));
+    }
+  }
+
+  for (const model::PlanarMotor& motor : model.motors) {
     check_limit(problem, "voltage", problem.voltage, motor.voltage, motor.joint, "V");
     check_limit(problem, "torque", problem.torque, motor.torque_limit, motor.joint, "N m");
     check_limit(problem, "current", problem.current, motor.current_limit, motor.joint, "A");
   }
 }
 
-PlanarModel planning_model(const Problem& problem, const PlanarModel& model) {
-  PlanarModel planned = model;
-  for (PlanarMotor& motor : planned.motors) {
+model::PlanarModel planning_model(const Problem& problem, const model::PlanarModel& model) {
+  model::PlanarModel planned = model;
+  for (model::PlanarMotor& motor : planned.motors) {
     if (problem.voltage) motor.voltage = *problem.voltage;
     if (problem.torque) motor.torque_limit = *problem.torque;
     if (problem.current) motor.current_limit = *problem.current;
   }
   if (problem.friction) planned.friction = *problem.friction;
-  for (const auto& [name, value] : problem.locks) planned = lock(planned, name, value);
+  for (const auto& [name, value] : problem.locks) planned = model::lock(planned, name, value);
   return planned;
 }
 
-}  // namespace jaculus
+}  // namespace jaculus::transcription

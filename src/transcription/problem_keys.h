@@ -1,25 +1,37 @@
 #pragma once
-// Every key of a problem file, said once: the reader takes its sets of valid keys from this table and
-// `jaculus check --explain` prints it, so that neither can know a key that the other doesn't.
+// The keys of a problem file, section by section, each declared once: readers take the valid keys
+// from here and `jaculus check --explain` prints them. Those of terms stand with the terms.
 
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
-namespace jaculus::problem_keys {
+#include "jaculus/transcription/key.h"
+#include "jaculus/transcription/term.h"
 
-struct Key {
-  std::string_view section;  ///< "" for the file itself, "limits", "phases[]", "constraints: friction", ...
-  std::string_view name;
-  std::string_view unit;      ///< as a user writes it, "-" for none, empty for words, maps and lists
-  std::string_view fallback;  ///< what counts where the key is absent, "required" where it must be there
-  std::string_view meaning;
+namespace jaculus::transcription::problem_keys {
+
+/// A map of the file and what may stand in it.
+struct Section {
+  std::string name;  ///< "" for the file itself, "limits", "phases[]", "constraints: friction", ...
+  std::vector<Key> keys;
+  std::string meaning = {};  ///< one line; may be empty
+  std::string example = {};  ///< of a term; may be empty
 };
 
-std::span<const Key> all();
+// Sections whose keys stand beside the members that they fill (problem_read_options.cpp).
+std::vector<Key> limits();
+std::vector<Key> transcription();
+std::vector<Key> solver();
+std::vector<Key> refinement();
 
-/// The keys of one section, in the order of the table.
-std::vector<std::string> of(std::string_view section);
+/// All sections, in the order in which help prints them; those of the catalogue's terms last.
+std::vector<Section> sections(const TermCatalogue& catalogue);
 
-}  // namespace jaculus::problem_keys
+/// The keys of one section other than a term's.
+const std::vector<Key>& of(std::string_view section);
+
+/// Their names.
+std::vector<std::string> names(const std::vector<Key>& keys);
+
+}  // namespace jaculus::transcription::problem_keys

@@ -8,7 +8,7 @@
 
 #include "transcription/problem_keys.h"
 
-namespace jaculus::problem_read {
+namespace jaculus::transcription::problem_read {
 
 using yaml::Node;
 
@@ -16,13 +16,12 @@ bool is_null(const Node& node) { return !node.is_map() && !node.is_list() && !no
 
 namespace {
 
-constexpr int kMaxIntervals = 10000;
-
 /// Whether a number in `node` carries a unit that only the dimension `d` has.
 bool has_unit_of(const Node& node, const Dimension& d, const Dimension& other) {
   if (node.is_list()) {
     const std::vector<Node> items = node.items();
-    return std::any_of(items.begin(), items.end(), [&](const Node& item) { return has_unit_of(item, d, other); });
+    return std::any_of(items.begin(), items.end(),
+                       [&](const Node& item) { return has_unit_of(item, d, other); });
   }
   const auto reads_as = [&node](const Dimension& dimension) {
     try {
@@ -40,13 +39,14 @@ InputError in_either(const InputError& turning, const Dimension& angle, const Di
   std::string text = turning.what();
   const std::string unit = "a number in " + unit_name(angle);
   if (const std::size_t at = text.find(unit); at != std::string::npos)
-    text.insert(at + unit.size(), fmt::format(" where it turns or {} where it slides", unit_name(length)));
+    text.insert(at + unit.size(),
+                fmt::format(" where it turns or {} where it slides", unit_name(length)));
   return InputError(text);
 }
 
-/// Reads a value named after a coordinate or joint. Whether it is an angle or a length only the robot knows (x and z aside),
-/// so both are tried here; check_problem() reads it again in the right dimension. Where neither will do, the units that are
-/// there say which was meant.
+/// Reads a value named after a coordinate or joint. Whether it is an angle or a length only the
+/// robot knows (x and z aside), so both are tried here; check_problem() reads it again in the right
+/// dimension. Where neither will do, the units that are there say which was meant.
 template <typename Read>
 auto by_name(const std::string& name, const Node& value, bool velocity, Read read) {
   const Dimension angle = velocity ? dimension::angular_velocity : dimension::angle;
@@ -66,8 +66,8 @@ auto by_name(const std::string& name, const Node& value, bool velocity, Read rea
   }
 }
 
-void named_bounds(std::map<std::string, Bounds>& values, Problem& problem, const Node& node, const std::string& prefix,
-                  bool velocity) {
+void named_bounds(std::map<std::string, Bounds>& values, Problem& problem, const Node& node,
+                  const std::string& prefix, bool velocity) {
   if (is_null(node)) values.clear();
   if (is_null(node)) return;
   for (const auto& [name, value] : node.entries()) {
@@ -75,7 +75,8 @@ void named_bounds(std::map<std::string, Bounds>& values, Problem& problem, const
       values.erase(name);
       continue;
     }
-    values[name] = by_name(name, value, velocity, [&value = value](const Dimension& d) { return value.bounds(d); });
+    values[name] = by_name(name, value, velocity,
+                           [&value = value](const Dimension& d) { return value.bounds(d); });
     problem.places[prefix + name] = value;
   }
 }
@@ -83,52 +84,60 @@ void named_bounds(std::map<std::string, Bounds>& values, Problem& problem, const
 std::map<std::string, double> pose(Problem& problem, const Node& node, const std::string& prefix) {
   std::map<std::string, double> values;
   for (const auto& [name, value] : node.entries()) {
-    values[name] = by_name(name, value, false, [&value = value](const Dimension& d) { return value.number(d); });
+    values[name] = by_name(name, value, false,
+                           [&value = value](const Dimension& d) { return value.number(d); });
     problem.places[prefix + name] = value;
   }
   return values;
 }
 
-void optional_limit(std::optional<double>& limit, const Node& node, const char* key, const Dimension& dimension) {
-  const auto value = node.find(key);
-  if (!value) return;
-  if (is_null(*value)) {
-    limit.reset();
-    return;
-  }
-  const double number = value->number(dimension, {0.0, kInfinity});
-  if (number <= 0.0) throw value->error(fmt::format("{:g} given; allowed: a positive number", number));
-  limit = number;
+/// The poses of a guess along lines.
+void read_poses(Problem& problem, const Node& node) {
+  std::vector<std::map<std::string, double>>& poses = problem.guess.poses;
+  for (const Node& item : node.items())
+    poses.push_back(pose(problem, item, fmt::format("guess.poses[{}].", poses.size())));
+  if (poses.size() < 2)
+    throw node.error(fmt::format("{} given; allowed: two poses or more", poses.size()));
+}
+
+/// The file of a guess from an earlier plan.
+std::filesystem::path earlier_plan(const Node& node) {
+  std::filesystem::path file = node.text();
+  if (file.is_relative()) file = node.file().parent_path() / file;
+  if (!std::filesystem::is_regular_file(file))
+    throw node.error(fmt::format(
+        "file '{}' not found; allowed: the solution.json of an earlier solve", file.string()));
+  return file;
 }
 
 PhaseSpec phase(const Node& node) {
-  node.only(problem_keys::of("phases[]"));
+  const KeyValues given(node, problem_keys::of("phases[]"));
   PhaseSpec spec;
   spec.node = node;
   spec.name = node.at("name").text();
+  spec.intervals = given.integer("intervals");
+  spec.duration = given.interval("duration");
+  if (spec.duration.lower <= 0.0)
+    throw node.at("duration")
+        .error(fmt::format("{:g} s given; allowed: positive durations", spec.duration.lower));
+
   spec.contacts = node.at("contacts").texts();
-  for (std::size_t i = 0; i < spec.contacts.size(); ++i) {
-    if (std::find(spec.contacts.begin(), spec.contacts.begin() + static_cast<long>(i), spec.contacts[i]) !=
-        spec.contacts.begin() + static_cast<long>(i)) {
-      throw node.at("contacts").error(fmt::format("'{}' given twice; allowed: each foot once", spec.contacts[i]));
-    }
-  }
-  spec.intervals = node.at("intervals").integer(1, kMaxIntervals);
-  const Node duration = node.at("duration");
-  spec.duration = duration.bounds(dimension::time);
-  if (spec.duration.lower <= 0.0) {
-    throw duration.error(fmt::format("{:g} s given; allowed: positive durations", spec.duration.lower));
-  }
+  std::set<std::string> feet;
+  for (const std::string& foot : spec.contacts)
+    if (!feet.insert(foot).second)
+      throw node.at("contacts")
+          .error(fmt::format("'{}' given twice; allowed: each foot once", foot));
+
   if (const auto mesh = node.find("mesh")) {
     spec.mesh = mesh->numbers(dimension::none);
-    if (static_cast<int>(spec.mesh.size()) != spec.intervals) {
-      throw mesh->error(
-          fmt::format("{} numbers given; allowed: {}, one an interval", spec.mesh.size(), spec.intervals));
-    }
-    if (std::any_of(spec.mesh.begin(), spec.mesh.end(), [](double length) { return length <= 0.0; })) {
+    if (count_of(spec.mesh) != spec.intervals)
+      throw mesh->error(fmt::format("{} numbers given; allowed: {}, one an interval",
+                                    spec.mesh.size(), spec.intervals));
+    if (std::any_of(spec.mesh.begin(), spec.mesh.end(),
+                    [](double length) { return length <= 0.0; }))
       throw mesh->error("a length that is not positive; allowed: positive relative lengths");
-    }
   }
+
   return spec;
 }
 
@@ -137,7 +146,7 @@ void boundary(BoundarySpec& spec, Problem& problem, const Node& node, const std:
     spec = BoundarySpec{};
     return;
   }
-  node.only(problem_keys::of(section));
+  node.only(problem_keys::names(problem_keys::of(section)));
   spec.node = node;
   if (const auto at_rest = node.find("at_rest")) spec.at_rest = at_rest->boolean();
   if (const auto position = node.find("position")) {
@@ -148,38 +157,12 @@ void boundary(BoundarySpec& spec, Problem& problem, const Node& node, const std:
   }
 }
 
-TermSpec term(const Node& node) {
-  if (!node.is_map()) throw node.error("not a map; allowed: {type: ..., ...}");
-  TermSpec spec;
-  spec.type = node.at("type").text();
-  const auto name = node.find("name");
-  spec.name = name ? name->text() : spec.type;
-  spec.node = node;
-  return spec;
-}
-
-/// Adds terms to what a base file has; one of the same name takes its place, two of one name in one file are an error.
-void merge_terms(std::vector<TermSpec>& terms, const std::vector<TermSpec>& added) {
-  std::set<std::string> seen;
-  for (const TermSpec& spec : added) {
-    if (!seen.insert(spec.name).second) {
-      throw spec.node.error(fmt::format("'{}' given twice; allowed: once, or a `name` of its own for each", spec.name));
-    }
-    const auto same = std::find_if(terms.begin(), terms.end(), [&](const TermSpec& t) { return t.name == spec.name; });
-    if (same != terms.end()) {
-      *same = spec;
-    } else {
-      terms.push_back(spec);
-    }
-  }
-}
-
 }  // namespace
 
 void robot(Problem& problem, const Node& node) {
   problem.robot = node.text();
   try {
-    problem.robot_folder = find_robot(problem.robot, node.file());
+    problem.robot_folder = model::find_robot(problem.robot, node.file());
   } catch (const InputError& error) {
     throw node.error(error.what());
   }
@@ -189,7 +172,8 @@ void overrides(Problem& problem, const Node& node) {
   if (is_null(node)) problem.overrides.clear();
   if (is_null(node)) return;
   for (const auto& [path, value] : node.entries()) {
-    std::erase_if(problem.overrides, [&path = path](const Override& o) { return o.path == path; });
+    std::erase_if(problem.overrides,
+                  [&path = path](const model::Override& o) { return o.path == path; });
     if (!is_null(value)) problem.overrides.push_back({path, value});
   }
 }
@@ -200,24 +184,10 @@ void locks(Problem& problem, const Node& node) {
   for (const auto& [name, value] : node.entries()) {
     std::erase_if(problem.locks, [&name = name](const auto& lock) { return lock.first == name; });
     if (is_null(value)) continue;
-    const double number = by_name(name, value, false, [&value = value](const Dimension& d) { return value.number(d); });
+    const double number = by_name(name, value, false,
+                                  [&value = value](const Dimension& d) { return value.number(d); });
     problem.locks.emplace_back(name, number);
     problem.places["lock." + name] = value;
-  }
-}
-
-void limits(Problem& problem, const Node& node) {
-  if (is_null(node)) {
-    problem.voltage = problem.torque = problem.current = problem.friction = std::nullopt;
-    return;
-  }
-  node.only(problem_keys::of("limits"));
-  optional_limit(problem.voltage, node, "voltage", dimension::voltage);
-  optional_limit(problem.torque, node, "torque", dimension::torque);
-  optional_limit(problem.current, node, "current", dimension::current);
-  optional_limit(problem.friction, node, "friction", dimension::none);
-  for (const char* key : {"voltage", "torque", "current", "friction"}) {
-    if (const auto value = node.find(key)) problem.places[std::string("limits.") + key] = *value;
   }
 }
 
@@ -227,7 +197,7 @@ void bounds(Problem& problem, const Node& node) {
     problem.velocity_bounds.clear();
     return;
   }
-  node.only(problem_keys::of("bounds"));
+  node.only(problem_keys::names(problem_keys::of("bounds")));
   if (const auto position = node.find("position")) {
     named_bounds(problem.position_bounds, problem, *position, "bounds.position.", false);
   }
@@ -243,86 +213,42 @@ void phases(Problem& problem, const Node& node) {
     problem.phases.push_back(phase(item));
     const std::string& name = problem.phases.back().name;
     if (!names.insert(name).second) {
-      throw item.at("name").error(fmt::format("'{}' names another phase already; allowed: unique names", name));
+      throw item.at("name").error(
+          fmt::format("'{}' names another phase already; allowed: unique names", name));
     }
   }
   if (problem.phases.empty()) throw node.error("no phases given; allowed: one or more");
 }
 
-void initial(Problem& problem, const Node& node) { boundary(problem.initial, problem, node, "initial"); }
+void initial(Problem& problem, const Node& node) {
+  boundary(problem.initial, problem, node, "initial");
+}
 
 void final(Problem& problem, const Node& node) { boundary(problem.final, problem, node, "final"); }
 
-void constraints(Problem& problem, const Node& node) {
-  if (is_null(node)) problem.constraints.clear();
-  if (is_null(node)) return;
-  std::vector<TermSpec> added;
-  for (const Node& item : node.items()) added.push_back(term(item));
-  merge_terms(problem.constraints, added);
-}
-
-void objective(Problem& problem, const Node& node) {
-  node.only(problem_keys::of("objective"));
-  const bool maximise = node.has("maximise");
-  if (!maximise && !node.has("minimise")) throw node.error("empty; allowed: maximise: [...], minimise: [...] or both");
-  std::vector<TermSpec> added;
-  for (const char* key : {"maximise", "minimise"}) {
-    const auto list = node.find(key);
-    if (!list) continue;
-    for (const Node& item : list->items()) {
-      TermSpec spec = term(item);
-      if (const auto weight = item.find("weight")) {
-        spec.weight = weight->number(dimension::none);
-        if (spec.weight <= 0.0) {
-          throw weight->error(fmt::format(
-              "{:g} given; allowed: a positive weight (move the cost between maximise and minimise)", spec.weight));
-        }
-      }
-      if (maximise && std::string_view(key) == "minimise") spec.weight = -spec.weight;
-      added.push_back(spec);
-    }
-  }
-  if (added.empty()) throw node.error("no costs given; allowed: one or more");
-  // Replaced as a whole: a weighted sum half inherited would have signs that nobody sees.
-  problem.objective.clear();
-  merge_terms(problem.objective, added);
-  problem.maximise = maximise;
-}
-
 void guess(Problem& problem, const Node& node) {
-  node.only(problem_keys::of("guess"));
+  const KeyValues given(node, problem_keys::of("guess"));
   GuessSpec& spec = problem.guess;
-  std::erase_if(problem.places, [](const auto& place) { return place.first.starts_with("guess."); });
+  std::erase_if(problem.places,
+                [](const auto& place) { return place.first.starts_with("guess."); });
   spec = GuessSpec{};  // its keys belong together, so a guess replaces the base's as a whole
   spec.node = node;
-  if (const auto kind = node.find("kind")) spec.kind = kind->choice({"static", "middle", "random", "line", "file"});
+  spec.kind = given.choice("kind");
+
   const auto belongs = [&](const char* key, const char* kind) {
-    if (const auto value = node.find(key); value && spec.kind != kind) {
-      throw value->error(fmt::format("given with kind: {1}; allowed: only with kind: {0}", kind, spec.kind));
-    }
+    if (const auto value = node.find(key); value && spec.kind != kind)
+      throw value->error(
+          fmt::format("given with kind: {1}; allowed: only with kind: {0}", kind, spec.kind));
   };
   belongs("file", "file");
   belongs("poses", "line");
   belongs("pose", "static");
-  if (spec.kind == "file") {
-    const Node file = node.at("file");
-    spec.file = file.text();
-    if (spec.file.is_relative()) spec.file = file.file().parent_path() / spec.file;
-    if (!std::filesystem::is_regular_file(spec.file)) {
-      throw file.error(
-          fmt::format("file '{}' not found; allowed: the solution.json of an earlier solve", spec.file.string()));
-    }
-  }
-  if (spec.kind == "line") {
-    const Node poses = node.at("poses");
-    for (const Node& item : poses.items()) {
-      spec.poses.push_back(pose(problem, item, fmt::format("guess.poses[{}].", spec.poses.size())));
-    }
-    if (spec.poses.size() < 2)
-      throw poses.error(fmt::format("{} given; allowed: two poses or more", spec.poses.size()));
-  }
+
+  if (spec.kind == "file") spec.file = earlier_plan(node.at("file"));
+  if (spec.kind == "line") read_poses(problem, node.at("poses"));
   if (const auto values = node.find("pose")) spec.pose = pose(problem, *values, "guess.pose.");
-  if (const auto durations = node.find("durations")) spec.durations = durations->numbers(dimension::time);
+  if (const auto durations = node.find("durations"))
+    spec.durations = durations->numbers(dimension::time);
 }
 
-}  // namespace jaculus::problem_read
+}  // namespace jaculus::transcription::problem_read

@@ -1,10 +1,10 @@
 #pragma once
-// Readers of the sections of a problem file. Each starts from what `problem` already holds (from a file that this one extends)
-// and changes what the node says; a null drops what the base said.
+// Readers of the sections of a problem file. Each starts from what `problem` already holds (from a
+// file that this one extends) and changes what the node says; a null drops what the base said.
 
 #include "jaculus/transcription/problem.h"
 
-namespace jaculus::problem_read {
+namespace jaculus::transcription::problem_read {
 
 bool is_null(const yaml::Node& node);
 
@@ -24,4 +24,8 @@ void solver(Problem& problem, const yaml::Node& node);
 void refinement(Problem& problem, const yaml::Node& node);
 void reference(Problem& problem, const yaml::Node& node);
 
-}  // namespace jaculus::problem_read
+/// Finds the types of all terms in the catalogue and reads their keys. Unknown types, unknown keys
+/// and bad values: InputError.
+void declare_terms(Problem& problem, const TermCatalogue& catalogue);
+
+}  // namespace jaculus::transcription::problem_read

@@ -1,60 +1,150 @@
-// Sections of a problem file that say how it is solved, not what it is.
+// Sections of a problem file whose keys fill one member each.
 
+#include <fmt/format.h>
+
+#include "transcription/fields.h"
 #include "transcription/problem_keys.h"
 #include "transcription/problem_read.h"
 
-namespace jaculus::problem_read {
+namespace jaculus::transcription {
+
+namespace {
 
 using yaml::Node;
 
+/// A key of `limits` and the figure that it gives.
+struct Limit {
+  Key key;
+  std::optional<double> Problem::*figure;
+};
+
+const std::vector<Limit>& limit_table() {
+  const auto limit = [](const char* name, const Dimension& dimension, auto figure,
+                        const char* meaning) {
+    const key::Number positive = {dimension, {0.0, kInfinity}};
+    return Limit{{name, positive, meaning, {.words = "the robot's"}}, figure};
+  };
+  static const std::vector<Limit> table = {
+      limit("voltage", dimension::voltage, &Problem::voltage, "of the bus, for every motor"),
+      limit("torque", dimension::torque, &Problem::torque, "of every motor, before its gear"),
+      limit("current", dimension::current, &Problem::current, "of every motor"),
+      limit("friction", dimension::none, &Problem::friction,
+            "Coulomb coefficient that a plan counts on"),
+  };
+  return table;
+}
+
+const std::vector<Field<TranscriptionSpec>>& transcription_fields() {
+  using S = TranscriptionSpec;
+  static const std::vector<Field<S>> fields = {
+      field("scheme", &S::scheme, key::Choice{{"hermite_simpson", "trapezoidal"}},
+            "hermite_simpson (third-order defects, midpoints) or trapezoidal"),
+      field("inputs", &S::inputs, key::Choice{{"held", "linear"}},
+            "held over an interval, or linear between its ends"),
+      field("check_interval_end", &S::check_interval_end, key::Flag{},
+            "limits also at the end of each interval with its own input, not only at its start and "
+            "middle"),
+  };
+  return fields;
+}
+
+const std::vector<Field<SolverSpec>>& solver_fields() {
+  using S = SolverSpec;
+  static const std::vector<Field<S>> fields = {
+      field("tolerance", &S::tolerance, key::Number{dimension::none, {1e-14, 1e-1}},
+            "of the scaled optimality error"),
+      field("max_iterations", &S::max_iterations, key::Integer{1, 1000000}, "a start"),
+      field("linear_solver", &S::linear_solver,
+            key::Choice{{"mumps", "ma27", "ma57", "ma86", "ma97"}},
+            "mumps, ma27, ma57, ma86 or ma97 (HSL's where the user has libhsl)"),
+      field("seed", &S::seed, key::Integer{0, 2147483647},
+            "of everything random; --seed replaces it"),
+      field("starts", &S::starts, key::Integer{1, 10000},
+            "the guess first, then smooth random ones"),
+  };
+  return fields;
+}
+
+const std::vector<Field<RefinementSpec>>& refinement_fields() {
+  using S = RefinementSpec;
+  static const std::vector<Field<S>> fields = {
+      field("max_rounds", &S::max_rounds, key::Integer{0, 50}, "solves after the first"),
+      field("tolerance", &S::tolerance, key::Number{dimension::none, {0.0, 1.0}},
+            "of the local error, relative to each state's scale; 0 halves every interval in every "
+            "round"),
+  };
+  return fields;
+}
+
+}  // namespace
+
+namespace problem_keys {
+
+std::vector<Key> limits() {
+  std::vector<Key> keys;
+  for (const Limit& limit : limit_table()) keys.push_back(limit.key);
+  return keys;
+}
+
+std::vector<Key> transcription() { return keys_of(transcription_fields()); }
+
+std::vector<Key> solver() { return keys_of(solver_fields()); }
+
+std::vector<Key> refinement() { return keys_of(refinement_fields()); }
+
+}  // namespace problem_keys
+
+namespace problem_read {
+
+void limits(Problem& problem, const Node& node) {
+  if (is_null(node)) {
+    for (const Limit& limit : limit_table()) (problem.*limit.figure).reset();
+    return;
+  }
+
+  node.only(problem_keys::names(problem_keys::limits()));
+  for (const auto& [declared, figure] : limit_table()) {
+    const auto value = node.find(declared.name);
+    if (!value) continue;
+    problem.places["limits." + declared.name] = *value;
+    (problem.*figure).reset();
+    if (is_null(*value)) continue;
+
+    const auto& [dimension, allowed] = std::get<key::Number>(declared.kind);
+    const double number = value->number(dimension, allowed);
+    if (number <= 0.0)
+      throw value->error(fmt::format("{:g} given; allowed: a positive number", number));
+    problem.*figure = number;
+  }
+}
+
 void transcription(Problem& problem, const Node& node) {
-  node.only(problem_keys::of("transcription"));
-  TranscriptionSpec& spec = problem.transcription;
-  if (const auto scheme = node.find("scheme")) {
-    spec.scheme = scheme->choice({"hermite_simpson", "trapezoidal"}) == "trapezoidal" ? Scheme::trapezoidal
-                                                                                      : Scheme::hermite_simpson;
-  }
-  if (const auto inputs = node.find("inputs")) {
-    spec.inputs = inputs->choice({"held", "linear"}) == "linear" ? InputHold::linear : InputHold::held;
-  }
-  if (const auto check = node.find("check_interval_end")) spec.check_interval_end = check->boolean();
+  read_fields(node, transcription_fields(), problem.transcription);
 }
 
 void solver(Problem& problem, const Node& node) {
-  node.only(problem_keys::of("solver"));
-  SolverSpec& spec = problem.solver;
-  if (const auto value = node.find("tolerance")) spec.tolerance = value->number(dimension::none, {1e-14, 1e-1});
-  if (const auto value = node.find("max_iterations")) spec.max_iterations = value->integer(1, 1000000);
-  if (const auto value = node.find("linear_solver")) {
-    spec.linear_solver = value->choice({"mumps", "ma27", "ma57", "ma86", "ma97"});
-  }
-  if (const auto value = node.find("seed")) spec.seed = value->integer(0, 2147483647);
-  if (const auto value = node.find("starts")) spec.starts = value->integer(1, 10000);
+  read_fields(node, solver_fields(), problem.solver);
 }
 
 void refinement(Problem& problem, const Node& node) {
-  node.only(problem_keys::of("refinement"));
-  RefinementSpec& spec = problem.refinement;
-  if (const auto value = node.find("max_rounds")) spec.max_rounds = value->integer(0, 50);
-  if (const auto value = node.find("tolerance")) spec.tolerance = value->number(dimension::none, {0.0, 1.0});
+  read_fields(node, refinement_fields(), problem.refinement);
 }
 
 void reference(Problem& problem, const Node& node) {
   if (is_null(node)) problem.reference.clear();
   if (is_null(node)) return;
-  node.only(problem_keys::of("reference"));
-  static const std::map<std::string, Dimension> units = {{"average_acceleration_m_s2", dimension::acceleration},
-                                                         {"average_acceleration_com_m_s2", dimension::acceleration},
-                                                         {"measured_acceleration_m_s2", dimension::acceleration},
-                                                         {"measured_duration_s", dimension::time},
-                                                         {"duration_s", dimension::time},
-                                                         {"first_phase_s", dimension::time},
-                                                         {"liftoff_velocity_m_s", dimension::velocity}};
-  for (const auto& [key, value] : node.entries()) {
-    problem.reference.erase(key);
-    const auto unit = units.find(key);
-    if (!is_null(value)) problem.reference[key] = value.number(unit == units.end() ? dimension::none : unit->second);
+
+  const std::vector<Key>& keys = problem_keys::of("reference");
+  node.only(problem_keys::names(keys));
+  for (const Key& key : keys) {
+    const auto value = node.find(key.name);
+    if (!value) continue;
+    problem.reference.erase(key.name);
+    if (is_null(*value)) continue;
+    problem.reference[key.name] = value->number(std::get<key::Number>(key.kind).dimension);
   }
 }
 
-}  // namespace jaculus::problem_read
+}  // namespace problem_read
+
+}  // namespace jaculus::transcription

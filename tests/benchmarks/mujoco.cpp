@@ -1,10 +1,13 @@
-// The plant beside MuJoCo at equal accuracy, on one core in one run: errors are each engine's own, against its own tight reference.
+// The plant beside MuJoCo at equal accuracy, on one core in one run: errors are each engine's own,
+// against its own tight reference.
 //
-//   double pendulum, 1 s of free swing: smooth, the same equations in both. Runge-Kutta (4) with fixed steps in MuJoCo.
-//   leap, feed-forward and PD at 1 kHz: the plant against the testbed's robot (soft contact, pins as constraints, left and right
-//   legs, distributed drag). MuJoCo's constraints soften with its step, so that its error falls with the step to the first order
-//   or so; `from_plant` is the distance of the two engines. The time to build its model, which a batch could share, is left out and
-//   shown as `building_ms`. Rates are those of the processor's time.
+//   double pendulum, 1 s of free swing: smooth, the same equations in both. Runge-Kutta (4) with
+//   fixed steps in MuJoCo.
+//   leap, feed-forward and PD at 1 kHz: the plant against the testbed's robot (soft contact, pins
+//   as constraints, left and right legs, distributed drag). MuJoCo's constraints soften with its
+//   step, so that its error falls with the step to the first order or so; `from_plant` is the
+//   distance of the two engines. The time to build its model, which a batch could share, is left
+//   out and shown as `building_ms`. Rates are those of the processor's time.
 // The argument is the decade of the plant's tolerance, or MuJoCo's step in microseconds.
 
 #include <benchmark/benchmark.h>
@@ -12,6 +15,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "jaculus/core/installation.h"
 #include "jaculus/model/robot.h"
 #include "jaculus/simulation/simulate.h"
 #include "jaculus/testbed/trials.h"
@@ -34,13 +38,13 @@ namespace {
 constexpr double kSwing = 1.0;  // [s]
 
 /// Two rods of 0.5 m and 1 kg, hanging in line from a pin; they start level.
-PlanarModel double_pendulum() {
-  PlanarModel model;
+model::PlanarModel double_pendulum() {
+  model::PlanarModel model;
   model.base_free = {false, false, false};
   model.bodies.resize(3);
   model.bodies[0].name = "base";
   for (int b = 1; b <= 2; ++b) {
-    PlanarBody& rod = model.bodies[static_cast<size_t>(b)];
+    model::PlanarBody& rod = model.bodies[b];
     rod.name = rod.joint = "joint_" + std::to_string(b);
     rod.parent = b - 1;
     rod.origin = b == 1 ? Vec2::Zero() : Vec2(0.0, -0.5);
@@ -55,69 +59,74 @@ PlanarModel double_pendulum() {
   return model;
 }
 
-Simulation swing(const Plant& plant, double tolerance) {
-  Controller none;
+simulation::Simulation swing(const simulation::Plant& plant, double tolerance) {
+  simulation::Controller none;
   none.rate_hz = kInfinity;
-  none.after_end = AfterEnd::relax;
-  SimulationOptions options;
+  none.after_end = simulation::AfterEnd::relax;
+  simulation::SimulationOptions options;
   options.duration = kSwing;
   options.sample_times = Vector::Constant(1, kSwing);
   options.relative_tolerance = tolerance;
   options.absolute_tolerance = 1e-2 * tolerance;
-  return simulate(plant, none, {(Vector(2) << -1.57, 0.5).finished(), Vector::Zero(2)}, options);
+  return simulation::simulate(plant, none, {(Vector(2) << -1.57, 0.5).finished(), Vector::Zero(2)},
+                              options);
 }
 
 void pendulum_plant(benchmark::State& state) {
-  const Plant plant = nominal_plant(double_pendulum());
-  Simulation s;
+  const simulation::Plant plant = simulation::nominal_plant(double_pendulum());
+  simulation::Simulation s;
   for (auto _ : state) {
     s = swing(plant, std::pow(10.0, -static_cast<double>(state.range(0))));
     benchmark::DoNotOptimize(s.q.data());
   }
   state.counters["error_rad"] = (s.q - swing(plant, 1e-13).q).cwiseAbs().maxCoeff();
-  state.counters["simulations"] = benchmark::Counter(1, benchmark::Counter::kIsIterationInvariantRate);
+  state.counters["simulations"] =
+      benchmark::Counter(1, benchmark::Counter::kIsIterationInvariantRate);
 }
 BENCHMARK(pendulum_plant)->Arg(4)->Arg(6)->Arg(8)->Arg(10)->Unit(benchmark::kMillisecond);
 
 struct Leap {
-  std::filesystem::path robot = find_robot("minitaur_tail", "");
-  PlanarModel model = read_robot(robot).planar;
-  Plant plant = nominal_plant(model);
-  Controller controller;
-  StartState start;
+  std::filesystem::path robot = model::find_robot("minitaur_tail", "");
+  model::PlanarModel model = model::read_robot(robot).planar;
+  simulation::Plant plant = simulation::nominal_plant(model);
+  simulation::Controller controller;
+  simulation::StartState start;
 
   Leap() {
-    const std::filesystem::path file = std::filesystem::path(JACULUS_SOURCE_DIR) / "problems" / "leap_tail_plan.csv";
-    controller.reference = plan_reference(read_csv(file), model, CommandQuantity::torque, 16.0, file);
-    const auto motors = static_cast<Eigen::Index>(controller.reference.motors.size());
+    const std::filesystem::path file = source_folder() / "problems" / "leap_tail_plan.csv";
+    controller.reference = simulation::plan_reference(trajectory::read_csv(file), model,
+                                                      trajectory::Quantity::torque, 16.0, file);
+    const auto motors = std::ssize(controller.reference.motors);
     controller.kp = Vector::Constant(motors, 3.3);
     controller.kd = Vector::Constant(motors, 0.08);
-    start = reference_start(plant, controller.reference);
+    start = simulation::reference_start(plant, controller.reference);
   }
 };
 
-Simulation leap_on_plant(const Leap& leap, double tolerance) {
-  SimulationOptions options;
+simulation::Simulation leap_on_plant(const Leap& leap, double tolerance) {
+  simulation::SimulationOptions options;
   options.duration = leap.controller.reference.duration;
   options.sample_times = Vector::LinSpaced(47, 0.0, options.duration);
   options.relative_tolerance = tolerance;
   options.absolute_tolerance = 1e-2 * tolerance;
-  return simulate(leap.plant, leap.controller, leap.start, options);
+  return simulation::simulate(leap.plant, leap.controller, leap.start, options);
 }
 
 /// x, z and pitch.
-Matrix base_of(const Simulation& s) { return s.q.topRows(3); }
+Matrix base_of(const simulation::Simulation& s) { return s.q.topRows(3); }
 
 void leap_plant(benchmark::State& state) {
   const Leap leap;
-  Simulation s;
+  simulation::Simulation s;
   for (auto _ : state) {
     s = leap_on_plant(leap, std::pow(10.0, -static_cast<double>(state.range(0))));
     benchmark::DoNotOptimize(s.q.data());
   }
-  if (s.status != SimulationStatus::done) state.SkipWithError(s.message.c_str());
-  state.counters["error_m_or_rad"] = (base_of(s) - base_of(leap_on_plant(leap, 1e-11))).cwiseAbs().maxCoeff();
-  state.counters["simulations"] = benchmark::Counter(1, benchmark::Counter::kIsIterationInvariantRate);
+  if (s.status != simulation::SimulationStatus::done) state.SkipWithError(s.message.c_str());
+  state.counters["error_m_or_rad"] =
+      (base_of(s) - base_of(leap_on_plant(leap, 1e-11))).cwiseAbs().maxCoeff();
+  state.counters["simulations"] =
+      benchmark::Counter(1, benchmark::Counter::kIsIterationInvariantRate);
 }
 BENCHMARK(leap_plant)->Arg(4)->Arg(6)->Arg(8)->Unit(benchmark::kMillisecond);
 
@@ -127,14 +136,16 @@ BENCHMARK(leap_plant)->Arg(4)->Arg(6)->Arg(8)->Unit(benchmark::kMillisecond);
 class Swing {
  public:
   explicit Swing(double step) {
-    const std::string rod = R"(<joint type="hinge" axis="0 1 0"/><inertial pos="0 0 -0.25" mass="1" diaginertia=")" +
-                            std::to_string(1.0 / 48.0) + " " + std::to_string(1.0 / 48.0) + R"( 0.001"/>)";
-    const std::string text = R"(<mujoco><option integrator="RK4" timestep=")" + std::to_string(step) +
-                             R"(" gravity="0 0 -9.81"/><worldbody><body>)" + rod + R"(<body pos="0 0 -0.5">)" + rod +
+    const std::string rod =
+        R"(<joint type="hinge" axis="0 1 0"/><inertial pos="0 0 -0.25" mass="1" diaginertia=")" +
+        std::to_string(1.0 / 48.0) + " " + std::to_string(1.0 / 48.0) + R"( 0.001"/>)";
+    const std::string text = R"(<mujoco><option integrator="RK4" timestep=")" +
+                             std::to_string(step) + R"(" gravity="0 0 -9.81"/><worldbody><body>)" +
+                             rod + R"(<body pos="0 0 -0.5">)" + rod +
                              "</body></body></worldbody></mujoco>";
     mjVFS files;
     mj_defaultVFS(&files);
-    mj_makeEmptyFileVFS(&files, "swing.xml", static_cast<int>(text.size()));
+    mj_makeEmptyFileVFS(&files, "swing.xml", count_of(text));
     std::copy(text.begin(), text.end(), static_cast<char*>(files.filedata[0]));
     char error[500] = "";
     model_.reset(mj_loadXML("swing.xml", &files, error, sizeof error));
@@ -166,12 +177,19 @@ void pendulum_mujoco(benchmark::State& state) {
   Vector q;
   for (auto _ : state) benchmark::DoNotOptimize((q = swing.run()).data());
   state.counters["error_rad"] = (q - Swing(1e-5).run()).cwiseAbs().maxCoeff();
-  state.counters["simulations"] = benchmark::Counter(1, benchmark::Counter::kIsIterationInvariantRate);
+  state.counters["simulations"] =
+      benchmark::Counter(1, benchmark::Counter::kIsIterationInvariantRate);
 }
-BENCHMARK(pendulum_mujoco)->Arg(10000)->Arg(5000)->Arg(2000)->Arg(1000)->Arg(500)->Unit(benchmark::kMillisecond);
+BENCHMARK(pendulum_mujoco)
+    ->Arg(10000)
+    ->Arg(5000)
+    ->Arg(2000)
+    ->Arg(1000)
+    ->Arg(500)
+    ->Unit(benchmark::kMillisecond);
 
 testbed::Commands commands_of(const Leap& leap) {
-  const Reference& r = leap.controller.reference;
+  const simulation::Reference& r = leap.controller.reference;
   testbed::Commands commands;
   commands.motors = r.motors;
   commands.time = r.time;
@@ -179,21 +197,20 @@ testbed::Commands commands_of(const Leap& leap) {
   commands.velocity = r.velocity;
   commands.feedforward = r.feedforward;
   commands.linear = r.linear;
-  for (size_t m = 0; m < r.motors.size(); ++m) {
-    commands.kp[r.motors[m]] = leap.controller.kp[static_cast<Eigen::Index>(m)];
-    commands.kd[r.motors[m]] = leap.controller.kd[static_cast<Eigen::Index>(m)];
+  for (int m = 0; m < count_of(r.motors); ++m) {
+    commands.kp[r.motors[m]] = leap.controller.kp[m];
+    commands.kd[r.motors[m]] = leap.controller.kd[m];
   }
   return commands;
 }
 
-testbed::Recording leap_on_mujoco(const Leap& leap, const testbed::RobotFiles& files, double step, bool runge_kutta,
-                                  double duration) {
+testbed::Recording leap_on_mujoco(const Leap& leap, const testbed::RobotFiles& files, double step,
+                                  bool runge_kutta, double duration) {
   testbed::PlayOptions options;
   options.duration = duration;
   options.level = true;
-  for (size_t m = 0; m < leap.controller.reference.motors.size(); ++m)
-    options.start[leap.controller.reference.motors[m]] =
-        leap.controller.reference.position(static_cast<Eigen::Index>(m), 0);
+  for (int m = 0; m < count_of(leap.controller.reference.motors); ++m)
+    options.start[leap.controller.reference.motors[m]] = leap.controller.reference.position(m, 0);
   options.start["pitch"] = leap.start.q[leap.model.coordinate_index("pitch")];
   testbed::Numerics numerics;
   numerics.step = step;
@@ -207,7 +224,9 @@ Matrix base_of(const testbed::Recording& r, double duration) {
   const Vector times = Vector::LinSpaced(47, 0.0, duration);
   Matrix base(3, times.size());
   for (Eigen::Index i = 0; i < 3; ++i)
-    base.row(i) = testbed::sample(r.time, r.base.row(i).transpose(), r.base_rate.row(i).transpose(), times).transpose();
+    base.row(i) =
+        testbed::sample(r.time, r.base.row(i).transpose(), r.base_rate.row(i).transpose(), times)
+            .transpose();
   for (const int i : {0, 2}) base.row(i).array() -= base(i, 0);
   return base;
 }
@@ -222,14 +241,16 @@ double seconds_of(const std::function<void()>& work) {
 void leap_mujoco(benchmark::State& state) {
   const Leap leap;
   const testbed::RobotFiles files = testbed::read_robot_files(leap.robot);
-  const double duration = leap.controller.reference.duration, step = 1e-6 * static_cast<double>(state.range(0));
+  const double duration = leap.controller.reference.duration,
+               step = 1e-6 * static_cast<double>(state.range(0));
   const bool runge_kutta = state.range(1) != 0;
   static const Matrix tight = base_of(leap_on_mujoco(leap, files, 5e-6, true, duration), duration);
   testbed::Recording r;
   double building = 0.0;
   for (auto _ : state) {
     building = seconds_of([&] { (void)leap_on_mujoco(leap, files, step, runge_kutta, 1e-9); });
-    const double whole = seconds_of([&] { r = leap_on_mujoco(leap, files, step, runge_kutta, duration); });
+    const double whole =
+        seconds_of([&] { r = leap_on_mujoco(leap, files, step, runge_kutta, duration); });
     state.SetIterationTime(std::max(1e-9, whole - building));
   }
   if (r.diverged) state.SkipWithError("MuJoCo lost the robot");
@@ -239,7 +260,8 @@ void leap_mujoco(benchmark::State& state) {
   state.counters["error_m_or_rad"] = (base - tight).cwiseAbs().maxCoeff();
   state.counters["from_plant"] = (base - plant).cwiseAbs().maxCoeff();
   state.counters["building_ms"] = 1e3 * building;
-  state.counters["simulations"] = benchmark::Counter(1, benchmark::Counter::kIsIterationInvariantRate);
+  state.counters["simulations"] =
+      benchmark::Counter(1, benchmark::Counter::kIsIterationInvariantRate);
 }
 BENCHMARK(leap_mujoco)
     ->ArgNames({"us", "runge_kutta"})

@@ -1,4 +1,5 @@
-// The plant on a leap and a drop: simulations a second, real-time factor, evaluations, and the error against a tight reference.
+// The plant on a leap and a drop: simulations a second, real-time factor, evaluations, and the
+// error against a tight reference.
 
 #include <benchmark/benchmark.h>
 
@@ -12,26 +13,27 @@ namespace jaculus {
 namespace {
 
 struct Case {
-  Plant plant;
-  Controller controller;
-  StartState start;
+  simulation::Plant plant;
+  simulation::Controller controller;
+  simulation::StartState start;
   double duration;
 };
 
 /// Minitaur with tail pushes off within 0.25 s under joint PD of torque, sampled at 1 kHz.
 Case leap() {
-  const PlanarModel model = read_robot(find_robot("minitaur_tail", "")).planar;
-  Case c{nominal_plant(model), {}, {}, 0.25};
-  Reference& r = c.controller.reference;
-  const auto motors = static_cast<Eigen::Index>(model.motors.size());
+  const model::PlanarModel model = model::read_robot(model::find_robot("minitaur_tail", "")).planar;
+  Case c{simulation::nominal_plant(model), {}, {}, 0.25};
+  simulation::Reference& r = c.controller.reference;
+  const auto motors = std::ssize(model.motors);
   constexpr Eigen::Index samples = 26;
   r.time = Vector::LinSpaced(samples, 0.0, c.duration);
   r.duration = c.duration;
   r.position.resize(motors, samples);
   r.velocity.resize(motors, samples);
   for (Eigen::Index m = 0; m < motors; ++m) {
-    r.motors.push_back(model.motors[static_cast<size_t>(m)].joint);
-    const double sweep = r.motors.back() == "tail" ? -1.2 : (r.motors.back().starts_with("rear") ? 1.2 : 0.9);
+    r.motors.push_back(model.motors[m].joint);
+    const double sweep =
+        r.motors.back() == "tail" ? -1.2 : (r.motors.back().starts_with("rear") ? 1.2 : 0.9);
     for (Eigen::Index k = 0; k < samples; ++k) {
       const double s = r.time[k] / c.duration;
       r.position(m, k) = 1.0 + sweep * s * s;
@@ -43,26 +45,26 @@ Case leap() {
   c.controller.kd = Vector::Constant(motors, 0.15);
   c.controller.kp[motors - 1] = 0.5;
   c.controller.kd[motors - 1] = 0.02;
-  c.start = reference_start(c.plant, r);
+  c.start = simulation::reference_start(c.plant, r);
   return c;
 }
 
 /// The tail at full battery against its stop while the body falls.
 Case drop() {
-  const PlanarModel model = read_robot(find_robot("self_righting", "")).planar;
-  Case c{nominal_plant(model), {}, {Vector::Zero(2), Vector::Zero(2)}, 0.32};
+  const model::PlanarModel model = model::read_robot(model::find_robot("self_righting", "")).planar;
+  Case c{simulation::nominal_plant(model), {}, {Vector::Zero(2), Vector::Zero(2)}, 0.32};
   c.plant.stops = {{"tail", {-kInfinity, std::numbers::pi}, 0.0}};
-  c.controller.quantity = CommandQuantity::voltage;
+  c.controller.quantity = trajectory::Quantity::voltage;
   c.controller.rate_hz = kInfinity;
-  c.controller.after_end = AfterEnd::repeat;
+  c.controller.after_end = simulation::AfterEnd::repeat;
   c.controller.reference.motors = {"tail"};
   c.controller.reference.time = Vector::Zero(1);
   c.controller.reference.feedforward = Matrix::Constant(1, 1, 16.0);
   return c;
 }
 
-SimulationOptions options_of(const Case& c, int samples, double tolerance) {
-  SimulationOptions options;
+simulation::SimulationOptions options_of(const Case& c, int samples, double tolerance) {
+  simulation::SimulationOptions options;
   options.duration = c.duration;
   options.sample_times = Vector::LinSpaced(samples, 0.0, c.duration);
   options.relative_tolerance = tolerance;
@@ -71,18 +73,20 @@ SimulationOptions options_of(const Case& c, int samples, double tolerance) {
 }
 
 void run(benchmark::State& state, const Case& c, int samples) {
-  const SimulationOptions options = options_of(c, samples, std::pow(10.0, -static_cast<double>(state.range(0))));
-  Simulation s;
+  const simulation::SimulationOptions options =
+      options_of(c, samples, std::pow(10.0, -static_cast<double>(state.range(0))));
+  simulation::Simulation s;
   for (auto _ : state) {
-    s = simulate(c.plant, c.controller, c.start, options);
+    s = simulation::simulate(c.plant, c.controller, c.start, options);
     benchmark::DoNotOptimize(s.q.data());
   }
-  if (s.status != SimulationStatus::done) state.SkipWithError(s.message.c_str());
-  const Simulation tight = simulate(c.plant, c.controller, c.start, options_of(c, samples, 1e-11));
+  if (s.status != simulation::SimulationStatus::done) state.SkipWithError(s.message.c_str());
+  const simulation::Simulation tight =
+      simulation::simulate(c.plant, c.controller, c.start, options_of(c, samples, 1e-11));
   state.counters["evaluations"] = static_cast<double>(s.evaluations);
   state.counters["error_rad_or_m"] = (s.q - tight.q).cwiseAbs().maxCoeff();
-  state.counters["real_time_factor"] =
-      benchmark::Counter(c.duration, benchmark::Counter::kIsIterationInvariantRate, benchmark::Counter::kIs1000);
+  state.counters["real_time_factor"] = benchmark::Counter(
+      c.duration, benchmark::Counter::kIsIterationInvariantRate, benchmark::Counter::kIs1000);
 }
 
 void leap_1khz(benchmark::State& state) { run(state, leap(), 61); }

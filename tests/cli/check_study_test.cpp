@@ -1,4 +1,5 @@
-// jaculus check on studies and on sliding coordinates: what is understood, and what is refused with place and units.
+// jaculus check on studies and on sliding coordinates: what is understood, and what is refused with
+// place and units.
 
 #include <gtest/gtest.h>
 
@@ -9,7 +10,7 @@
 #include "support/input_error.h"
 #include "support/temporary_folder.h"
 
-namespace jaculus {
+namespace jaculus::cli {
 namespace {
 
 using test::bytes_of;
@@ -23,11 +24,14 @@ using test::TemporaryFolder;
 TEST(CheckStudy, SaysWhatEveryShippedStudyIs) {
   int studies = 0;
   for (const auto& entry : std::filesystem::directory_iterator(kProblems)) {
-    if (entry.path().extension() != ".yaml" || !holds(bytes_of(entry.path()), "format: jaculus-study/1")) continue;
+    if (entry.path().extension() != ".yaml" ||
+        !holds(bytes_of(entry.path()), "format: jaculus-study/1"))
+      continue;
     SCOPED_TRACE(entry.path().string());
     const Outcome outcome = run_program({"check", entry.path().string()});
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-    EXPECT_TRUE(outcome.out.starts_with("study " + entry.path().stem().string() + " (")) << outcome.out;
+    EXPECT_TRUE(outcome.out.starts_with("study " + entry.path().stem().string() + " ("))
+        << outcome.out;
     ++studies;
   }
   EXPECT_GE(studies, 10);
@@ -48,26 +52,35 @@ struct Fault {
 };
 
 constexpr Fault kFaults[] = {
-    {"self_righting", "format: jaculus-study/1", "format: jaculus-study/2", "bad.yaml:", "format", "jaculus-study/1"},
-    {"self_righting", "kind: reorientation", "kind: reorient", "bad.yaml:", "kind", "reorientation"},
-    {"self_righting", "inertia: 0.23 kg m^2", "inertia: 0 kg m^2", "bad.yaml:", "body.inertia", "allowed: 1e-12"},
-    {"self_righting", "inertia: 0.23 kg m^2", "inertia: -1 kg m^2", "bad.yaml:", "body.inertia", "allowed: 1e-12"},
+    {"self_righting", "format: jaculus-study/1", "format: jaculus-study/2", "bad.yaml:", "format",
+     "jaculus-study/1"},
+    {"self_righting", "kind: reorientation", "kind: reorient", "bad.yaml:", "kind",
+     "reorientation"},
+    {"self_righting", "inertia: 0.23 kg m^2", "inertia: 0 kg m^2", "bad.yaml:", "body.inertia",
+     "allowed: 1e-12"},
+    {"self_righting", "inertia: 0.23 kg m^2", "inertia: -1 kg m^2", "bad.yaml:", "body.inertia",
+     "allowed: 1e-12"},
     {"self_righting", "mass: 7.3 kg}", "mas: 7.3 kg}", "bad.yaml:", "mas", "did you mean 'mass'?"},
-    {"self_righting", "shaft: 0.6 m", "shaft: 1.6 m", "bad.yaml:", "shaft length is 1.6 m", "exceed"},
+    {"self_righting", "shaft: 0.6 m", "shaft: 1.6 m", "bad.yaml:", "shaft length is 1.6 m",
+     "exceed"},
     {"self_righting", "gear: 4}", "gear: 0}", "bad.yaml:", "motor.gear", "allowed: 1e-12"},
-    {"self_righting", "voltage: 16 V", "voltage: 0 V", "bad.yaml:", "motor.voltage", "allowed: 1e-12"},
+    {"self_righting", "voltage: 16 V", "voltage: 0 V", "bad.yaml:", "motor.voltage",
+     "allowed: 1e-12"},
     {"self_righting", "com: 0.629 m", "com: 0.1 m", "bad.yaml:", "tail.inertia", "or less"},
     {"self_righting", "motor.gear: 5", "motor.gaer: 5", "bad.yaml:", "motor.gaer", "motor.gear"},
-    {"self_righting", "inertia_saved, added_mass", "inertia_savd, added_mass", "bad.yaml:", "inertia_savd",
-     "inertia_saved"},
-    {"self_righting", "where: {case: as built}", "where: {cse: as built}", "bad.yaml:", "cse", "case"},
+    {"self_righting", "inertia_saved, added_mass", "inertia_savd, added_mass",
+     "bad.yaml:", "inertia_savd", "inertia_saved"},
+    {"self_righting", "where: {case: as built}", "where: {cse: as built}", "bad.yaml:", "cse",
+     "case"},
     {"self_righting", "within: 0.004", "within: many", "bad.yaml:", "within", "number"},
     {"width_drag", "grid:", "grd:", "bad.yaml:", "grd", "'grid'"},
     {"fig4_shaft", "shaft_ratio", "shaft_ratoi", "bad.yaml:", "shaft_ratoi", "shaft_ratio"},
-    {"drag_bench", "data: drag_bench.csv", "data: drag_bnch.csv", "bad.yaml:", "drag_bnch.csv", "not found"},
-    {"tail_design", "limits: {mass: 120 g", "limits: {mass: 120 m", "bad.yaml:", "limits.mass", "kg"},
-    {"leap_tail_length", "problem: leap_tail.yaml", "problem: leap_tial.yaml", "bad.yaml:", "leap_tial.yaml",
+    {"drag_bench", "data: drag_bench.csv", "data: drag_bnch.csv", "bad.yaml:", "drag_bnch.csv",
      "not found"},
+    {"tail_design", "limits: {mass: 120 g", "limits: {mass: 120 m", "bad.yaml:", "limits.mass",
+     "kg"},
+    {"leap_tail_length", "problem: leap_tail.yaml", "problem: leap_tial.yaml",
+     "bad.yaml:", "leap_tial.yaml", "not found"},
     {"leap_tail_length", "link: tail", "link: tial", "bad.yaml:", "tial", "did you mean 'tail'?"},
 };
 
@@ -89,7 +102,8 @@ TEST(CheckStudy, EveryFaultIsNamedWithItsPlace) {
   }
 }
 
-// A joint may turn or slide: a message about its velocity speaks of the unit that was meant, and of both where none is near.
+// A joint may turn or slide: a message about its velocity speaks of the unit that was meant, and of
+// both where none is near.
 TEST(CheckSlidingJoint, SpeaksOfMetresASecond) {
   struct Case {
     const char *bounds, *message;
@@ -97,16 +111,21 @@ TEST(CheckSlidingJoint, SpeaksOfMetresASecond) {
   const TemporaryFolder folder;
   for (const Case& c : {
            Case{"velocity: {slide: [-5 rad/s, 5 rad/s]}", "allowed: a number in m/s, or"},
-           Case{"velocity: {slide: [-5 m/s, 5 kg]}", "'5 kg' is in kg; allowed: a number in m/s, or"},
+           Case{"velocity: {slide: [-5 m/s, 5 kg]}",
+                "'5 kg' is in kg; allowed: a number in m/s, or"},
            Case{"velocity: {slide: [5 m/s, -5 m/s]}", "lower <= upper"},
-           Case{"velocity: {slide: [-5 kg, 5 kg]}", "a number in rad/s where it turns or m/s where it slides"},
-           Case{"velocity: {slide: [-5 rad/s, 5 kg]}", "'5 kg' is in kg; allowed: a number in rad/s, or"},
-           Case{"position: {slide: [-1 kg, 2 kg]}", "a number in rad where it turns or m where it slides"},
+           Case{"velocity: {slide: [-5 kg, 5 kg]}",
+                "a number in rad/s where it turns or m/s where it slides"},
+           Case{"velocity: {slide: [-5 rad/s, 5 kg]}",
+                "'5 kg' is in kg; allowed: a number in rad/s, or"},
+           Case{"position: {slide: [-1 kg, 2 kg]}",
+                "a number in rad where it turns or m where it slides"},
            Case{"position: {slide: [-1 m, 2 m/s]}", "allowed: a number in m, or"},
        }) {
     SCOPED_TRACE(c.bounds);
     folder.write("bad.yaml", "format: jaculus-problem/1\nextends: " + kProblems +
-                                 "double_integrator.yaml\nname: bad\nbounds:\n  " + c.bounds + "\n");
+                                 "double_integrator.yaml\nname: bad\nbounds:\n  " + c.bounds +
+                                 "\n");
     const Outcome outcome = run_program({"check", "bad.yaml"}, folder.path());
     expect_refusal(outcome);
     EXPECT_TRUE(holds(outcome.err, c.message)) << outcome.err;
@@ -115,4 +134,4 @@ TEST(CheckSlidingJoint, SpeaksOfMetresASecond) {
 }
 
 }  // namespace
-}  // namespace jaculus
+}  // namespace jaculus::cli

@@ -5,11 +5,12 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/program.h"
-#include "jaculus/report/summary.h"
+#include "jaculus/core/installation.h"
+#include "jaculus/solver/summary.h"
 #include "support/input_error.h"
 #include "support/temporary_folder.h"
 
-namespace jaculus {
+namespace jaculus::cli {
 namespace {
 
 using test::bytes_of;
@@ -27,7 +28,7 @@ TEST(Command, EveryCommandHasHelpWithAnExample) {
     EXPECT_TRUE(holds(outcome.out, std::string("jaculus ") + command));
   }
   EXPECT_EQ(run_program({"--help"}).exit_code, 0);
-  EXPECT_EQ(run_program({"--version"}).out, JACULUS_VERSION "\n");
+  EXPECT_EQ(run_program({"--version"}).out, std::string(version()) + "\n");
 }
 
 TEST(Command, CheckPrintsProblemsAndRobots) {
@@ -51,23 +52,22 @@ TEST(Command, CheckJsonIsNothingButJson) {
 TEST(Command, CheckExplainsEveryKey) {
   const Outcome outcome = run_program({"check", "--explain"});
   EXPECT_EQ(outcome.exit_code, 0);
-  EXPECT_EQ(outcome.out.find(explain_problem()), 0u);
+  EXPECT_EQ(outcome.out.find(transcription::explain_problem()), 0u);
 }
 
 class ExportCommand : public ::testing::Test {
  protected:
   ExportCommand() {
-    folder.write(
-        "plan.csv",
-        "time [s],arm [rad],arm_velocity [rad/s],arm_torque [N m],phase\n0,0,0,1,a\n0.1,0.1,1,2,a\n0.1,0.1,1,-1,b\n"
-        "0.2,0.2,1,-1,b\n");
+    folder.write("plan.csv",
+                 "time [s],arm [rad],arm_velocity [rad/s],arm_torque [N "
+                 "m],phase\n0,0,0,1,a\n0.1,0.1,1,2,a\n0.1,0.1,1,-1,b\n"
+                 "0.2,0.2,1,-1,b\n");
     summary.name = "toy";
-    summary.status = "optimal";
-    summary.converged = true;
+    summary.status = solver::Status::optimal;
     summary.verification.passed = true;
-    summary.input_hold = "held";
-    MotorFigures motor;
-    motor.motor = "arm";
+    summary.input_hold = transcription::InputHold::held;
+    solver::MotorFigures motor;
+    motor.joint = "arm";
     motor.torque_limit = 3.0;
     motor.torque_constant = 0.1;
     motor.resistance = 0.2;
@@ -76,16 +76,16 @@ class ExportCommand : public ::testing::Test {
     summary.motors = {motor};
     save();
   }
-  void save() const { folder.write("summary.json", to_json(summary).dump()); }
+  void save() const { folder.write("summary.json", solver::to_json(summary).dump()); }
   TemporaryFolder folder;
-  Summary summary;
+  solver::Summary summary;
 };
 
 TEST_F(ExportCommand, WritesEveryFormatToFileAndToStandardOutput) {
   for (const char* format : {"csv", "json", "joint_trajectory", "c"}) {
     SCOPED_TRACE(format);
-    const Outcome file =
-        run_program({"export", folder.path(), "--as", format, "--rate", "100 Hz", "--out", folder / "out"});
+    const Outcome file = run_program(
+        {"export", folder.path(), "--as", format, "--rate", "100 Hz", "--out", folder / "out"});
     EXPECT_EQ(file.exit_code, 0) << file.err;
     const Outcome stream = run_program({"export", folder.path(), "--as", format, "--rate", "100"});
     EXPECT_EQ(stream.exit_code, 0);
@@ -97,7 +97,8 @@ TEST_F(ExportCommand, WritesEveryFormatToFileAndToStandardOutput) {
 TEST_F(ExportCommand, ExceededLimitIsWrittenAndSaid) {
   summary.motors[0].torque_limit = 0.9;
   save();
-  const Outcome outcome = run_program({"export", folder.path(), "--as", "c", "--json", "--out", folder / "plan.h"});
+  const Outcome outcome =
+      run_program({"export", folder.path(), "--as", "c", "--json", "--out", folder / "plan.h"});
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_TRUE(holds(outcome.err, "limit exceeded"));
   EXPECT_TRUE(holds(bytes_of(folder / "plan.h"), "LIMIT EXCEEDED: arm torque 1 N m of 0.9"));
@@ -105,9 +106,10 @@ TEST_F(ExportCommand, ExceededLimitIsWrittenAndSaid) {
 }
 
 TEST_F(ExportCommand, AnUnsolvedPlanMustBeAskedFor) {
-  summary.converged = false;
+  summary.status = solver::Status::infeasible;
   save();
-  const Outcome refused = run_program({"export", folder.path(), "--as", "csv", "--out", folder / "out"});
+  const Outcome refused =
+      run_program({"export", folder.path(), "--as", "csv", "--out", folder / "out"});
   EXPECT_EQ(refused.exit_code, 2);
   EXPECT_TRUE(holds(refused.err, "--even-unsolved"));
   EXPECT_FALSE(std::filesystem::exists(folder / "out"));
@@ -115,4 +117,4 @@ TEST_F(ExportCommand, AnUnsolvedPlanMustBeAskedFor) {
 }
 
 }  // namespace
-}  // namespace jaculus
+}  // namespace jaculus::cli

@@ -7,10 +7,12 @@
 #include <string>
 #include <vector>
 
+#include "jaculus/core/installation.h"
+
 namespace jaculus::test {
 
 /// Where the problems stand that are shipped, with the slash.
-inline const std::string kProblems = std::string(JACULUS_SOURCE_DIR) + "/problems/";
+inline const std::string kProblems = source_folder().string() + "/problems/";
 
 struct Outcome {
   int exit_code = -1;  ///< -1 where it did not end by itself
@@ -21,10 +23,12 @@ struct Outcome {
 /// Runs `jaculus` with these arguments, in `folder` where given.
 Outcome run_program(const std::vector<std::string>& arguments, const std::string& folder = "");
 
-/// The same with standard error on a terminal (a pseudo-terminal of the kernel): `err` is what it received.
+/// The same with standard error on a terminal (a pseudo-terminal of the kernel): `err` is what it
+/// received.
 Outcome run_on_terminal(const std::vector<std::string>& arguments);
 
-/// Bad input, as every command refuses it: exit code 2, nothing on standard output, one line of message.
+/// Bad input, as every command refuses it: exit code 2, nothing on standard output, one line of
+/// message.
 inline void expect_refusal(const Outcome& outcome) {
   EXPECT_EQ(outcome.exit_code, 2) << outcome.err;
   EXPECT_EQ(outcome.out, "");

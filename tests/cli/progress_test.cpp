@@ -9,13 +9,15 @@
 #include "support/input_error.h"
 #include "support/temporary_folder.h"
 
-namespace jaculus {
+namespace jaculus::cli {
 namespace {
 
 using namespace test;
 
-/// Standard error of a command on a terminal must show `shown`, elsewhere nothing of it, and with --quiet nowhere anything.
-void expect_on_terminals_only(const std::vector<std::string>& arguments, const std::vector<std::string>& shown) {
+/// Standard error of a command on a terminal must show `shown`, elsewhere nothing of it, and with
+/// --quiet nowhere anything.
+void expect_on_terminals_only(const std::vector<std::string>& arguments,
+                              const std::vector<std::string>& shown) {
   const Outcome terminal = run_on_terminal(arguments), file = run_program(arguments);
   EXPECT_EQ(terminal.exit_code, 0) << terminal.err;
   EXPECT_EQ(file.exit_code, 0) << file.err;
@@ -35,7 +37,8 @@ TEST(Progress, SeveralStartsShowHowManyAreDoneAndTheTimeLeft) {
 }
 
 TEST(Progress, OneStartShowsItsIterations) {
-  expect_on_terminals_only({"solve", kProblems + "double_integrator.yaml"}, {"double_integrator: iteration 0"});
+  expect_on_terminals_only({"solve", kProblems + "double_integrator.yaml"},
+                           {"double_integrator: iteration 0"});
 }
 
 TEST(Progress, SweepsShowTheirTasks) {
@@ -44,12 +47,12 @@ TEST(Progress, SweepsShowTheirTasks) {
 
 TEST(Progress, DiagnosisShowsItsStage) {
   const TemporaryFolder folder;
-  const Outcome made =
-      run_program({"simulate", kProblems + "pendulum_trials.yaml", "--trials", "2", "--out", folder / "data"});
+  const Outcome made = run_program(
+      {"simulate", kProblems + "pendulum_trials.yaml", "--trials", "2", "--out", folder / "data"});
   ASSERT_EQ(made.exit_code, 0) << made.err;
   expect_on_terminals_only({"diagnose", folder / "data"},
                            {"] screening  ", "] held-out gap and intervals  ", " to go"});
 }
 
 }  // namespace
-}  // namespace jaculus
+}  // namespace jaculus::cli

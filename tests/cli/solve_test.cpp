@@ -18,15 +18,16 @@ namespace fs = std::filesystem;
 Json json_of(const fs::path& file) { return Json::parse(bytes_of(file)); }
 
 /// A leap with few intervals; `more` is appended.
-fs::path coarse_leap(const TemporaryFolder& folder, const std::string& base, const std::string& name,
-                     const std::string& more = "", int intervals = 5) {
+fs::path coarse_leap(const TemporaryFolder& folder, const std::string& base,
+                     const std::string& name, const std::string& more = "", int intervals = 5) {
   const std::string n = std::to_string(intervals);
-  return folder.write(name + ".yaml",
-                      "format: jaculus-problem/1\nextends: " + kProblems + base + ".yaml\nname: " + name +
-                          "\nphases:\n  - {name: all_feet, contacts: [front_foot, rear_foot], intervals: " + n +
-                          ", duration: [1 ms, 500 ms]}\n  - {name: rear_feet, contacts: [rear_foot], "
-                          "intervals: " +
-                          n + ", duration: [1 ms, 500 ms]}\n" + more);
+  return folder.write(
+      name + ".yaml",
+      "format: jaculus-problem/1\nextends: " + kProblems + base + ".yaml\nname: " + name +
+          "\nphases:\n  - {name: all_feet, contacts: [front_foot, rear_foot], intervals: " + n +
+          ", duration: [1 ms, 500 ms]}\n  - {name: rear_feet, contacts: [rear_foot], "
+          "intervals: " +
+          n + ", duration: [1 ms, 500 ms]}\n" + more);
 }
 
 double price_of(const Json& summary, const std::string& limit) {
@@ -38,16 +39,17 @@ double price_of(const Json& summary, const std::string& limit) {
 
 TEST(Solve, DoubleIntegratorTakesTwoSeconds) {
   const TemporaryFolder folder;
-  const std::string problem =
-      folder.write("tight.yaml", "format: jaculus-problem/1\nextends: " + kProblems +
-                                     "double_integrator.yaml\nname: tight\nsolver: {tolerance: 1e-8}\n");
+  const std::string problem = folder.write(
+      "tight.yaml", "format: jaculus-problem/1\nextends: " + kProblems +
+                        "double_integrator.yaml\nname: tight\nsolver: {tolerance: 1e-8}\n");
   const Outcome run = run_program({"solve", problem, "--out", folder / "out"});
   ASSERT_EQ(run.exit_code, 0) << run.err << run.out;
   const Json summary = json_of(folder / "out/summary.json");
   EXPECT_NEAR(summary.at("duration_s").get<double>(), 2.0, 1e-6);
   // T = 2 sqrt(m d / F), so dT/dF = -T / (2 F) = -1 s/N.
   EXPECT_NEAR(price_of(summary, "motor torque"), 1.0, 1e-5);
-  for (const char* file : {"plan.csv", "solution.json", "timing.json"}) EXPECT_TRUE(fs::exists(folder / "out" / file));
+  for (const char* file : {"plan.csv", "solution.json", "timing.json"})
+    EXPECT_TRUE(fs::exists(folder / "out" / file));
 }
 
 TEST(Solve, CoarseLeapIsSolvedTwiceToTheSameBytes) {
@@ -72,9 +74,11 @@ TEST(Solve, PriceOfVoltageIsTheSlopeBetweenTwoSolves) {
     const std::string name = k == 0 ? "less" : "more";
     // From the same plan, so that both stay in its basin.
     const std::string guess =
-        k == 0 ? "" : "guess: {kind: file, file: " + (folder / "less/solution.json").string() + "}\n";
+        k == 0 ? ""
+               : "guess: {kind: file, file: " + (folder / "less/solution.json").string() + "}\n";
     const std::string volts = k == 0 ? "7 V" : "7.01 V";
-    const std::string problem = coarse_leap(folder, "leap_tail", name, "limits: {voltage: " + volts + "}\n" + guess);
+    const std::string problem =
+        coarse_leap(folder, "leap_tail", name, "limits: {voltage: " + volts + "}\n" + guess);
     const Outcome run = run_program({"solve", problem, "--out", folder / name});
     ASSERT_EQ(run.exit_code, 0) << run.err << run.out;
     const Json summary = json_of(folder / (name + "/summary.json"));
@@ -86,20 +90,26 @@ TEST(Solve, PriceOfVoltageIsTheSlopeBetweenTwoSolves) {
 
 TEST(Solve, EarlierPlansServeAsGuessesOnOtherGridsAndFromTheirTable) {
   const TemporaryFolder folder;
-  ASSERT_EQ(run_program({"solve", coarse_leap(folder, "leap_tail", "first"), "--out", folder / "first"}).exit_code, 0);
+  ASSERT_EQ(
+      run_program({"solve", coarse_leap(folder, "leap_tail", "first"), "--out", folder / "first"})
+          .exit_code,
+      0);
   for (const std::string file : {"solution.json", "plan.csv"}) {
-    const std::string guess = "guess: {kind: file, file: " + (folder / ("first/" + file)).string() + "}\n";
-    const Outcome same =
-        run_program({"solve", coarse_leap(folder, "leap_tail", "same", guess), "--out", folder / "same"});
+    const std::string guess =
+        "guess: {kind: file, file: " + (folder / ("first/" + file)).string() + "}\n";
+    const Outcome same = run_program(
+        {"solve", coarse_leap(folder, "leap_tail", "same", guess), "--out", folder / "same"});
     ASSERT_EQ(same.exit_code, 0) << same.err << same.out;
-    const Json first = json_of(folder / "first/summary.json"), again = json_of(folder / "same/summary.json");
-    EXPECT_NEAR(again.at("objective").get<double>(), first.at("objective").get<double>(), 1e-4) << file;
+    const Json first = json_of(folder / "first/summary.json"),
+               again = json_of(folder / "same/summary.json");
+    EXPECT_NEAR(again.at("objective").get<double>(), first.at("objective").get<double>(), 1e-4)
+        << file;
     // Only a solution has multipliers, which make a warm start of it.
     if (file == "solution.json") {
       EXPECT_LT(again.at("iterations").get<int>(), 0.5 * first.at("iterations").get<int>());
     }
-    const Outcome finer =
-        run_program({"solve", coarse_leap(folder, "leap_tail", "finer", guess, 7), "--out", folder / "finer"});
+    const Outcome finer = run_program(
+        {"solve", coarse_leap(folder, "leap_tail", "finer", guess, 7), "--out", folder / "finer"});
     EXPECT_EQ(finer.exit_code, 0) << finer.err << finer.out;
   }
 }
@@ -107,9 +117,10 @@ TEST(Solve, EarlierPlansServeAsGuessesOnOtherGridsAndFromTheirTable) {
 TEST(Solve, AuthorsPlanServesAsGuess) {
   JACULUS_REQUIRE_SHARED_DATA(data);
   const TemporaryFolder folder;
-  const std::string guess = "guess: {kind: file, file: " + (data / "plans/aerotail_V7.csv").string() + "}\n";
-  const Outcome run =
-      run_program({"solve", coarse_leap(folder, "leap_tail", "theirs", guess), "--out", folder / "out"});
+  const std::string guess =
+      "guess: {kind: file, file: " + (data / "plans/aerotail_V7.csv").string() + "}\n";
+  const Outcome run = run_program(
+      {"solve", coarse_leap(folder, "leap_tail", "theirs", guess), "--out", folder / "out"});
   EXPECT_EQ(run.exit_code, 0) << run.err << run.out;
 }
 
@@ -120,7 +131,8 @@ TEST(Solve, ImpossibleProblemNamesItsCulprit) {
       "impossible.yaml",
       "format: jaculus-problem/1\nextends: " + kProblems +
           "double_integrator.yaml\nname: impossible\nphases:\n  - {name: move, contacts: [], "
-          "intervals: 8, duration: 1 s}\nguess: {kind: line, poses: [{slide: 0}, {slide: 1}], durations: [1 s]}\n");
+          "intervals: 8, duration: 1 s}\nguess: {kind: line, poses: [{slide: 0}, {slide: 1}], "
+          "durations: [1 s]}\n");
   const Outcome run = run_program({"solve", problem, "--out", folder / "out"});
   EXPECT_EQ(run.exit_code, 1) << run.err << run.out;
   const Json summary = json_of(folder / "out/summary.json");
@@ -134,7 +146,8 @@ TEST(Solve, ImpossibleProblemNamesItsCulprit) {
 
 TEST(Solve, MissingEarlierPlanIsBadInput) {
   const TemporaryFolder folder;
-  const std::string problem = coarse_leap(folder, "leap_tail", "lost", "guess: {kind: file, file: nowhere.json}\n");
+  const std::string problem =
+      coarse_leap(folder, "leap_tail", "lost", "guess: {kind: file, file: nowhere.json}\n");
   const Outcome run = run_program({"solve", problem, "--out", folder / "out"});
   EXPECT_EQ(run.exit_code, 2);
   EXPECT_NE(run.err.find("nowhere.json"), std::string::npos) << run.err;
@@ -142,8 +155,8 @@ TEST(Solve, MissingEarlierPlanIsBadInput) {
 
 TEST(Solve, StartsAreTheSameWhateverTheNumberOfProcesses) {
   const TemporaryFolder folder;
-  const std::string problem =
-      coarse_leap(folder, "leap_tailless", "starts", "solver: {starts: 3, seed: 5, max_iterations: 200}\n");
+  const std::string problem = coarse_leap(folder, "leap_tailless", "starts",
+                                          "solver: {starts: 3, seed: 5, max_iterations: 200}\n");
   std::string first;
   for (const std::string jobs : {"1", "2"}) {
     const Outcome run = run_program({"solve", problem, "--jobs", jobs, "--out", folder / jobs});
@@ -163,8 +176,10 @@ TEST(Solve, RefinementSplitsIntervalsAndTightensThePlan) {
     const Outcome run = run_program({"solve", problem, "--out", out});
     ASSERT_EQ(run.exit_code, 0) << run.err << run.out;
   }
-  const Json before = json_of(folder / "rough/summary.json"), after = json_of(folder / "fine/summary.json");
-  EXPECT_GT(after.at("size").at("variables").get<int>(), before.at("size").at("variables").get<int>());
+  const Json before = json_of(folder / "rough/summary.json"),
+             after = json_of(folder / "fine/summary.json");
+  EXPECT_GT(after.at("size").at("variables").get<int>(),
+            before.at("size").at("variables").get<int>());
   const auto error = [](const Json& summary) {
     return summary.at("verification").at("reintegration_error").at("front_extension").get<double>();
   };
@@ -173,14 +188,16 @@ TEST(Solve, RefinementSplitsIntervalsAndTightensThePlan) {
 
 TEST(Compare, TwoCoarseLeaps) {
   const TemporaryFolder folder;
-  const std::string a = coarse_leap(folder, "leap_tailless", "without"), b = coarse_leap(folder, "leap_tail", "with");
+  const std::string a = coarse_leap(folder, "leap_tailless", "without"),
+                    b = coarse_leap(folder, "leap_tail", "with");
   const Outcome run = run_program({"compare", a, b, "--jobs", "2", "--out", folder / "out"});
   ASSERT_EQ(run.exit_code, 0) << run.err << run.out;
   const Json compare = json_of(folder / "out/compare.json");
   ASSERT_EQ(compare.at("problems").size(), 2u);
   const Json &without = compare["problems"][0], &with = compare["problems"][1];
-  const double gain =
-      with.at("average_acceleration_m_s2").get<double>() / without.at("average_acceleration_m_s2").get<double>() - 1.0;
+  const double gain = with.at("average_acceleration_m_s2").get<double>() /
+                          without.at("average_acceleration_m_s2").get<double>() -
+                      1.0;
   EXPECT_NEAR(with.at("gain_over_tailless").at("average_acceleration").get<double>(), gain, 1e-12);
   EXPECT_GT(gain, 0.0);
   EXPECT_TRUE(fs::exists(folder / "out/with/plan.csv"));

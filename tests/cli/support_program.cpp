@@ -67,7 +67,7 @@ Outcome run_on_terminal(const std::vector<std::string>& arguments) {
   std::array<char, 4096> chunk{};
   // Reading fails once the child, the terminal's last user, has gone.
   for (ssize_t got = 0; (got = ::read(ours, chunk.data(), chunk.size())) > 0;)
-    outcome.err.append(chunk.data(), static_cast<std::size_t>(got));
+    outcome.err.append(chunk.data(), got);
   ::close(ours);
   outcome.exit_code = exit_code_of(child);
   outcome.out = bytes_of(out);

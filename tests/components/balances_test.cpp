@@ -1,5 +1,6 @@
-// Energy, momentum and its moment along the equations of motion: what motors, drag, feet and weight bring and nothing else.
-// The rates come from central differences of totals that rigid_body.h computes without the equations.
+// Energy, momentum and its moment along the equations of motion: what motors, drag, feet and weight
+// bring and nothing else. The rates come from central differences of totals that rigid_body.h
+// computes without the equations.
 
 #include <gtest/gtest.h>
 
@@ -8,7 +9,7 @@
 #include "support/random_state.h"
 #include "support/sample_models.h"
 
-namespace jaculus {
+namespace jaculus::components {
 namespace {
 
 struct Totals {
@@ -16,20 +17,20 @@ struct Totals {
   Vec2 momentum;
 };
 
-Totals totals(const AbsoluteTree& tree, const Vector& q, const Vector& v) {
-  Motion m(tree);
-  EXPECT_TRUE(set_configuration(tree, q, m));
-  set_rates(tree, v, m);
-  return {kinetic_energy(tree, m, v) + potential_energy(tree, m), angular_momentum(tree, m, Vec2::Zero()),
-          linear_momentum(tree, m)};
+Totals totals(const dynamics::AbsoluteTree& tree, const Vector& q, const Vector& v) {
+  dynamics::Motion m(tree);
+  EXPECT_TRUE(dynamics::set_configuration(tree, q, m));
+  dynamics::set_rates(tree, v, m);
+  return {dynamics::kinetic_energy(tree, m, v) + dynamics::potential_energy(tree, m),
+          dynamics::angular_momentum(tree, m, Vec2::Zero()), dynamics::linear_momentum(tree, m)};
 }
 
 class Balances : public ::testing::TestWithParam<test_support::NamedModel> {
  protected:
-  const PlanarModel& model() const { return GetParam().model; }
+  const model::PlanarModel& model() const { return GetParam().model; }
   std::vector<int> feet() const {
     std::vector<int> all;
-    for (int f = 0; f < static_cast<int>(model().feet.size()); ++f) all.push_back(f);
+    for (int f = 0; f < count_of(model().feet); ++f) all.push_back(f);
     return all;
   }
   /// Totals' rates of change at p, along its rates and accelerations.
@@ -44,7 +45,7 @@ class Balances : public ::testing::TestWithParam<test_support::NamedModel> {
 
 TEST_P(Balances, PowerIsThatOfMotorsDragAndFeet) {
   const Equations eq(model());
-  const AbsoluteTree& tree = eq.tree();
+  const dynamics::AbsoluteTree& tree = eq.tree();
   std::mt19937 rng(17);
   for (int trial = 0; trial < 10; ++trial) {
     const test_support::RandomState s = test_support::random_state(model(), rng);
@@ -52,26 +53,30 @@ TEST_P(Balances, PowerIsThatOfMotorsDragAndFeet) {
     EquationsPoint p(eq, trial % 2 == 0 ? std::vector<int>{} : feet());
     ASSERT_TRUE(eq.evaluate(s.q, s.v, u, p));
     double power = s.v.dot(tree.input_map * u) + eq.drag_power(p);
-    for (size_t k = 0; k < p.feet.size(); ++k)  // held without acceleration, but moving at these rates
-      power += p.force.segment<2>(2 * static_cast<int>(k)).dot(foot_velocity(tree, p.motion, p.feet[k]));
+    // held without acceleration, but moving at these rates
+    for (int k = 0; k < count_of(p.feet); ++k)
+      power += p.force.segment<2>(2 * k).dot(dynamics::foot_velocity(tree, p.motion, p.feet[k]));
     EXPECT_NEAR(rates(eq, p).energy, power, 1e-6 * (1.0 + std::abs(power) + p.a.norm()));
   }
 }
 
 TEST_P(Balances, MomentumIsThatOfWeightDragAndFeet) {
-  if (!model().base_free[0] || !model().base_free[1] || !model().base_free[2]) GTEST_SKIP() << "the base is held";
+  if (!model().base_free[0] || !model().base_free[1] || !model().base_free[2])
+    GTEST_SKIP() << "the base is held";
   const Equations eq(model());
-  const AbsoluteTree& tree = eq.tree();
+  const dynamics::AbsoluteTree& tree = eq.tree();
   std::mt19937 rng(18);
   for (int trial = 0; trial < 10; ++trial) {
     const test_support::RandomState s = test_support::random_state(model(), rng);
     EquationsPoint p(eq, trial % 2 == 0 ? std::vector<int>{} : feet());
     ASSERT_TRUE(eq.evaluate(s.q, s.v, 3.0 * Vector::Random(eq.inputs()), p));
-    const Vec2 weight(0.0, -tree.total_mass * tree.gravity), com = centre_of_mass(tree, p.motion);
+    const Vec2 weight(0.0, -tree.total_mass * tree.gravity),
+        com = dynamics::centre_of_mass(tree, p.motion);
     Vec2 force = weight + eq.drag_force(p);
     double moment = eq.drag_moment(p) - com.x() * weight.y();
-    for (size_t k = 0; k < p.feet.size(); ++k) {
-      const Vec2 f = p.force.segment<2>(2 * static_cast<int>(k)), at = foot_position(tree, p.motion, p.feet[k]);
+    for (int k = 0; k < count_of(p.feet); ++k) {
+      const Vec2 f = p.force.segment<2>(2 * k),
+                 at = dynamics::foot_position(tree, p.motion, p.feet[k]);
       force += f;
       moment += at.y() * f.x() - at.x() * f.y();
     }
@@ -83,9 +88,9 @@ TEST_P(Balances, MomentumIsThatOfWeightDragAndFeet) {
 
 /// In still air drag only takes.
 TEST_P(Balances, DragDissipatesInStillAir) {
-  PlanarModel still = model();
+  model::PlanarModel still = model();
   if (still.drags.empty()) GTEST_SKIP() << "no tail";
-  for (PlanarDrag& drag : still.drags) drag.wind_W.setZero();
+  for (model::PlanarDrag& drag : still.drags) drag.wind_W.setZero();
   const Equations eq(still, 0.0);
   std::mt19937 rng(19);
   for (int trial = 0; trial < 50; ++trial) {
@@ -98,7 +103,7 @@ TEST_P(Balances, DragDissipatesInStillAir) {
 
 /// The equations and the free functions of rigid_body.h give the same accelerations and forces.
 TEST_P(Balances, EquationsAgreeWithForwardDynamics) {
-  PlanarModel airless = model();
+  model::PlanarModel airless = model();
   airless.drags.clear();
   const Equations eq(airless);
   std::mt19937 rng(20);
@@ -107,7 +112,8 @@ TEST_P(Balances, EquationsAgreeWithForwardDynamics) {
     const Vector u = 3.0 * Vector::Random(eq.inputs());
     EquationsPoint p(eq, trial % 2 == 0 ? std::vector<int>{} : feet());
     ASSERT_TRUE(eq.evaluate(s.q, s.v, u, p));
-    const ContactSolution x = forward_dynamics(eq.tree(), p.motion, eq.tree().input_map * u, p.feet);
+    const dynamics::ContactSolution x =
+        dynamics::forward_dynamics(eq.tree(), p.motion, eq.tree().input_map * u, p.feet);
     ASSERT_TRUE(x.ok);
     EXPECT_LT((x.motion - p.a).norm(), 1e-10 * (1.0 + p.a.norm()));
     EXPECT_LT((x.force - p.force).norm(), 1e-10 * (1.0 + p.force.norm()));
@@ -118,4 +124,4 @@ INSTANTIATE_TEST_SUITE_P(Models, Balances, ::testing::ValuesIn(test_support::sam
                          [](const auto& info) { return info.param.name; });
 
 }  // namespace
-}  // namespace jaculus
+}  // namespace jaculus::components

@@ -8,20 +8,22 @@
 
 #include "support/sample_models.h"
 
-namespace jaculus {
+namespace jaculus::components {
 namespace {
 
 struct Sample {
   Vector q, v, u;
 };
 
-Sample random_sample(const PlanarModel& model, int inputs, std::mt19937& rng) {
+Sample random_sample(const model::PlanarModel& model, int inputs, std::mt19937& rng) {
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
   Sample s{Vector(model.size()), Vector(model.size()), Vector(inputs)};
   for (int i = 0; i < model.size(); ++i) {
-    const Bounds range = model.coordinates[static_cast<size_t>(i)].range;
+    const Bounds range = model.coordinates[i].range;
     const bool bounded = std::isfinite(range.lower) && std::isfinite(range.upper);
-    s.q[i] = bounded ? 0.5 * (range.lower + range.upper) + 0.4 * unit(rng) * (range.upper - range.lower) : unit(rng);
+    s.q[i] = bounded
+                 ? 0.5 * (range.lower + range.upper) + 0.4 * unit(rng) * (range.upper - range.lower)
+                 : unit(rng);
     s.v[i] = 3.0 * unit(rng);
   }
   for (int i = 0; i < inputs; ++i) s.u[i] = 2.0 * unit(rng);
@@ -59,7 +61,8 @@ void check_derivatives(const Equations& eq, const Vector& w, Solution solution, 
   const Vector mu = Vector::Random(z.size());
   Matrix H = Matrix::Zero(w.size(), w.size());
   eq.add_hessian(mu, p, H);
-  const double h = 1e-6, scale_Z = 1.0 + p.Z.cwiseAbs().maxCoeff(), scale_H = 1.0 + H.cwiseAbs().maxCoeff();
+  const double h = 1e-6, scale_Z = 1.0 + p.Z.cwiseAbs().maxCoeff(),
+               scale_H = 1.0 + H.cwiseAbs().maxCoeff();
   for (int j = 0; j < w.size(); ++j) {
     Vector z_at[2], gradient[2];
     for (int side = 0; side < 2; ++side) {
@@ -69,20 +72,23 @@ void check_derivatives(const Equations& eq, const Vector& w, Solution solution, 
       eq.differentiate(other);
       gradient[side] = other.Z.transpose() * mu;
     }
-    EXPECT_LT((p.Z.col(j) - (z_at[1] - z_at[0]) / (2 * h)).cwiseAbs().maxCoeff(), 1e-7 * scale_Z) << "column " << j;
-    EXPECT_LT((H.col(j) - (gradient[1] - gradient[0]) / (2 * h)).cwiseAbs().maxCoeff(), 1e-7 * scale_H)
+    EXPECT_LT((p.Z.col(j) - (z_at[1] - z_at[0]) / (2 * h)).cwiseAbs().maxCoeff(), 1e-7 * scale_Z)
+        << "column " << j;
+    EXPECT_LT((H.col(j) - (gradient[1] - gradient[0]) / (2 * h)).cwiseAbs().maxCoeff(),
+              1e-7 * scale_H)
         << "column " << j;
   }
   EXPECT_LT((H - H.transpose()).cwiseAbs().maxCoeff(), 1e-10 * scale_H);
 }
 
 TEST_P(EquationsDerivatives, FirstAndSecondMatchCentralDifferences) {
-  const PlanarModel& model = GetParam().model;
-  const Equations eq(model, 0.5);  // ample smoothing: differences need third derivatives of order one
+  const model::PlanarModel& model = GetParam().model;
+  // ample smoothing: differences need third derivatives of order one
+  const Equations eq(model, 0.5);
   std::mt19937 rng(7);
   for (int trial = 0; trial < 6; ++trial) {
     std::vector<int> feet;
-    for (int f = 0; f < static_cast<int>(model.feet.size()); ++f)
+    for (int f = 0; f < count_of(model.feet); ++f)
       if (trial % 3 == 0 || (trial % 3 == 1 && f > 0)) feet.push_back(f);
     EquationsPoint p(eq, feet), other(eq, feet);
     const Sample s = random_sample(model, eq.inputs(), rng);
@@ -94,7 +100,7 @@ TEST_P(EquationsDerivatives, FirstAndSecondMatchCentralDifferences) {
 }
 
 TEST(EquationsImpact, StopsTheFeetAndLosesEnergy) {
-  const PlanarModel model = test_support::sample_models()[2].model;
+  const model::PlanarModel model = test_support::sample_models()[2].model;
   const Equations eq(model);
   std::mt19937 rng(3);
   EquationsPoint p(eq, {0, 1});
@@ -107,8 +113,9 @@ TEST(EquationsImpact, StopsTheFeetAndLosesEnergy) {
   EXPECT_NEAR(after.dot(M * p.a), 0.0, 1e-10);  // the impulses do no work on the motion after
 }
 
-INSTANTIATE_TEST_SUITE_P(Models, EquationsDerivatives, ::testing::ValuesIn(test_support::sample_models()),
+INSTANTIATE_TEST_SUITE_P(Models, EquationsDerivatives,
+                         ::testing::ValuesIn(test_support::sample_models()),
                          [](const auto& info) { return info.param.name; });
 
 }  // namespace
-}  // namespace jaculus
+}  // namespace jaculus::components

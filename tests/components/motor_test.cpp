@@ -5,12 +5,12 @@
 #include <cmath>
 #include <random>
 
-namespace jaculus {
+namespace jaculus::components {
 namespace {
 
 // Table I of Norby et al. 2021 with a lossy gear.
-PlanarMotor tail_motor() {
-  PlanarMotor m;
+model::PlanarMotor tail_motor() {
+  model::PlanarMotor m;
   m.torque_constant = 0.0954;
   m.resistance = 0.186;
   m.saturation_linear = 8.93;
@@ -26,19 +26,19 @@ double central(const auto& f, double x, double h) {
 }
 
 TEST(Motor, CurrentFollowsTheCubicBehindTheGear) {
-  const PlanarMotor m = tail_motor();
+  const model::PlanarMotor m = tail_motor();
   // 3 N m at the motor is 9.6 N m at the joint: 0.539 * 27 + 8.93 * 3 = 41.343 A.
   EXPECT_NEAR(motor_current(m, 9.6), 41.343, 1e-12);
   EXPECT_DOUBLE_EQ(motor_current(m, -9.6), -motor_current(m, 9.6));
 }
 
 TEST(Motor, VoltageIsResistiveDropPlusBackEmf) {
-  const PlanarMotor m = tail_motor();
+  const model::PlanarMotor m = tail_motor();
   EXPECT_NEAR(motor_voltage(m, 9.6, 10.0).value, 0.186 * 41.343 + 0.0954 * 40.0, 1e-12);
 }
 
 TEST(Motor, DerivativesAgreeWithDifferences) {
-  const PlanarMotor m = tail_motor();
+  const model::PlanarMotor m = tail_motor();
   std::mt19937 rng(7);
   std::uniform_real_distribution<double> torque(-12.0, 12.0), rate(-40.0, 40.0);
   const double h = 1e-3;
@@ -47,17 +47,26 @@ TEST(Motor, DerivativesAgreeWithDifferences) {
     const MotorCurrent i = motor_current_derivatives(m, t);
     EXPECT_DOUBLE_EQ(i.value, motor_current(m, t));
     EXPECT_NEAR(i.d_torque, central([&](double x) { return motor_current(m, x); }, t, h), 1e-9);
-    EXPECT_NEAR(i.d_torque2, central([&](double x) { return motor_current_derivatives(m, x).d_torque; }, t, h), 1e-9);
+    EXPECT_NEAR(i.d_torque2,
+                central([&](double x) { return motor_current_derivatives(m, x).d_torque; }, t, h),
+                1e-9);
     const MotorVoltage v = motor_voltage(m, t, w);
-    EXPECT_NEAR(v.d_torque, central([&](double x) { return motor_voltage(m, x, w).value; }, t, h), 1e-9);
-    EXPECT_NEAR(v.d_rate, central([&](double x) { return motor_voltage(m, t, x).value; }, w, h), 1e-9);
-    EXPECT_NEAR(v.d_torque2, central([&](double x) { return motor_voltage(m, x, w).d_torque; }, t, h), 1e-9);
+    EXPECT_NEAR(v.d_torque, central([&](double x) { return motor_voltage(m, x, w).value; }, t, h),
+                1e-9);
+    EXPECT_NEAR(v.d_rate, central([&](double x) { return motor_voltage(m, t, x).value; }, w, h),
+                1e-9);
+    EXPECT_NEAR(v.d_torque2,
+                central([&](double x) { return motor_voltage(m, x, w).d_torque; }, t, h), 1e-9);
     const MotorPower p = motor_power(m, t, w);
     EXPECT_NEAR(p.value, v.value * i.value, 1e-12 * std::abs(p.value));
-    EXPECT_NEAR(p.d_torque, central([&](double x) { return motor_power(m, x, w).value; }, t, h), 1e-7);
-    EXPECT_NEAR(p.d_rate, central([&](double x) { return motor_power(m, t, x).value; }, w, h), 1e-7);
-    EXPECT_NEAR(p.d_torque2, central([&](double x) { return motor_power(m, x, w).d_torque; }, t, h), 1e-7);
-    EXPECT_NEAR(p.d_torque_rate, central([&](double x) { return motor_power(m, x, w).d_rate; }, t, h), 1e-7);
+    EXPECT_NEAR(p.d_torque, central([&](double x) { return motor_power(m, x, w).value; }, t, h),
+                1e-7);
+    EXPECT_NEAR(p.d_rate, central([&](double x) { return motor_power(m, t, x).value; }, w, h),
+                1e-7);
+    EXPECT_NEAR(p.d_torque2, central([&](double x) { return motor_power(m, x, w).d_torque; }, t, h),
+                1e-7);
+    EXPECT_NEAR(p.d_torque_rate,
+                central([&](double x) { return motor_power(m, x, w).d_rate; }, t, h), 1e-7);
   }
 }
 
@@ -72,16 +81,17 @@ TEST(Motor, SaturationIsInvertedToTheLastDigits) {
 }
 
 TEST(Motor, TorqueAtVoltageInvertsVoltage) {
-  const PlanarMotor m = tail_motor();
+  const model::PlanarMotor m = tail_motor();
   for (double t : {-20.0, -1.0, 0.3, 9.0}) {
     for (double w : {-25.0, 0.0, 30.0}) {
-      EXPECT_NEAR(joint_torque_at_voltage(m, motor_voltage(m, t, w).value, w), t, 1e-12 * std::abs(t) + 1e-13);
+      EXPECT_NEAR(joint_torque_at_voltage(m, motor_voltage(m, t, w).value, w), t,
+                  1e-12 * std::abs(t) + 1e-13);
     }
   }
 }
 
 TEST(Motor, TheTighterLimitBindsAndIsNamed) {
-  PlanarMotor m = tail_motor();
+  model::PlanarMotor m = tail_motor();
   EXPECT_EQ(largest_joint_torque(m).limit, MotorLimit::none);
   EXPECT_TRUE(std::isinf(largest_joint_torque(m).value));
   m.torque_limit = 3.0;
@@ -99,4 +109,4 @@ TEST(Motor, TheTighterLimitBindsAndIsNamed) {
 }
 
 }  // namespace
-}  // namespace jaculus
+}  // namespace jaculus::components

@@ -8,11 +8,11 @@
 #include <random>
 #include <vector>
 
-namespace jaculus {
+namespace jaculus::components {
 namespace {
 
-PlanarDrag scoop() {
-  PlanarDrag d;
+model::PlanarDrag scoop() {
+  model::PlanarDrag d;
   d.coefficient = 2.0;
   d.width = 0.18;
   d.start = 0.6;
@@ -27,7 +27,7 @@ struct State {
 };
 
 // Random states: plain, reversing along the strip, nearly uniform flow, nearly still.
-std::vector<State> states(const PlanarDrag& drag, int count) {
+std::vector<State> states(const model::PlanarDrag& drag, int count) {
   std::mt19937 rng(20210401);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
   std::vector<State> out;
@@ -55,9 +55,10 @@ std::vector<State> states(const PlanarDrag& drag, int count) {
   return out;
 }
 
-// Int l^j f(s + omega l) dl by adaptive Gauss-Kronrod on pieces that shrink geometrically towards the place where the
-// flow turns: a kink or a near one between its nodes would deceive the rule's own error estimate.
-double quadrature(const PlanarDrag& d, const State& x, int j, const auto& f) {
+// Int l^j f(s + omega l) dl by adaptive Gauss-Kronrod on pieces that shrink geometrically towards
+// the place where the flow turns: a kink or a near one between its nodes would deceive the rule's
+// own error estimate.
+double quadrature(const model::PlanarDrag& d, const State& x, int j, const auto& f) {
   std::vector<double> cuts{d.start, d.end};
   const double turn = -x.s / x.omega;
   for (double step = 1e-7; step < 4.0; step *= 3.0) {
@@ -70,14 +71,15 @@ double quadrature(const PlanarDrag& d, const State& x, int j, const auto& f) {
   double sum = 0.0;
   for (std::size_t i = 1; i < cuts.size(); ++i) {
     if (cuts[i] <= cuts[i - 1]) continue;
-    sum += boost::math::quadrature::gauss_kronrod<double, 31>::integrate(integrand, cuts[i - 1], cuts[i], 6, 1e-11);
+    sum += boost::math::quadrature::gauss_kronrod<double, 31>::integrate(integrand, cuts[i - 1],
+                                                                         cuts[i], 6, 1e-11);
   }
   return sum;
 }
 
 TEST(TailDrag, EquationEightEqualsAdaptiveQuadrature) {
   for (double start : {0.0, 0.6, 0.97}) {
-    PlanarDrag d = scoop();
+    model::PlanarDrag d = scoop();
     d.start = start;
     const double k = 0.5 * d.density * d.coefficient * d.width;
     int reversing = 0;
@@ -100,9 +102,9 @@ TEST(TailDrag, EquationEightEqualsAdaptiveQuadrature) {
 }
 
 TEST(TailDrag, WithoutTranslationEquationEightIsEquationTwo) {
-  PlanarDrag d = scoop();
-  PlanarDrag rotation = d;
-  rotation.kind = DragKind::rotation;
+  model::PlanarDrag d = scoop();
+  model::PlanarDrag rotation = d;
+  rotation.kind = model::DragKind::rotation;
   // 1/8 * 1.225 * 2 * 0.18 * (1 - 0.6^4) * 25^2, and against the motion.
   const double expected = -0.125 * 1.225 * 2.0 * 0.18 * (1.0 - 0.1296) * 625.0;
   EXPECT_NEAR(drag_load(d, 0.0, 25.0, 0.0).moment, expected, 1e-12);
@@ -113,8 +115,8 @@ TEST(TailDrag, WithoutTranslationEquationEightIsEquationTwo) {
 }
 
 TEST(TailDrag, PointForceActsAtItsDistance) {
-  PlanarDrag d = scoop();
-  d.kind = DragKind::point;
+  model::PlanarDrag d = scoop();
+  d.kind = model::DragKind::point;
   const double u = 1.5 + 0.8 * 20.0;
   const DragLoad load = drag_load(d, 1.5, 20.0, 0.0);
   EXPECT_NEAR(load.force, -0.5 * 1.225 * 2.0 * 0.072 * u * u, 1e-12);
@@ -124,7 +126,7 @@ TEST(TailDrag, PointForceActsAtItsDistance) {
 
 TEST(TailDrag, SmoothedLawEqualsAdaptiveQuadrature) {
   for (double start : {0.0, 0.6}) {
-    PlanarDrag d = scoop();
+    model::PlanarDrag d = scoop();
     d.start = start;
     const double k = 0.5 * d.density * d.coefficient * d.width;
     for (double eps : {1e-3, 0.05, 1.0}) {
@@ -155,8 +157,9 @@ TEST(TailDrag, SmoothedLawEqualsAdaptiveQuadrature) {
 
 TEST(TailDrag, DerivativesOfEveryKindAgreeWithDifferences) {
   const double eps = 0.3, h = 1e-3;
-  for (DragKind kind : {DragKind::distributed, DragKind::point, DragKind::rotation, DragKind::none}) {
-    PlanarDrag d = scoop();
+  for (model::DragKind kind : {model::DragKind::distributed, model::DragKind::point,
+                               model::DragKind::rotation, model::DragKind::none}) {
+    model::PlanarDrag d = scoop();
     d.kind = kind;
     for (const State& x : states(d, 100)) {
       const DragLoad load = drag_load(d, x.s, x.omega, eps);
@@ -165,12 +168,16 @@ TEST(TailDrag, DerivativesOfEveryKindAgreeWithDifferences) {
           return drag_load(d, x.s + (j == 0 ? step : 0.0), x.omega + (j == 1 ? step : 0.0), eps);
         };
         const DragLoad a = at(h), b = at(-h), aa = at(2 * h), bb = at(-2 * h);
-        const auto slope = [&](const auto& f) { return (8.0 * (f(a) - f(b)) - (f(aa) - f(bb))) / (12.0 * h); };
+        const auto slope = [&](const auto& f) {
+          return (8.0 * (f(a) - f(b)) - (f(aa) - f(bb))) / (12.0 * h);
+        };
         EXPECT_NEAR(load.d(0, j), slope([](const DragLoad& l) { return l.force; }), 1e-9);
         EXPECT_NEAR(load.d(1, j), slope([](const DragLoad& l) { return l.moment; }), 1e-9);
         for (int i = 0; i < 2; ++i) {
-          EXPECT_NEAR(load.force_dd(i, j), slope([i](const DragLoad& l) { return l.d(0, i); }), 1e-9);
-          EXPECT_NEAR(load.moment_dd(i, j), slope([i](const DragLoad& l) { return l.d(1, i); }), 1e-9);
+          EXPECT_NEAR(load.force_dd(i, j), slope([i](const DragLoad& l) { return l.d(0, i); }),
+                      1e-9);
+          EXPECT_NEAR(load.moment_dd(i, j), slope([i](const DragLoad& l) { return l.d(1, i); }),
+                      1e-9);
         }
       }
     }
@@ -178,19 +185,21 @@ TEST(TailDrag, DerivativesOfEveryKindAgreeWithDifferences) {
 }
 
 TEST(TailDrag, SmoothingErrsByNoMoreThanTheStatedBound) {
-  for (DragKind kind : {DragKind::distributed, DragKind::point, DragKind::rotation}) {
-    PlanarDrag d = scoop();
+  for (model::DragKind kind :
+       {model::DragKind::distributed, model::DragKind::point, model::DragKind::rotation}) {
+    model::PlanarDrag d = scoop();
     d.kind = kind;
     const double rho_c = 0.5 * d.density * d.coefficient;
     const double k = rho_c * d.width;
     for (double eps : {1e-3, 0.05, 0.5}) {
       double force_bound = k * eps * eps * (d.end - d.start) / 2.0;
       double moment_bound = k * eps * eps * (d.end * d.end - d.start * d.start) / 4.0;
-      if (kind == DragKind::point) {
+      if (kind == model::DragKind::point) {
         force_bound = rho_c * d.point_area * eps * eps / 2.0;
         moment_bound = d.point_distance * force_bound;
-      } else if (kind == DragKind::rotation) {
-        moment_bound = k * (std::pow(d.end, 4) - std::pow(d.start, 4)) * eps * eps / (8.0 * d.end * d.end);
+      } else if (kind == model::DragKind::rotation) {
+        moment_bound =
+            k * (std::pow(d.end, 4) - std::pow(d.start, 4)) * eps * eps / (8.0 * d.end * d.end);
       }
       double worst = 0.0;
       for (const State& x : states(d, 300)) {
@@ -206,8 +215,9 @@ TEST(TailDrag, SmoothingErrsByNoMoreThanTheStatedBound) {
 }
 
 TEST(TailDrag, AtRestThereIsNoLoadAndNoNaN) {
-  for (DragKind kind : {DragKind::distributed, DragKind::point, DragKind::rotation}) {
-    PlanarDrag d = scoop();
+  for (model::DragKind kind :
+       {model::DragKind::distributed, model::DragKind::point, model::DragKind::rotation}) {
+    model::PlanarDrag d = scoop();
     d.kind = kind;
     for (double eps : {0.0, 0.01}) {
       const DragLoad load = drag_load(d, 0.0, 0.0, eps);
@@ -219,7 +229,7 @@ TEST(TailDrag, AtRestThereIsNoLoadAndNoNaN) {
 }
 
 TEST(TailDrag, NormalPointsWhereTheTailMoves) {
-  PlanarDrag d = scoop();
+  model::PlanarDrag d = scoop();
   d.direction = Vec2(0.6, 0.8);
   const auto tip = [&](double phi) {
     Mat2 r;
@@ -235,4 +245,4 @@ TEST(TailDrag, NormalPointsWhereTheTailMoves) {
 }
 
 }  // namespace
-}  // namespace jaculus
+}  // namespace jaculus::components

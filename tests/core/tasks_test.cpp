@@ -61,22 +61,24 @@ std::string read_bytes(const fs::path& file) {
 }
 
 void write_bytes(const fs::path& file, const std::string& bytes) {
-  std::ofstream(file, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  std::ofstream(file, std::ios::binary)
+      .write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
 }
 
 TEST(Tasks, ResultsAreInTaskOrderWhateverTheWorkers) {
   for (const bool isolate : {false, true}) {
     for (const int workers : {0, 1, 2, 5}) {
-      const auto results = run_tasks(17,
-                                     [](int i) {
-                                       std::this_thread::sleep_for(std::chrono::milliseconds((i * 7) % 5));
-                                       return answer(i);
-                                     },
-                                     {.workers = workers, .isolate = isolate});
+      const auto results =
+          run_tasks(17,
+                    [](int i) {
+                      std::this_thread::sleep_for(std::chrono::milliseconds((i * 7) % 5));
+                      return answer(i);
+                    },
+                    {.workers = workers, .isolate = isolate});
       ASSERT_EQ(results.size(), 17u);
       for (int i = 0; i < 17; ++i) {
-        EXPECT_EQ(results[static_cast<std::size_t>(i)].state, TaskState::done);
-        EXPECT_EQ(results[static_cast<std::size_t>(i)].bytes, answer(i));
+        EXPECT_EQ(results[i].state, TaskState::done);
+        EXPECT_EQ(results[i].bytes, answer(i));
       }
     }
   }
@@ -86,7 +88,8 @@ TEST(Tasks, NoTasks) { EXPECT_TRUE(run_tasks(0, answer).empty()); }
 
 TEST(Tasks, WorkersRunAtOnce) {
   using Counter = std::atomic<int>;
-  void* shared = mmap(nullptr, sizeof(Counter), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+  void* shared =
+      mmap(nullptr, sizeof(Counter), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
   ASSERT_NE(shared, MAP_FAILED);
   auto* arrived = new (shared) Counter(0);
   const auto results = run_tasks(6,
@@ -103,7 +106,8 @@ TEST(Tasks, WorkersRunAtOnce) {
 }
 
 TEST(Tasks, LargeAndEmptyResultsComeThroughThePipe) {
-  const auto results = run_tasks(2, [](int i) { return i == 0 ? std::string() : std::string(5'000'000, 'x'); });
+  const auto results =
+      run_tasks(2, [](int i) { return i == 0 ? std::string() : std::string(5'000'000, 'x'); });
   EXPECT_EQ(results[0].state, TaskState::done);
   EXPECT_EQ(results[0].bytes, "");
   EXPECT_EQ(results[1].bytes, std::string(5'000'000, 'x'));
@@ -115,7 +119,8 @@ TEST(Tasks, ExceptionsAndCrashesAreTheTasksOwn) {
                                    if (i == 1) throw std::runtime_error("out of luck");
                                    if (i == 2) std::abort();
                                    if (i == 3) {
-                                     signal(SIGSEGV, SIG_DFL);  // a sanitizer would make an exit code of it
+                                     // a sanitizer would make an exit code of it
+                                     signal(SIGSEGV, SIG_DFL);
                                      raise(SIGSEGV);
                                    }
                                    if (i == 4) _exit(0);
@@ -153,7 +158,8 @@ TEST(Tasks, IsolatedSideEffectsStayInTheChild) {
 TEST(Tasks, TimeLimitEndsAHangingTask) {
   const auto results = run_tasks(2,
                                  [](int i) {
-                                   while (i == 0) std::this_thread::sleep_for(std::chrono::seconds(1));
+                                   while (i == 0)
+                                     std::this_thread::sleep_for(std::chrono::seconds(1));
                                    return answer(i);
                                  },
                                  {.workers = 2, .time_limit_s = 2.0});
@@ -163,24 +169,26 @@ TEST(Tasks, TimeLimitEndsAHangingTask) {
 }
 
 TEST(Tasks, TasksMayRunTasks) {
-  const auto results = run_tasks(4,
-                                 [](int i) {
-                                   std::string all;
-                                   for (const TaskResult& inner : run_tasks(3, [i](int j) { return answer(i + j); }))
-                                     all += inner.bytes;
-                                   return all;
-                                 },
-                                 {.workers = 2});
+  const auto results =
+      run_tasks(4,
+                [](int i) {
+                  std::string all;
+                  for (const TaskResult& inner : run_tasks(3, [i](int j) { return answer(i + j); }))
+                    all += inner.bytes;
+                  return all;
+                },
+                {.workers = 2});
   for (int i = 0; i < 4; ++i) {
-    EXPECT_EQ(results[static_cast<std::size_t>(i)].bytes, answer(i) + answer(i + 1) + answer(i + 2));
+    EXPECT_EQ(results[i].bytes, answer(i) + answer(i + 1) + answer(i + 2));
   }
 }
 
 TEST(Tasks, ProgressCountsEveryTask) {
   std::vector<TaskProgress> seen;
-  run_tasks(5, answer, {.workers = 2, .progress = [&](const TaskProgress& p) { seen.push_back(p); }});
+  run_tasks(5, answer,
+            {.workers = 2, .progress = [&](const TaskProgress& p) { seen.push_back(p); }});
   ASSERT_EQ(seen.size(), 5u);
-  for (int i = 0; i < 5; ++i) EXPECT_EQ(seen[static_cast<std::size_t>(i)].done, i + 1);
+  for (int i = 0; i < 5; ++i) EXPECT_EQ(seen[i].done, i + 1);
   EXPECT_EQ(seen.back().total, 5);
   EXPECT_EQ(seen.back().remaining_s, 0.0);
   EXPECT_GT(seen.front().remaining_s, 0.0);
@@ -203,7 +211,7 @@ TEST(Tasks, InterruptKeepsWhatIsFinished) {
     results = run_tasks(6, answer, options);
     EXPECT_TRUE(results[2].resumed);
     EXPECT_FALSE(results[3].resumed);
-    for (int i = 0; i < 6; ++i) EXPECT_EQ(results[static_cast<std::size_t>(i)].bytes, answer(i));
+    for (int i = 0; i < 6; ++i) EXPECT_EQ(results[i].bytes, answer(i));
   }
 }
 
@@ -280,7 +288,8 @@ TEST(Journal, EveryTornTailIsCutOff) {
   }
   const std::string whole = read_bytes(folder / "whole");
   const std::size_t record = 24;  // index, length and check around a payload
-  const std::size_t header = whole.size() - 3 * record - answer(0).size() - answer(1).size() - answer(2).size();
+  const std::size_t header =
+      whole.size() - 3 * record - answer(0).size() - answer(1).size() - answer(2).size();
   for (std::size_t size = 0; size < whole.size(); ++size) {
     write_bytes(folder / "torn", whole.substr(0, size));
     const JournalContent content = read_journal(folder / "torn");
@@ -316,19 +325,21 @@ TEST(Journal, ADamagedRecordIsNoResult) {
   }
 }
 
-// The run that the next test kills, in a process of its own: every execution of a task leaves a mark.
+// The run that the next test kills, in a process of its own: every execution of a task leaves a
+// mark.
 constexpr int kKilledTasks = 120;
 TEST(TasksHelper, DISABLED_JournalledRun) {
   const char* text = std::getenv("JACULUS_TEST_FOLDER");
   ASSERT_NE(text, nullptr);
   const fs::path folder = text;
-  const auto results = run_tasks(kKilledTasks,
-                                 [&](int i) {
-                                   std::ofstream(folder / "executed", std::ios::app) << i << '\n';
-                                   std::this_thread::sleep_for(std::chrono::milliseconds(5 + i % 7));
-                                   return answer(i);
-                                 },
-                                 {.workers = 2, .journal = folder / "journal", .fingerprint = "killed"});
+  const auto results =
+      run_tasks(kKilledTasks,
+                [&](int i) {
+                  std::ofstream(folder / "executed", std::ios::app) << i << '\n';
+                  std::this_thread::sleep_for(std::chrono::milliseconds(5 + i % 7));
+                  return answer(i);
+                },
+                {.workers = 2, .journal = folder / "journal", .fingerprint = "killed"});
   std::string all;
   for (const TaskResult& result : results) all += result.bytes;
   write_bytes(folder / "result", all);
@@ -366,8 +377,10 @@ TEST(Tasks, KilledAtRandomMomentsNothingIsLostOrRecomputed) {
     fs::remove(folder / "executed");
     const pid_t pid = start_helper(place);
     ASSERT_GT(pid, 0);
-    // Time to start differs from machine to machine; what counts is that the kill falls among the tasks.
-    for (int wait = 0; wait < 400 && executed_tasks(place).empty() && finished.size() < kKilledTasks; ++wait) {
+    // Time to start differs from machine to machine; what counts is that the kill falls among the
+    // tasks.
+    for (int wait = 0;
+         wait < 400 && executed_tasks(place).empty() && finished.size() < kKilledTasks; ++wait) {
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds(random)));
@@ -375,7 +388,8 @@ TEST(Tasks, KilledAtRandomMomentsNothingIsLostOrRecomputed) {
     int status = 0;
     ASSERT_EQ(waitpid(pid, &status, 0), pid);
     if (WIFSIGNALED(status)) ++kills;
-    for (const int i : executed_tasks(place)) EXPECT_FALSE(finished.contains(i)) << "task " << i << " ran again";
+    for (const int i : executed_tasks(place))
+      EXPECT_FALSE(finished.contains(i)) << "task " << i << " ran again";
   }
   EXPECT_GE(kills, 15);            // a fast machine may be done before the last of them
   EXPECT_GT(finished_before, 0u);  // how many survive depends on the machine's load; some must

@@ -54,7 +54,8 @@ TEST(Units, ReadsQuantities) {
       {"9.81 N/kg", dimension::acceleration, 9.81},
   };
   for (const Good& c : cases) {
-    EXPECT_NEAR(parse_quantity(c.text, c.dimension), c.value, 1e-14 * (1.0 + std::abs(c.value))) << c.text;
+    EXPECT_NEAR(parse_quantity(c.text, c.dimension), c.value, 1e-14 * (1.0 + std::abs(c.value)))
+        << c.text;
   }
 }
 
@@ -98,7 +99,8 @@ TEST(Units, RefusesWithTheReason) {
       parse_quantity(c.text, c.dimension);
       ADD_FAILURE() << "accepted: " << c.text;
     } catch (const InputError& e) {
-      EXPECT_NE(std::string(e.what()).find(c.message), std::string::npos) << c.text << " -> " << e.what();
+      EXPECT_NE(std::string(e.what()).find(c.message), std::string::npos)
+          << c.text << " -> " << e.what();
     }
   }
 }

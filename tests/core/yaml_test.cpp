@@ -17,9 +17,27 @@ namespace fs = std::filesystem;
 
 Node parse(const std::string& text) { return Node::parse(text, "t.yaml"); }
 
+TEST(Yaml, AFileOfAnotherKindIsRefusedByWhatItIs) {
+  const Node problem = parse("format: jaculus-problem/1\nname: leap\n");
+  EXPECT_NO_THROW(refuse_other_kind(problem, "jaculus-problem/1"));
+  EXPECT_NO_THROW(refuse_other_kind(parse("format: other/3"), "jaculus-problem/1"));
+  EXPECT_NO_THROW(refuse_other_kind(parse("[1, 2]"), "jaculus-problem/1"));
+  try {
+    refuse_other_kind(problem, "jaculus-experiment/1");
+    FAIL();
+  } catch (const InputError& error) {
+    const std::string what = error.what();
+    EXPECT_NE(what.find("t.yaml:1"), std::string::npos) << what;
+    EXPECT_NE(what.find("a problem given"), std::string::npos) << what;
+    EXPECT_NE(what.find("jaculus solve"), std::string::npos) << what;
+    EXPECT_NE(what.find("allowed here: an experiment"), std::string::npos) << what;
+  }
+}
+
 TEST(Yaml, ReadsValues) {
   const Node n = parse(
-      "a: 1.5\nb: 16 V\nc: \"15 deg\"\nd: [1, 2 mm]\ne: {f: true, g: word}\nh: [-.inf, 3]\ni: 7\nj: [x, 'y']\nk: '3'\n"
+      "a: 1.5\nb: 16 V\nc: \"15 deg\"\nd: [1, 2 mm]\ne: {f: true, g: word}\nh: [-.inf, 3]\ni: "
+      "7\nj: [x, 'y']\nk: '3'\n"
       "l: +2e-3\nm: [0 V, \"1 kV\"]\n");
   EXPECT_EQ(n.at("a").number(dimension::voltage), 1.5);
   EXPECT_EQ(n.at("b").number(dimension::voltage), 16.0);
@@ -71,7 +89,8 @@ struct Bad {
   const char* message;  ///< the whole message, or its beginning where it ends in "..."
 };
 
-void expect_error(const std::string& text, const std::function<void(const Node&)>& read, std::string message) {
+void expect_error(const std::string& text, const std::function<void(const Node&)>& read,
+                  std::string message) {
   const bool prefix = message.ends_with("...");
   if (prefix) message.resize(message.size() - 3);
   try {
@@ -100,25 +119,34 @@ TEST(Yaml, RefusesWithPlaceKeyGivenAndAllowed) {
        "t.yaml:2: a: unknown key 'qqq'; allowed: mass"},
       {"a: 5\n", [](const Node& n) { n.at("a").only({"mass"}); },
        "t.yaml:1: a: '5' given; allowed: a map with the keys mass"},
-      {"a: 1\n", [](const Node& n) { (void)n.at("b"); }, "t.yaml:1: key 'b' is missing; it must be given"},
-      {"a: [1]\n", [](const Node& n) { (void)n.at("a").find("b"); }, "t.yaml:1: a: a list given; allowed: a map"},
+      {"a: 1\n", [](const Node& n) { (void)n.at("b"); },
+       "t.yaml:1: key 'b' is missing; it must be given"},
+      {"a: [1]\n", [](const Node& n) { (void)n.at("a").find("b"); },
+       "t.yaml:1: a: a list given; allowed: a map"},
       {"a: 1\nb: 2\na: 3\n", kNothing, "t.yaml:3: key 'a' given twice in one map; allowed: once"},
       {"x: {k: 1, k: 2}\n", kNothing, "t.yaml:1: key 'k' given twice in one map; allowed: once"},
       {"a: word\n", number(dimension::mass),
-       "t.yaml:1: a: 'word' is not a number; allowed: a number in kg, or a string with such a unit"},
-      {"a: 3 V\n", number(dimension::mass), "t.yaml:1: a: '3 V' is in V; allowed: a number in kg..."},
-      {"a: '3'\n", number(dimension::mass), "t.yaml:1: a: '3' has no unit; allowed: a number in kg..."},
-      {"a: 3 deg\n", number(dimension::none), "t.yaml:1: a: '3 deg' is in rad; allowed: a plain number without a unit"},
+       "t.yaml:1: a: 'word' is not a number; allowed: a number in kg, or a string with such a "
+       "unit"},
+      {"a: 3 V\n", number(dimension::mass),
+       "t.yaml:1: a: '3 V' is in V; allowed: a number in kg..."},
+      {"a: '3'\n", number(dimension::mass),
+       "t.yaml:1: a: '3' has no unit; allowed: a number in kg..."},
+      {"a: 3 deg\n", number(dimension::none),
+       "t.yaml:1: a: '3 deg' is in rad; allowed: a plain number without a unit"},
       {"a: .nan\n", number(dimension::none), "t.yaml:1: a: '.nan' is not a number; ..."},
       {"a: nan\n", number(dimension::none), "t.yaml:1: a: 'nan' is not a finite number; ..."},
       {"a: .inf\n", number(dimension::none), "t.yaml:1: a: '.inf' is not a number; ..."},
       {"a: -inf\n", number(dimension::none), "t.yaml:1: a: '-inf' is not a finite number; ..."},
-      {"a: 1e999\n", number(dimension::none), "t.yaml:1: a: '1e999' is too large or too small for a number; ..."},
+      {"a: 1e999\n", number(dimension::none),
+       "t.yaml:1: a: '1e999' is too large or too small for a number; ..."},
       {"a:\n", number(dimension::none), "t.yaml:1: a: nothing given; allowed: a plain number"},
       {"a: [1]\n", number(dimension::time), "t.yaml:1: a: a list given; allowed: a number in s"},
       {"a: true\n", number(dimension::none), "t.yaml:1: a: 'true' is not a number; ..."},
-      {"a: -1\n", number(dimension::mass, {0.0, kInfinity}), "t.yaml:1: a: -1 is out of range; allowed: at least 0 kg"},
-      {"a: 1.5\n", number(dimension::none, {0.0, 1.0}), "t.yaml:1: a: 1.5 is out of range; allowed: 0 to 1"},
+      {"a: -1\n", number(dimension::mass, {0.0, kInfinity}),
+       "t.yaml:1: a: -1 is out of range; allowed: at least 0 kg"},
+      {"a: 1.5\n", number(dimension::none, {0.0, 1.0}),
+       "t.yaml:1: a: 1.5 is out of range; allowed: 0 to 1"},
       {"a: 2 km\n", number(dimension::length, {-kInfinity, 5.0}),
        "t.yaml:1: a: 2 km is out of range; allowed: at most 5 m"},
       {"a: 1.5\n", [](const Node& n) { (void)n.at("a").integer(1, 9); },
@@ -138,8 +166,10 @@ TEST(Yaml, RefusesWithPlaceKeyGivenAndAllowed) {
          (void)n.at("a").choice({"held", "linear"});
        },
        "t.yaml:1: a: 'hled' given, did you mean 'held'?; allowed: held, linear"},
-      {"a: {}\n", [](const Node& n) { (void)n.at("a").choice({"held"}); }, "t.yaml:1: a: a map given; allowed: held"},
-      {"a: [2, 1]\n", bounds, "t.yaml:1: a: lower bound 2 is above upper bound 1; allowed: lower <= upper, in rad"},
+      {"a: {}\n", [](const Node& n) { (void)n.at("a").choice({"held"}); },
+       "t.yaml:1: a: a map given; allowed: held"},
+      {"a: [2, 1]\n", bounds,
+       "t.yaml:1: a: lower bound 2 is above upper bound 1; allowed: lower <= upper, in rad"},
       {"a: [1]\n", bounds, "t.yaml:1: a: 1 values given; allowed: [lower, upper] in rad..."},
       {"a: [.inf, 1]\n", bounds, "t.yaml:1: a[0]: '.inf' is not a number; ..."},
       {"a: [0, -.inf]\n", bounds, "t.yaml:1: a[1]: '-.inf' is not a number; ..."},
@@ -150,13 +180,16 @@ TEST(Yaml, RefusesWithPlaceKeyGivenAndAllowed) {
        "t.yaml:3: a[1]: 'x' is not..."},
       {"a: x\n", [](const Node& n) { (void)n.at("a").items(); },
        "t.yaml:1: a: 'x' given; allowed: a list, [a, b, ...]"},
-      {"a: x\n", [](const Node& n) { (void)n.at("a").entries(); }, "t.yaml:1: a: 'x' given; allowed: a map"},
+      {"a: x\n", [](const Node& n) { (void)n.at("a").entries(); },
+       "t.yaml:1: a: 'x' given; allowed: a map"},
       {"a: &x [1, *x]\n", kNothing, "t.yaml:1: alias to a node that contains it (cyclic)..."},
       {"a: &x {b: {c: *x}}\n", kNothing, "t.yaml:1: alias to a node that contains it (cyclic)..."},
       {"a: *nowhere\n", kNothing, "t.yaml:1: not valid YAML: ..."},
-      {"a: 1\n---\nb: 2\n", kNothing, "t.yaml:3: a second document ('---'); allowed: one document a file"},
+      {"a: 1\n---\nb: 2\n", kNothing,
+       "t.yaml:3: a second document ('---'); allowed: one document a file"},
       {"a: !!int 5\n", kNothing, "t.yaml:1: tag 'tag:yaml.org,2002:int' is not supported; ..."},
-      {"b: &m {x: 1}\na: {<<: *m}\n", kNothing, "t.yaml:2: key '<<': merge keys are not supported; ..."},
+      {"b: &m {x: 1}\na: {<<: *m}\n", kNothing,
+       "t.yaml:2: key '<<': merge keys are not supported; ..."},
       {"? [1, 2]\n: 3\n", kNothing, "t.yaml:1: a key that is not plain text; ..."},
       {"", kNothing, "t.yaml:1: the file holds no value; allowed: a YAML document"},
       {"# only a comment\n", kNothing, "t.yaml:1: the file holds no value; ..."},
@@ -172,7 +205,8 @@ TEST(Yaml, RefusesWithPlaceKeyGivenAndAllowed) {
 class YamlFile : public ::testing::Test {
  protected:
   void SetUp() override {
-    folder_ = fs::path(::testing::TempDir()) / ("jaculus_yaml_" + std::to_string(std::random_device{}()));
+    folder_ =
+        fs::path(::testing::TempDir()) / ("jaculus_yaml_" + std::to_string(std::random_device{}()));
     fs::create_directories(folder_);
   }
   void TearDown() override { fs::remove_all(folder_); }
@@ -195,10 +229,13 @@ class YamlFile : public ::testing::Test {
   fs::path folder_;
 };
 
-TEST_F(YamlFile, Loads) { EXPECT_EQ(Node::load(write("a: 2 ms\n")).at("a").number(dimension::time), 0.002); }
+TEST_F(YamlFile, Loads) {
+  EXPECT_EQ(Node::load(write("a: 2 ms\n")).at("a").number(dimension::time), 0.002);
+}
 
 TEST_F(YamlFile, RefusesWhatIsNoFile) {
-  EXPECT_NE(message(folder_ / "absent.yaml").find("absent.yaml: file not found"), std::string::npos);
+  EXPECT_NE(message(folder_ / "absent.yaml").find("absent.yaml: file not found"),
+            std::string::npos);
   EXPECT_NE(message(folder_).find("is a folder"), std::string::npos);
   EXPECT_NE(message("/dev/null").find("is no regular file"), std::string::npos);
   EXPECT_NE(message(write("")).find(":1: the file holds no value"), std::string::npos);
@@ -209,7 +246,8 @@ TEST_F(YamlFile, SurvivesGarbage) {
   std::string binary(10'000'000, '\0');
   for (char& c : binary) c = static_cast<char>(random() & 0xFF);
   EXPECT_NE(message(write(binary)).find("UTF-8"), std::string::npos);
-  EXPECT_NE(message(write(std::string(10'000'001, 'a'))).find("allowed: at most 10000000"), std::string::npos);
+  EXPECT_NE(message(write(std::string(10'000'001, 'a'))).find("allowed: at most 10000000"),
+            std::string::npos);
   std::string printable(1'000'000, ' ');
   for (char& c : printable) c = static_cast<char>(32 + random() % 95);
   EXPECT_NE(message(write(printable)), "");

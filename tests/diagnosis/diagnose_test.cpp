@@ -1,5 +1,5 @@
-// The whole statistics on toy problems: none stays none, effects come back with intervals, classes are told, structure that
-// no candidate has is not explained away, bad data are refused.
+// The whole statistics on toy problems: none stays none, effects come back with intervals, classes
+// are told, structure that no candidate has is not explained away, bad data are refused.
 
 #include "jaculus/diagnosis/diagnose.h"
 
@@ -7,10 +7,10 @@
 
 #include <algorithm>
 
+#include "diagnosis/toy.h"
 #include "jaculus/diagnosis/diagnosis_json.h"
-#include "toy.h"
 
-namespace jaculus {
+namespace jaculus::diagnosis {
 namespace {
 
 using test::toy_problem;
@@ -29,7 +29,7 @@ TEST(Diagnose, NoEffectIsNoneInAlmostEveryDraw) {
   for (unsigned seed = 1; seed <= 30; ++seed) {
     ToyData data;
     data.seed = seed;
-    alarms += diagnose_problem(toy_problem(toy_truth(0.0, 0.0), data)).verdict != "none";
+    alarms += diagnose_problem(*toy_problem(toy_truth(0.0, 0.0), data)).verdict != Verdict::none;
   }
   EXPECT_LE(alarms, 2);
 }
@@ -39,8 +39,8 @@ TEST(Diagnose, SecondEffectComesBackWithItsInterval) {
   for (unsigned seed = 1; seed <= 20; ++seed) {
     ToyData data;
     data.seed = seed;
-    const Diagnosis d = diagnose_problem(toy_problem(toy_truth(0.0, 0.02), data));
-    ASSERT_EQ(d.verdict, "effect") << diagnosis_text(d);
+    const Diagnosis d = diagnose_problem(*toy_problem(toy_truth(0.0, 0.02), data));
+    ASSERT_EQ(d.verdict, Verdict::effect) << diagnosis_text(d);
     ASSERT_EQ(names(d), std::vector<std::string>{"second"});
     covered += d.effects[0].parameters[0].ci95.contains(0.02);
     EXPECT_NEAR(d.effects[0].parameters[0].value, 0.02, 0.002);
@@ -52,17 +52,17 @@ TEST(Diagnose, SecondEffectComesBackWithItsInterval) {
 }
 
 TEST(Diagnose, TwinsAreNotToldApart) {
-  const Diagnosis d = diagnose_problem(toy_problem(toy_truth(0.03, 0.0)));
-  EXPECT_EQ(d.verdict, "ambiguous") << diagnosis_text(d);
+  const Diagnosis d = diagnose_problem(*toy_problem(toy_truth(0.03, 0.0)));
+  EXPECT_EQ(d.verdict, Verdict::ambiguous) << diagnosis_text(d);
   EXPECT_EQ(names(d), (std::vector<std::string>{"first", "twin"}));
   ASSERT_FALSE(d.effects.empty());
   EXPECT_LT(d.effects[0].probability, 0.8);
-  EXPECT_EQ(d.effects[0].like.size(), 1u);
+  EXPECT_EQ(d.effects[0].indistinguishable.size(), 1u);
 }
 
 TEST(Diagnose, PairIsFound) {
-  const Diagnosis d = diagnose_problem(toy_problem(toy_truth(0.05, 0.03)));
-  EXPECT_NE(d.verdict, "effect") << diagnosis_text(d);
+  const Diagnosis d = diagnose_problem(*toy_problem(toy_truth(0.05, 0.03)));
+  EXPECT_NE(d.verdict, Verdict::effect) << diagnosis_text(d);
   const std::vector<std::string> found = names(d);
   EXPECT_NE(std::find(found.begin(), found.end(), "second"), found.end()) << diagnosis_text(d);
   EXPECT_NE(std::find(found.begin(), found.end(), "first"), found.end()) << diagnosis_text(d);
@@ -74,28 +74,28 @@ TEST(Diagnose, WhatNoCandidateHasIsUnexplained) {
   data.extra = [](int channel, double t) {
     return channel == 0 && t > 0.0 ? 0.02 * std::sin(25.0 * t) * t / 0.5 : 0.0;
   };
-  const Diagnosis d = diagnose_problem(toy_problem(toy_truth(0.0, 0.0), data));
-  EXPECT_EQ(d.verdict, "unexplained") << diagnosis_text(d);
+  const Diagnosis d = diagnose_problem(*toy_problem(toy_truth(0.0, 0.0), data));
+  EXPECT_EQ(d.verdict, Verdict::unexplained) << diagnosis_text(d);
 }
 
 TEST(Diagnose, PushInOneTrialIsCutAndNotExplained) {
   ToyData data;
-  data.runs = 6;
+  data.segments = 6;
   data.pushed = 2;
-  const Diagnosis d = diagnose_problem(toy_problem(toy_truth(0.0, 0.0), data));
+  const Diagnosis d = diagnose_problem(*toy_problem(toy_truth(0.0, 0.0), data));
   ASSERT_EQ(d.disturbances.size(), 1u) << diagnosis_text(d);
-  EXPECT_EQ(d.disturbances[0].run, 2);
+  EXPECT_EQ(d.disturbances[0].segment, 2);
   EXPECT_NEAR(d.disturbances[0].onset, 0.3, 0.1);
-  EXPECT_EQ(d.verdict, "none") << diagnosis_text(d);
+  EXPECT_EQ(d.verdict, Verdict::none) << diagnosis_text(d);
 }
 
 TEST(Diagnose, StampsThatAreAllLateAreSaidAndNotCounted) {
   for (const double late : {0.002, 0.008}) {
     auto problem = toy_problem(Vector::Zero(4));
-    for (auto& run : problem->observations.conditions[0].runs)
-      for (Vector& time : run.time) time.array() += late;
-    const Diagnosis d = diagnose_problem(problem, {});
-    EXPECT_EQ(d.verdict, "none") << late;
+    for (auto& segment : problem->observations.datasets[0].segments)
+      for (Vector& time : segment.time) time.array() += late;
+    const Diagnosis d = diagnose_problem(*problem, {});
+    EXPECT_EQ(d.verdict, Verdict::none) << late;
     const bool said = std::any_of(d.notes.begin(), d.notes.end(), [](const std::string& note) {
       return note.find("8.0 ms later") != std::string::npos;
     });
@@ -105,33 +105,36 @@ TEST(Diagnose, StampsThatAreAllLateAreSaidAndNotCounted) {
 
 TEST(Diagnose, OneTrialIsNeverAStatement) {
   ToyData data;
-  data.runs = 1;
-  const Diagnosis d = diagnose_problem(toy_problem(toy_truth(0.0, 0.05), data));
-  EXPECT_EQ(d.verdict, "insufficient");
+  data.segments = 1;
+  const Diagnosis d = diagnose_problem(*toy_problem(toy_truth(0.0, 0.05), data));
+  EXPECT_EQ(d.verdict, Verdict::insufficient);
   EXPECT_FALSE(d.reasons.empty());
+  EXPECT_TRUE(d.effects.empty());  // a fit there is, but no statement
+  EXPECT_EQ(d.rule, "one trial");
 }
 
 TEST(Diagnose, InvertedChannelIsNamed) {
   auto problem = toy_problem(toy_truth(0.0, 0.0));
-  for (auto& run : problem->observations.conditions[0].runs) run.value[0] *= -1.0;
-  const Diagnosis d = diagnose_problem(problem);
-  EXPECT_EQ(d.verdict, "insufficient");
+  for (auto& segment : problem->observations.datasets[0].segments) segment.value[0] *= -1.0;
+  const Diagnosis d = diagnose_problem(*problem);
+  EXPECT_EQ(d.verdict, Verdict::insufficient);
   ASSERT_FALSE(d.reasons.empty());
   EXPECT_NE(d.reasons[0].find("a looks inverted"), std::string::npos) << d.reasons[0];
 }
 
 TEST(Diagnose, DegreesAreNamed) {
   auto problem = toy_problem(toy_truth(0.0, 0.0));
-  for (auto& run : problem->observations.conditions[0].runs) run.value[1] *= 57.29578;
-  const Diagnosis d = diagnose_problem(problem);
-  EXPECT_EQ(d.verdict, "insufficient");
+  for (auto& segment : problem->observations.datasets[0].segments) segment.value[1] *= 57.29578;
+  const Diagnosis d = diagnose_problem(*problem);
+  EXPECT_EQ(d.verdict, Verdict::insufficient);
   ASSERT_FALSE(d.reasons.empty());
   EXPECT_NE(d.reasons[0].find("b looks like degrees"), std::string::npos) << d.reasons[0];
 }
 
 TEST(Diagnose, NoiseFloorIsTheSensors) {
-  const Diagnosis d = diagnose_problem(toy_problem(toy_truth(0.0, 0.0)));
-  for (const Channel& channel : d.problem->observations.conditions[0].channels) {
+  const Diagnosis d = diagnose_problem(*toy_problem(toy_truth(0.0, 0.0)));
+  ASSERT_TRUE(d.noise);
+  for (const ChannelNoise& channel : d.noise->datasets[0].channels) {
     EXPECT_NEAR(channel.noise_floor, 1e-3, 1e-4);
     EXPECT_LT(channel.correlation, 0.2);
   }
@@ -144,11 +147,11 @@ TEST(Diagnose, SimulationThatFailsIsSaid) {
     failed.message = "diverged at 0.1 s";
     return failed;
   };
-  const Diagnosis d = diagnose_problem(problem);
-  EXPECT_EQ(d.verdict, "insufficient");
+  const Diagnosis d = diagnose_problem(*problem);
+  EXPECT_EQ(d.verdict, Verdict::insufficient);
   ASSERT_FALSE(d.reasons.empty());
   EXPECT_NE(d.reasons[0].find("diverged at 0.1 s"), std::string::npos);
 }
 
 }  // namespace
-}  // namespace jaculus
+}  // namespace jaculus::diagnosis

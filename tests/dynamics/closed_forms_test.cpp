@@ -7,7 +7,7 @@
 #include "dynamics/planar_builder.h"
 #include "jaculus/dynamics/rigid_body.h"
 
-namespace jaculus {
+namespace jaculus::dynamics {
 namespace {
 
 using test_support::link;
@@ -21,7 +21,7 @@ Motion at(const AbsoluteTree& tree, const Vector& q, const Vector& v) {
 }
 
 TEST(ClosedForms, FreeRod) {
-  PlanarModel model;
+  model::PlanarModel model;
   model.bodies = {link("rod", -1, Vec2::Zero(), 3.0, Vec2(0.0, 0.25), 0.2)};
   model = test_support::with_coordinates(model, {});
   const AbsoluteTree tree(model);
@@ -29,8 +29,8 @@ TEST(ClosedForms, FreeRod) {
   const Motion m = at(tree, Vector{{0.3, -0.1, phi}}, Vector{{1.0, 0.5, w}});
   // Centre of mass at c (sin, cos).
   Matrix M(3, 3);
-  M << 3.0, 0.0, 3.0 * c * std::cos(phi), 0.0, 3.0, -3.0 * c * std::sin(phi), 3.0 * c * std::cos(phi),
-      -3.0 * c * std::sin(phi), 0.2 + 3.0 * c * c;
+  M << 3.0, 0.0, 3.0 * c * std::cos(phi), 0.0, 3.0, -3.0 * c * std::sin(phi),
+      3.0 * c * std::cos(phi), -3.0 * c * std::sin(phi), 0.2 + 3.0 * c * c;
   EXPECT_LT((mass_matrix(tree, m) - M).cwiseAbs().maxCoeff(), 1e-15);
   const Vector h{{-3.0 * c * w * w * std::sin(phi), 3.0 * (kGravity - c * w * w * std::cos(phi)),
                   -3.0 * kGravity * c * std::sin(phi)}};
@@ -39,9 +39,9 @@ TEST(ClosedForms, FreeRod) {
 
 TEST(ClosedForms, DoublePendulum) {
   const double m1 = 1.1, m2 = 0.7, l1 = 0.5, c1 = 0.2, c2 = 0.3, i1 = 0.03, i2 = 0.02;
-  const AbsoluteTree tree(on_fixed_base(
-      {link("first", 0, Vec2::Zero(), m1, Vec2(0.0, c1), i1), link("second", 1, Vec2(0.0, l1), m2, Vec2(0.0, c2), i2)},
-      {"first", "second"}));
+  const AbsoluteTree tree(on_fixed_base({link("first", 0, Vec2::Zero(), m1, Vec2(0.0, c1), i1),
+                                         link("second", 1, Vec2(0.0, l1), m2, Vec2(0.0, c2), i2)},
+                                        {"first", "second"}));
   const Vector q{{0.4, 1.1}}, v{{1.3, -2.2}};
   const Motion m = at(tree, q, v);
   const double cosine = std::cos(q[1]), k = m2 * l1 * c2 * std::sin(q[1]);
@@ -55,20 +55,23 @@ TEST(ClosedForms, DoublePendulum) {
   EXPECT_LT((bias(tree, m) - h).cwiseAbs().maxCoeff(), 1e-14);
 }
 
-/// Links of 0.1 and 0.2 m on one hip with a mass at the pin: its height is -(sqrt(l2^2 - l1^2 sin^2 q) - l1 cos q) where both
-/// motors stand at q, and the mass matrix in the directions together and apart is m (dr/dq)^2 and m r^2.
+/// Links of 0.1 and 0.2 m on one hip with a mass at the pin: its height is -(sqrt(l2^2 - l1^2 sin^2
+/// q) - l1 cos q) where both motors stand at q, and the mass matrix in the directions together and
+/// apart is m (dr/dq)^2 and m r^2.
 TEST(ClosedForms, SymmetricFiveBarLeg) {
-  PlanarModel model = on_fixed_base(
-      {link("a", 0, Vec2::Zero(), 0.0, Vec2::Zero(), 0.0, -1.0), link("b", 0, Vec2::Zero(), 0.0, Vec2::Zero(), 0.0),
-       link("a_knee", 1, Vec2(0.0, 0.1), 2.0, Vec2(0.0, -0.2), 0.0, -1.0),
-       link("b_knee", 2, Vec2(0.0, 0.1), 0.0, Vec2::Zero(), 0.0)},
-      {"a", "b"});
+  model::PlanarModel model =
+      on_fixed_base({link("a", 0, Vec2::Zero(), 0.0, Vec2::Zero(), 0.0, -1.0),
+                     link("b", 0, Vec2::Zero(), 0.0, Vec2::Zero(), 0.0),
+                     link("a_knee", 1, Vec2(0.0, 0.1), 2.0, Vec2(0.0, -0.2), 0.0, -1.0),
+                     link("b_knee", 2, Vec2(0.0, 0.1), 0.0, Vec2::Zero(), 0.0)},
+                    {"a", "b"});
   model.loops = {{"leg", 3, Vec2(0.0, -0.2), 4, Vec2(0.0, -0.2), 1.0}};
   model.dependent = {3, 4};
   const AbsoluteTree tree(model);
   for (const double angle : {0.5, 1.0, 1.57, 2.4}) {
     const Motion m = at(tree, Vector{{angle, angle}}, Vector::Zero(2));
-    const double s = 0.1 * std::sin(angle), root = std::sqrt(0.04 - s * s), r = root - 0.1 * std::cos(angle);
+    const double s = 0.1 * std::sin(angle), root = std::sqrt(0.04 - s * s),
+                 r = root - 0.1 * std::cos(angle);
     EXPECT_LT((point_position({{1.0, tree.loops[0].a}}, m) - Vec2(0.0, -r)).norm(), 1e-15);
     const double slope = 0.1 * std::sin(angle) - s * 0.1 * std::cos(angle) / root;
     const Vector together{{1.0, 1.0}}, apart{{1.0, -1.0}};
@@ -80,21 +83,23 @@ TEST(ClosedForms, SymmetricFiveBarLeg) {
 }
 
 TEST(ClosedForms, LoopOutOfReachIsAStatus) {
-  PlanarModel model = on_fixed_base({link("a", 0, Vec2(-0.3, 0.0), 0.1, Vec2::Zero(), 0.0, -1.0),
-                                     link("b", 0, Vec2(0.3, 0.0), 0.1, Vec2::Zero(), 0.0),
-                                     link("a_knee", 1, Vec2(0.0, 0.1), 0.1, Vec2::Zero(), 1e-3, -1.0),
-                                     link("b_knee", 2, Vec2(0.0, 0.1), 0.1, Vec2::Zero(), 1e-3)},
-                                    {"a", "b"});
+  model::PlanarModel model =
+      on_fixed_base({link("a", 0, Vec2(-0.3, 0.0), 0.1, Vec2::Zero(), 0.0, -1.0),
+                     link("b", 0, Vec2(0.3, 0.0), 0.1, Vec2::Zero(), 0.0),
+                     link("a_knee", 1, Vec2(0.0, 0.1), 0.1, Vec2::Zero(), 1e-3, -1.0),
+                     link("b_knee", 2, Vec2(0.0, 0.1), 0.1, Vec2::Zero(), 1e-3)},
+                    {"a", "b"});
   model.loops = {{"leg", 3, Vec2(0.0, -0.2), 4, Vec2(0.0, -0.2), 1.0}};
   model.dependent = {3, 4};
   const AbsoluteTree tree(model);
   Motion m(tree);
-  EXPECT_FALSE(set_configuration(tree, Vector{{1.5, 1.5}}, m));  // knees 0.8 m apart, links of 0.2 m
+  // knees 0.8 m apart, links of 0.2 m
+  EXPECT_FALSE(set_configuration(tree, Vector{{1.5, 1.5}}, m));
 }
 
 /// Two feet at one place hold each other: no unique forces, so a status and not a number.
 TEST(ClosedForms, RedundantStanceIsAStatus) {
-  PlanarModel model;
+  model::PlanarModel model;
   model.bodies = {link("body", -1, Vec2::Zero(), 3.0, Vec2::Zero(), 0.2)};
   model.feet = {{"one", 0, Vec2(0.1, 0.0), 1}, {"two", 0, Vec2(-0.1, 0.0), 1}};
   model = test_support::with_coordinates(model, {});
@@ -106,10 +111,11 @@ TEST(ClosedForms, RedundantStanceIsAStatus) {
   EXPECT_FALSE(plastic_impact(tree, m, v, {0, 1}).ok);
 }
 
-/// A rod falling flat on one end: the impulse of a rigid rod struck at its tip, m v / (1 + m c^2 / I).
+/// A rod falling flat on one end: the impulse of a rigid rod struck at its tip, m v / (1 + m c^2 /
+/// I).
 TEST(ClosedForms, RodLandingOnItsTip) {
   const double mass = 2.0, half = 0.4, inertia = mass * half * half / 3.0, speed = 1.7;
-  PlanarModel model;
+  model::PlanarModel model;
   model.bodies = {link("rod", -1, Vec2::Zero(), mass, Vec2::Zero(), inertia)};
   model.feet = {{"tip", 0, Vec2(half, 0.0), 1}};
   model = test_support::with_coordinates(model, {});
@@ -117,10 +123,12 @@ TEST(ClosedForms, RodLandingOnItsTip) {
   const Vector v{{0.0, -speed, 0.0}};
   const ContactSolution x = plastic_impact(tree, at(tree, Vector::Zero(3), v), v, {0});
   ASSERT_TRUE(x.ok);
-  EXPECT_NEAR(x.force[1], mass * speed / (1.0 + mass * half * half / inertia), 1e-14);  // a quarter of m v
+  // a quarter of m v
+  EXPECT_NEAR(x.force[1], mass * speed / (1.0 + mass * half * half / inertia), 1e-14);
   EXPECT_NEAR(x.force[0], 0.0, 1e-14);
-  EXPECT_NEAR(x.motion[2], -x.force[1] * half / inertia, 1e-14);  // about +y an upward push in front turns nose-up
+  // about +y an upward push in front turns nose-up
+  EXPECT_NEAR(x.motion[2], -x.force[1] * half / inertia, 1e-14);
 }
 
 }  // namespace
-}  // namespace jaculus
+}  // namespace jaculus::dynamics

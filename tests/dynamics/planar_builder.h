@@ -8,9 +8,9 @@
 
 namespace jaculus::test_support {
 
-inline PlanarBody link(const std::string& name, int parent, const Vec2& origin, double mass, const Vec2& com,
-                       double inertia, double sign = 1.0) {
-  PlanarBody b;
+inline model::PlanarBody link(const std::string& name, int parent, const Vec2& origin, double mass,
+                              const Vec2& com, double inertia, double sign = 1.0) {
+  model::PlanarBody b;
   b.name = b.joint = name;
   b.parent = parent;
   b.origin = origin;
@@ -22,22 +22,24 @@ inline PlanarBody link(const std::string& name, int parent, const Vec2& origin, 
 }
 
 /// Makes the named joints coordinates, after the free ones of x, z and pitch.
-inline PlanarModel with_coordinates(PlanarModel model, const std::vector<std::string>& joints) {
+inline model::PlanarModel with_coordinates(model::PlanarModel model,
+                                           const std::vector<std::string>& joints) {
   static const char* const base[3] = {"x", "z", "pitch"};
-  for (size_t i = 0; i < 3; ++i)
+  for (std::size_t i = 0; i < 3; ++i)
     if (model.base_free[i]) model.coordinates.push_back({base[i], i == 2, {}});
   const int first = model.size();
   for (const std::string& joint : joints) model.coordinates.push_back({joint, true, {}});
-  const int bodies = static_cast<int>(model.bodies.size());
+  const int bodies = count_of(model.bodies);
   model.joint_map = Matrix::Zero(bodies, model.size());
   model.joint_offset = Vector::Zero(bodies);
-  for (size_t k = 0; k < joints.size(); ++k)
-    model.joint_map(model.body_of_joint(joints[k]), first + static_cast<int>(k)) = 1.0;
+  for (int k = 0; k < count_of(joints); ++k)
+    model.joint_map(model.body_of_joint(joints[k]), first + k) = 1.0;
   return model;
 }
 
-inline PlanarModel on_fixed_base(std::vector<PlanarBody> bodies, const std::vector<std::string>& joints) {
-  PlanarModel model;
+inline model::PlanarModel on_fixed_base(std::vector<model::PlanarBody> bodies,
+                                        const std::vector<std::string>& joints) {
+  model::PlanarModel model;
   model.base_free = {false, false, false};
   bodies.insert(bodies.begin(), link("base", -1, Vec2::Zero(), 0.0, Vec2::Zero(), 0.0));
   model.bodies = std::move(bodies);

@@ -1,4 +1,5 @@
-// Functions of a point (foot, centre of mass, difference of two points): derivatives against central differences.
+// Functions of a point (foot, centre of mass, difference of two points): derivatives against
+// central differences.
 
 #include <gtest/gtest.h>
 
@@ -8,7 +9,7 @@
 #include "support/random_state.h"
 #include "support/sample_models.h"
 
-namespace jaculus {
+namespace jaculus::dynamics {
 namespace {
 
 struct Weights {
@@ -16,14 +17,17 @@ struct Weights {
 };
 
 /// phi and its gradient at w = (q, v), from a clean motion.
-double value(const AbsoluteTree& tree, const PointSum& point, const Weights& weights, const Vector& w) {
+double value(const AbsoluteTree& tree, const PointSum& point, const Weights& weights,
+             const Vector& w) {
   Motion motion(tree);
   EXPECT_TRUE(set_configuration(tree, w.head(tree.n), motion));
   set_rates(tree, w.tail(tree.n), motion);
-  return weights.position.dot(point_position(point, motion)) + weights.velocity.dot(point_velocity(point, motion));
+  return weights.position.dot(point_position(point, motion)) +
+         weights.velocity.dot(point_velocity(point, motion));
 }
 
-Vector gradient(const AbsoluteTree& tree, const PointSum& point, const Weights& weights, const Vector& w) {
+Vector gradient(const AbsoluteTree& tree, const PointSum& point, const Weights& weights,
+                const Vector& w) {
   Motion motion(tree);
   PointScratch scratch(tree);
   EXPECT_TRUE(set_configuration(tree, w.head(tree.n), motion));
@@ -35,12 +39,14 @@ Vector gradient(const AbsoluteTree& tree, const PointSum& point, const Weights& 
 }
 
 /// The Hessian, from scratch filled with NaN so that nothing stale can be read.
-Matrix hessian(const AbsoluteTree& tree, const PointSum& point, const Weights& weights, const Vector& w) {
+Matrix hessian(const AbsoluteTree& tree, const PointSum& point, const Weights& weights,
+               const Vector& w) {
   Motion motion(tree);
   PointScratch scratch(tree);
   for (Vector* x : {&scratch.g_Y, &scratch.g_V, &scratch.chi_0, &scratch.chi_1, &scratch.dependent})
     x->setConstant(kNaN);
-  for (Matrix* x : {&scratch.YY, &scratch.YV, &scratch.YY_G, &scratch.YV_G, &scratch.YV_X}) x->setConstant(kNaN);
+  for (Matrix* x : {&scratch.YY, &scratch.YV, &scratch.YY_G, &scratch.YV_G, &scratch.YV_X})
+    x->setConstant(kNaN);
   EXPECT_TRUE(set_configuration(tree, w.head(tree.n), motion));
   set_rates(tree, w.tail(tree.n), motion);
   set_rate_sensitivity(tree, motion);
@@ -49,17 +55,21 @@ Matrix hessian(const AbsoluteTree& tree, const PointSum& point, const Weights& w
   return H;
 }
 
-void check(const AbsoluteTree& tree, const PointSum& point, const Weights& weights, const Vector& w) {
+void check(const AbsoluteTree& tree, const PointSum& point, const Weights& weights,
+           const Vector& w) {
   const Vector g = gradient(tree, point, weights, w);
   const Matrix H = hessian(tree, point, weights, w);
-  const double h = 1e-5, scale_g = 1.0 + g.cwiseAbs().maxCoeff(), scale_H = 1.0 + H.cwiseAbs().maxCoeff();
+  const double h = 1e-5, scale_g = 1.0 + g.cwiseAbs().maxCoeff(),
+               scale_H = 1.0 + H.cwiseAbs().maxCoeff();
   for (int j = 0; j < w.size(); ++j) {
     Vector plus = w, minus = w;
     plus[j] += h;
     minus[j] -= h;
-    const double slope = (value(tree, point, weights, plus) - value(tree, point, weights, minus)) / (2 * h);
+    const double slope =
+        (value(tree, point, weights, plus) - value(tree, point, weights, minus)) / (2 * h);
     EXPECT_NEAR(g[j], slope, 1e-8 * scale_g) << "row " << j;
-    const Vector column = (gradient(tree, point, weights, plus) - gradient(tree, point, weights, minus)) / (2 * h);
+    const Vector column =
+        (gradient(tree, point, weights, plus) - gradient(tree, point, weights, minus)) / (2 * h);
     EXPECT_LT((H.col(j) - column).cwiseAbs().maxCoeff(), 1e-8 * scale_H) << "column " << j;
   }
   EXPECT_LT((H - H.transpose()).cwiseAbs().maxCoeff(), 1e-12 * scale_H);
@@ -68,13 +78,13 @@ void check(const AbsoluteTree& tree, const PointSum& point, const Weights& weigh
 class PointFunction : public ::testing::TestWithParam<test_support::NamedModel> {};
 
 TEST_P(PointFunction, DerivativesMatchCentralDifferences) {
-  const PlanarModel& model = GetParam().model;
+  const model::PlanarModel& model = GetParam().model;
   const AbsoluteTree tree(model);
   std::vector<PointSum> points{centre_of_mass_point(tree)};
-  for (int f = 0; f < static_cast<int>(model.feet.size()); ++f) {
+  for (int f = 0; f < count_of(model.feet); ++f) {
     points.push_back(foot_point(tree, f));
     PointSum relative = points.front();
-    relative.push_back({-1.0, tree.feet[static_cast<size_t>(f)]});
+    relative.push_back({-1.0, tree.feet[f]});
     points.push_back(relative);
   }
   std::mt19937 rng(11);
@@ -120,4 +130,4 @@ INSTANTIATE_TEST_SUITE_P(Models, PointFunction, ::testing::ValuesIn(test_support
                          [](const auto& info) { return info.param.name; });
 
 }  // namespace
-}  // namespace jaculus
+}  // namespace jaculus::dynamics

@@ -1,5 +1,6 @@
-// Walks the catalogue, unasked, for every experiment that excites an entry: nominal changes nothing, bit for bit; the influence
-// goes to zero smoothly; simulated data give the parameter back; model values do what the plant's parameters do.
+// Walks the catalogue and the effect of own_effect.h, unasked, for every experiment that excites an
+// entry: nominal changes nothing, bit for bit; the influence goes to zero smoothly; simulated data
+// give the parameter back; model values do what the plant's parameters do.
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -9,38 +10,60 @@
 #include <random>
 #include <set>
 
+#include "effects/scope.h"
 #include "experiments.h"
+#include "jaculus/core/installation.h"
 #include "jaculus/effects/effect.h"
 #include "jaculus/model/robot.h"
+#include "own_effect.h"
 
-namespace jaculus {
+namespace jaculus::effects {
 namespace {
 
 using test::Experiment;
+using trajectory::ExperimentKind;
 
 /// An effect and an experiment that excites it.
 struct Walk {
   const Effect* effect;
   const Experiment* experiment;
+
+  [[nodiscard]] std::string name() const {
+    return effect->name + "_in_" + name_of(experiment->kind);
+  }
 };
 
-void PrintTo(const Walk& walk, std::ostream* out) { *out << walk.effect->name << " in " << walk.experiment->name; }
+void PrintTo(const Walk& walk, std::ostream* out) { *out << walk.name(); }
 
+bool excites(const Experiment& experiment, const Effect& effect) {
+  const auto& by = effect.excited_by;
+  return std::find(by.begin(), by.end(), experiment.kind) != by.end() &&
+         effect.applies(experiment.plant.model);
+}
+
+/// The catalogue's entries and an own one, in every experiment that excites them.
 std::vector<Walk> walks() {
   std::vector<Walk> list;
-  for (const Effect& effect : effect_catalogue()) {
-    for (const Experiment& e : test::experiments()) {
-      const std::vector<std::string>& by = effect.excited_by;
-      if (std::find(by.begin(), by.end(), e.name) != by.end() && effect.applies(e.plant.model))
-        list.push_back({&effect, &e});
-    }
-  }
+  for (const Effect& effect : test::catalogue_with_own_effect())
+    for (const Experiment& e : test::experiments())
+      if (excites(e, effect)) list.push_back({&effect, &e});
   return list;
 }
 
-/// Measured data of a walk with an effect's parameters, in multiples of the sensors' noise; throws where the simulation failed.
+/// Every effect on joints, on one joint of a robot of two.
+std::vector<Walk> one_joint_walks() {
+  static const std::vector<Effect> on_elbow = effects_on(one_joint(other_scope(), "elbow"));
+
+  std::vector<Walk> list;
+  for (const Effect& effect : on_elbow)
+    if (excites(test::two_joints(), effect)) list.push_back({&effect, &test::two_joints()});
+  return list;
+}
+
+/// Measured data of a walk with an effect's parameters, in multiples of the sensors' noise; throws
+/// where the simulation failed.
 Vector data_with(const Walk& walk, const Vector& theta) {
-  Plant plant = walk.experiment->plant;
+  simulation::Plant plant = walk.experiment->plant;
   walk.effect->apply(theta, plant);
   std::string why;
   const auto data = test::measured_in_noise(*walk.experiment, plant, why);
@@ -61,11 +84,13 @@ class EveryEffect : public ::testing::TestWithParam<Walk> {};
 
 TEST_P(EveryEffect, AtNominalChangesNothing) {
   std::string why;
-  const auto without = test::measured_in_noise(*GetParam().experiment, GetParam().experiment->plant, why);
+  const auto without =
+      test::measured_in_noise(*GetParam().experiment, GetParam().experiment->plant, why);
   ASSERT_TRUE(without) << why;
   const Vector with = data_with(GetParam(), GetParam().effect->nominal());
   ASSERT_EQ(without->size(), with.size());
-  for (Eigen::Index i = 0; i < with.size(); ++i) ASSERT_EQ((*without)[i], with[i]) << "sample " << i;
+  for (Eigen::Index i = 0; i < with.size(); ++i)
+    ASSERT_EQ((*without)[i], with[i]) << "sample " << i;
 }
 
 TEST_P(EveryEffect, FadesSmoothly) {
@@ -84,7 +109,8 @@ TEST_P(EveryEffect, FadesSmoothly) {
   EXPECT_LT(before, 0.1 * first) << "a 64th of the step has a tenth of its influence or more";
 }
 
-/// Gauss-Newton for the first parameter with halved steps: estimate and its standard error for data of unit noise.
+/// Gauss-Newton for the first parameter with halved steps: estimate and its standard error for data
+/// of unit noise.
 struct Fit {
   double value = kNaN, deviation = kNaN;
 };
@@ -93,7 +119,8 @@ Fit fit(const Walk& walk, const Vector& measured) {
   const Effect& effect = *walk.effect;
   const Bounds bounds = effect.parameters[0].bounds;
   const double step = 0.02 * (effect.probed()[0] - effect.nominal()[0]);
-  // A simulation that ends early (events that cluster at one value) is a step too far, as in any fit through simulation.
+  // A simulation that ends early (events that cluster at one value) is a step too far, as in any
+  // fit through simulation.
   const auto predicted = [&](double value) -> std::optional<Vector> {
     Vector theta = effect.nominal();
     theta[0] = value;
@@ -116,7 +143,8 @@ Fit fit(const Walk& walk, const Vector& measured) {
       return y && (measured - *y).norm() <= (measured - *at).norm();
     };
     std::optional<Vector> next = predicted(value + move);
-    while (std::abs(move) > 1e-5 * std::abs(step) && !better(next)) next = predicted(value + (move *= 0.5));
+    while (std::abs(move) > 1e-5 * std::abs(step) && !better(next))
+      next = predicted(value + (move *= 0.5));
     value += move;
     at = next;
     if (std::abs(move) < 1e-3 * std::abs(step)) break;
@@ -124,14 +152,17 @@ Fit fit(const Walk& walk, const Vector& measured) {
   return {value, 1.0 / slope.norm()};
 }
 
-/// Whether another listed experiment shows more of the effect, so that the parameter is to be had there.
+/// Whether another listed experiment shows more of the effect, so that the parameter is to be had
+/// there.
 bool shows_most(const Walk& walk) {
   const auto influence = [](const Walk& w) {
     return (data_with(w, part(*w.effect, 0.75)) - data_with(w, w.effect->nominal())).norm();
   };
   const double own = influence(walk);
   for (const Walk& other : walks()) {
-    if (other.effect == walk.effect && other.experiment != walk.experiment && influence(other) > own) return false;
+    if (other.effect == walk.effect && other.experiment != walk.experiment &&
+        influence(other) > own)
+      return false;
   }
   return true;
 }
@@ -154,13 +185,13 @@ TEST_P(EveryEffect, GivesItsParameterBack) {
 
 TEST_P(EveryEffect, ModelValuesDoTheSame) {
   const Effect& effect = *GetParam().effect;
-  const PlanarModel& model = GetParam().experiment->plant.model;
+  const model::PlanarModel& model = GetParam().experiment->plant.model;
   const Vector theta = part(effect, 0.75);
   const std::vector<ModelOverride> values = effect.overrides(theta, model);
   EXPECT_TRUE(effect.overrides(effect.nominal(), model).empty());
   if (values.empty()) GTEST_SKIP() << "the optimiser can't have it";
-  const PlanarModel edited = test::with_values(*GetParam().experiment, values);
-  Plant plant = GetParam().experiment->plant;
+  const model::PlanarModel edited = test::with_values(*GetParam().experiment, values);
+  simulation::Plant plant = GetParam().experiment->plant;
   plant.model = edited;
   plant.ground.friction = edited.friction;
   std::string why;
@@ -170,11 +201,10 @@ TEST_P(EveryEffect, ModelValuesDoTheSame) {
   EXPECT_LT(rms(*with_model - with_plant), 1e-3);
 }
 
-std::string test_name(const ::testing::TestParamInfo<Walk>& info) {
-  return info.param.effect->name + "_in_" + info.param.experiment->name;
-}
+std::string test_name(const ::testing::TestParamInfo<Walk>& info) { return info.param.name(); }
 
 INSTANTIATE_TEST_SUITE_P(Catalogue, EveryEffect, ::testing::ValuesIn(walks()), test_name);
+INSTANTIATE_TEST_SUITE_P(OneJoint, EveryEffect, ::testing::ValuesIn(one_joint_walks()), test_name);
 
 TEST(Catalogue, EntriesAreSoundAndNamedOnce) {
   std::set<std::string> names;
@@ -182,7 +212,8 @@ TEST(Catalogue, EntriesAreSoundAndNamedOnce) {
     EXPECT_TRUE(names.insert(effect.name).second) << effect.name;
     for (const std::string& fault : effect_faults(effect)) ADD_FAILURE() << fault;
     EXPECT_EQ(find_effect(effect.name), &effect);
-    EXPECT_EQ(effect.name.find_first_not_of("abcdefghijklmnopqrstuvwxyz_"), std::string::npos) << effect.name;
+    EXPECT_EQ(effect.name.find_first_not_of("abcdefghijklmnopqrstuvwxyz_"), std::string::npos)
+        << effect.name;
   }
   EXPECT_EQ(find_effect("gremlins"), nullptr);
 }
@@ -190,13 +221,24 @@ TEST(Catalogue, EntriesAreSoundAndNamedOnce) {
 TEST(Catalogue, EveryEntryHasAnExperimentHere) {
   std::set<const Effect*> walked;
   for (const Walk& walk : walks()) walked.insert(walk.effect);
-  for (const Effect& effect : effect_catalogue()) {
+  for (const Effect& effect : test::catalogue_with_own_effect()) {
     const auto& by = effect.excited_by;
-    const bool leap_alone = by == std::vector<std::string>{"leap"};
-    if (leap_alone && test::experiments().front().name != "leap") continue;  // needs the authors' plan
-    if (effect.name == "leg_backlash") continue;  // legs that are driven directly have no gear to play
+    const bool leap_alone = by == std::vector{ExperimentKind::leap};
+    // needs the authors' plan
+    if (leap_alone && test::experiments().front().kind != ExperimentKind::leap) continue;
+    // legs that are driven directly have no gear to play
+    if (effect.name == "leg_backlash") continue;
     EXPECT_TRUE(walked.count(&effect)) << effect.name;
   }
+}
+
+TEST(Catalogue, AnOwnEffectIsSoundAndTheLibraryDoesNotKnowIt) {
+  const std::vector<Effect>& all = test::catalogue_with_own_effect();
+  ASSERT_EQ(all.size(), effect_catalogue().size() + 1);
+  EXPECT_EQ(all.back().name, "joint_lost_torque");
+  EXPECT_EQ(all.back().caption, "part of the motor's torque is lost before the joints");
+  EXPECT_TRUE(effect_faults(all.back()).empty());
+  EXPECT_EQ(find_effect(all.back().name), nullptr);
 }
 
 TEST(Catalogue, ImpossibleEntriesAreNamed) {
@@ -206,7 +248,8 @@ TEST(Catalogue, ImpossibleEntriesAreNamed) {
   effect.parameters[2].nominal = 7.0;
   const std::vector<std::string> faults = effect_faults(effect);
   const auto told = [&](const std::string& part) {
-    return std::any_of(faults.begin(), faults.end(), [&](const std::string& f) { return f.starts_with(part); });
+    return std::any_of(faults.begin(), faults.end(),
+                       [&](const std::string& f) { return f.starts_with(part); });
   };
   EXPECT_TRUE(told("payload: mass: bounds [1, 0] are empty"));
   EXPECT_TRUE(told("payload: x: scale 0"));
@@ -216,7 +259,7 @@ TEST(Catalogue, ImpossibleEntriesAreNamed) {
 std::set<std::string> names_for(const std::string& robot) {
   std::set<std::string> names;
   for (const Effect* effect :
-       applicable_effects(read_robot(std::filesystem::path(JACULUS_SOURCE_DIR) / "models" / robot).planar))
+       applicable_effects(model::read_robot(source_folder() / "models" / robot).planar))
     names.insert(effect->name);
   return names;
 }
@@ -224,12 +267,14 @@ std::set<std::string> names_for(const std::string& robot) {
 TEST(Catalogue, RobotsHaveWhatTheyCanHave) {
   const std::set<std::string> tailed = names_for("minitaur_tail"), tailless = names_for("minitaur");
   const std::set<std::string> pendulum = names_for("ak80_pendulum");
-  for (const char* name : {"tail_compliance", "drag_coefficient", "wind", "tail_link_mass", "tail_coulomb_friction"}) {
+  for (const char* name :
+       {"tail_compliance", "drag_coefficient", "wind", "tail_link_mass", "tail_coulomb_friction"}) {
     EXPECT_TRUE(tailed.count(name)) << name;
     EXPECT_FALSE(tailless.count(name)) << name;
     EXPECT_FALSE(pendulum.count(name)) << name;
   }
-  for (const char* name : {"foot_friction", "leg_coulomb_friction", "payload", "battery_sag", "sensor_scale"}) {
+  for (const char* name :
+       {"foot_friction", "leg_coulomb_friction", "payload", "battery_sag", "sensor_scale"}) {
     EXPECT_TRUE(tailed.count(name)) << name;
     EXPECT_TRUE(tailless.count(name)) << name;
     EXPECT_FALSE(pendulum.count(name)) << name;
@@ -242,4 +287,4 @@ TEST(Catalogue, RobotsHaveWhatTheyCanHave) {
 }
 
 }  // namespace
-}  // namespace jaculus
+}  // namespace jaculus::effects

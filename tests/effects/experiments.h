@@ -1,6 +1,7 @@
 #pragma once
-// Experiments in small that excite the catalogue's effects: a leap, a falling robot that turns over, a tail on the bench, a
-// pendulum. What sensors would show of them: motion capture and encoders, with the plant's own latency, scale and offset.
+// Experiments in small that excite the catalogue's effects: a leap, a falling robot that turns
+// over, a tail on the bench, a pendulum. What sensors would show of them: motion capture and
+// encoders, with the plant's own latency, scale and offset.
 
 #include <functional>
 #include <optional>
@@ -13,18 +14,21 @@
 namespace jaculus::test {
 
 struct Experiment {
-  std::string name;                                     ///< as in Effect::excited_by
-  std::string robot;                                    ///< a folder of models/
-  std::function<PlanarModel(const PlanarModel&)> held;  ///< what the experiment holds of the robot
-  Plant plant;                                          ///< without effects
-  Controller controller;
+  trajectory::ExperimentKind kind = trajectory::ExperimentKind::leap;
+  std::string robot;  ///< its folder, from the source tree's root
+  std::function<model::PlanarModel(const model::PlanarModel&)>
+      held;                 ///< what the experiment holds of the robot
+  simulation::Plant plant;  ///< without effects
+  simulation::Controller controller;
   bool stands = false;  ///< starts on its feet, at rest in the reference's pose; else from `start`
-  StartState start;
-  SimulationOptions options;
+  simulation::StartState start;
+  simulation::SimulationOptions options;
 };
 
-/// Those that can be set up here: the leap needs the authors' plan.
+/// One of each kind that can be set up here: the leap needs the authors' plan.
 const std::vector<Experiment>& experiments();
+/// A robot of two plain joints, shoulder and elbow, both driven.
+const Experiment& two_joints();
 
 /// One channel's samples and the noise of its sensor.
 struct Shown {
@@ -33,13 +37,17 @@ struct Shown {
   double noise = 0.0;  ///< standard deviation
 };
 
-/// What the sensors show of an experiment on a plant; nothing where the simulation did not finish (`why` says so).
-std::optional<std::vector<Shown>> measure(const Experiment& experiment, const Plant& plant, std::string& why);
+/// What the sensors show of an experiment on a plant; nothing where the simulation did not finish
+/// (`why` says so).
+std::optional<std::vector<Shown>> measure(const Experiment& experiment,
+                                          const simulation::Plant& plant, std::string& why);
 
 /// The experiment's robot, read again with values of the model.
-PlanarModel with_values(const Experiment& experiment, const std::vector<ModelOverride>& values);
+model::PlanarModel with_values(const Experiment& experiment,
+                               const std::vector<effects::ModelOverride>& values);
 
 /// The same as one vector, every channel in its noise.
-std::optional<Vector> measured_in_noise(const Experiment& experiment, const Plant& plant, std::string& why);
+std::optional<Vector> measured_in_noise(const Experiment& experiment,
+                                        const simulation::Plant& plant, std::string& why);
 
 }  // namespace jaculus::test

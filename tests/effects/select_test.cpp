@@ -6,26 +6,27 @@
 
 #include <cmath>
 
-#include "effects/groups.h"
+#include "jaculus/core/installation.h"
 #include "jaculus/model/robot.h"
 #include "support/input_error.h"
-#include "support/sample_models.h"
 
-namespace jaculus {
+namespace jaculus::effects {
 namespace {
 
-const PlanarModel& tailed() {
-  static const PlanarModel model =
-      read_robot(std::filesystem::path(JACULUS_SOURCE_DIR) / "models" / "minitaur_tail").planar;
+const model::PlanarModel& tailed() {
+  static const model::PlanarModel model =
+      model::read_robot(source_folder() / "models" / "minitaur_tail").planar;
   return model;
 }
 
 TEST(ReadEffect, TakesOwnAndShownNames) {
-  const EffectValue shown = read_effect("tail_compliance:stiffness=80,damping_ratio=0.2", tailed(), "--effect");
+  const EffectValue shown =
+      read_effect("tail_compliance:stiffness=80,damping_ratio=0.2", tailed(), "--effect");
   EXPECT_EQ(shown.effect->name, "tail_compliance");
   EXPECT_NEAR(shown.theta[0], 0.0125, 1e-15);
   EXPECT_EQ(shown.theta[1], 0.2);
-  EXPECT_EQ(read_effect("tail_compliance:compliance=0.0125", tailed(), "--effect").theta[0], 0.0125);
+  EXPECT_EQ(read_effect("tail_compliance:compliance=0.0125", tailed(), "--effect").theta[0],
+            0.0125);
   EXPECT_EQ(read_effect("tail_compliance:stiffness=inf", tailed(), "--effect").theta[0], 0.0);
   const auto parameters = shown_parameters(*shown.effect, shown.theta);
   EXPECT_EQ(parameters[0].name, "stiffness");
@@ -36,7 +37,7 @@ TEST(ReadEffect, TakesOwnAndShownNames) {
 TEST(ReadEffect, LeavesTheOthersNominal) {
   const EffectValue value = read_effect("payload:x=0.1,mass=0.5", tailed(), "--effect");
   EXPECT_EQ(value.theta, (Vector(3) << 0.5, 0.1, 0.0).finished());
-  Plant plant = nominal_plant(tailed());
+  simulation::Plant plant = simulation::nominal_plant(tailed());
   const double before = plant.model.total_mass();
   apply_effects({value}, plant);
   EXPECT_NEAR(plant.model.total_mass(), before + 0.5, 1e-12);
@@ -46,52 +47,37 @@ TEST(ReadEffect, SaysWhatIsWrong) {
   const auto message = [](const std::string& text) {
     return test::input_error_of([&] { read_effect(text, tailed(), "--effect"); });
   };
-  EXPECT_TRUE(test::holds(message("tail_complience:stiffness=80"), "did you mean 'tail_compliance'?"));
-  EXPECT_TRUE(test::holds(message("joint_backlash:play=0.01"), "this robot can't have 'joint_backlash'"));
+  EXPECT_TRUE(
+      test::holds(message("tail_complience:stiffness=80"), "did you mean 'tail_compliance'?"));
+  EXPECT_TRUE(
+      test::holds(message("joint_backlash:play=0.01"), "this robot can't have 'joint_backlash'"));
   EXPECT_TRUE(test::holds(message("tail_compliance"), "has no parameter"));
   EXPECT_TRUE(test::holds(message("tail_compliance:stifness=80"), "did you mean 'stiffness'?"));
   EXPECT_TRUE(test::holds(message("tail_compliance:stiffness"), "no value given"));
-  EXPECT_TRUE(test::holds(message("tail_compliance:stiffness=stiff"), "'stiff' given; allowed: a number"));
+  EXPECT_TRUE(
+      test::holds(message("tail_compliance:stiffness=stiff"), "'stiff' given; allowed: a number"));
   EXPECT_TRUE(test::holds(message("tail_compliance:stiffness=nan"), "'nan' given"));
-  EXPECT_TRUE(test::holds(message("tail_compliance:stiffness=5"), "5 given; allowed: 20 to inf N m/rad"));
+  EXPECT_TRUE(
+      test::holds(message("tail_compliance:stiffness=5"), "5 given; allowed: 20 to inf N m/rad"));
   EXPECT_TRUE(test::holds(message("tail_compliance:stiffness=80,compliance=0.01"), "given twice"));
   EXPECT_TRUE(test::holds(message("payload:mass=-1"), "-1 given; allowed: 0 to 3 kg"));
 }
 
-TEST(Groups, AreDerivedFromTheModel) {
-  const effects::JointGroups groups = effects::joint_groups(tailed());
-  EXPECT_EQ(groups.tail, std::vector<std::string>{"tail"});
-  EXPECT_EQ(groups.front, (std::vector<std::string>{"front_a", "front_b"}));
-  EXPECT_EQ(groups.rear, (std::vector<std::string>{"rear_a", "rear_b"}));
-  EXPECT_TRUE(groups.other.empty());
-  // A tail that is held is no joint any more; its drag stays.
-  const effects::JointGroups held = effects::joint_groups(lock(tailed(), "tail", 0.0));
-  EXPECT_TRUE(held.tail.empty());
-  EXPECT_EQ(held.front.size(), 2u);
-}
-
-TEST(Groups, OfEveryModelShareNoJoint) {
-  for (const test_support::NamedModel& sample : test_support::sample_models()) {
-    const effects::JointGroups groups = effects::joint_groups(sample.model);
-    EXPECT_EQ(groups.tail.size() + groups.front.size() + groups.rear.size() + groups.other.size(),
-              sample.model.motors.size())
-        << sample.name;
-  }
-}
-
 /// Payload against the parallel-axis sum worked out by hand.
 TEST(Inertia, PayloadMovesMassCentreAndInertia) {
-  Plant plant = nominal_plant(tailed());
-  const PlanarBody before = plant.model.bodies.front();
+  simulation::Plant plant = simulation::nominal_plant(tailed());
+  const model::PlanarBody before = plant.model.bodies.front();
   find_effect("payload")->apply((Vector(3) << 0.8, 0.15, 0.05).finished(), plant);
-  const PlanarBody& after = plant.model.bodies.front();
-  const Vec2 place(0.15, 0.05), com = (before.mass * before.com + 0.8 * place) / (before.mass + 0.8);
+  const model::PlanarBody& after = plant.model.bodies.front();
+  const Vec2 place(0.15, 0.05),
+      com = (before.mass * before.com + 0.8 * place) / (before.mass + 0.8);
   EXPECT_NEAR(after.mass, before.mass + 0.8, 1e-12);
   EXPECT_NEAR((after.com - com).norm(), 0.0, 1e-12);
   EXPECT_NEAR(after.inertia,
-              before.inertia + before.mass * (before.com - com).squaredNorm() + 0.8 * (place - com).squaredNorm(),
+              before.inertia + before.mass * (before.com - com).squaredNorm() +
+                  0.8 * (place - com).squaredNorm(),
               1e-12);
 }
 
 }  // namespace
-}  // namespace jaculus
+}  // namespace jaculus::effects

@@ -8,7 +8,7 @@
 #include "jaculus/simulation/experiment.h"
 #include "support/temporary_folder.h"
 
-namespace jaculus {
+namespace jaculus::evaluation {
 namespace {
 
 constexpr const char* kExperiment = R"(
@@ -27,30 +27,34 @@ streams:
 
 /// A dataset of three trials with an effect.
 std::filesystem::path trials_with(const test::TemporaryFolder& folder, const std::string& effect) {
-  const Experiment experiment = read_experiment(folder.write("experiment.yaml", kExperiment));
-  const PlanarModel model = dataset_robot(experiment.setup).planar;
-  Plant plant = dataset_plant(experiment.setup, model);
-  apply_effects({read_effect(effect, model, "test")}, plant);
-  Dataset dataset = experiment.setup;
-  const Controller controller = experiment_controller(experiment, model);
+  const simulation::Experiment experiment =
+      simulation::read_experiment(folder.write("experiment.yaml", kExperiment));
+  const model::PlanarModel model = simulation::dataset_robot(experiment.setup).planar;
+  simulation::Plant plant = simulation::dataset_plant(experiment.setup, model);
+  effects::apply_effects({effects::read_effect(effect, model, "test")}, plant);
+  trajectory::Dataset dataset = experiment.setup;
+  const simulation::Controller controller = simulation::experiment_controller(experiment, model);
   for (int i = 0; i < experiment.trials; ++i)
-    dataset.trials.push_back(run_trial(experiment, plant, controller, i, 11).trial);
-  write_dataset(dataset, folder / "data");
+    dataset.trials.push_back(simulation::run_trial(experiment, plant, controller, i, 11).trial);
+  trajectory::write_dataset(dataset, folder / "data");
   return folder / "data";
 }
 
 TEST(Baselines, NameAnEffectWhereThereIsOne) {
   const test::TemporaryFolder folder;
-  const auto answers = evaluation::baseline_answers(trials_with(folder, "joint_coulomb_friction:torque=0.4"));
-  ASSERT_EQ(answers.size(), evaluation::baseline_names().size());
-  for (const CaseAnswer& answer : answers) {
-    EXPECT_EQ(answer.verdict, "effect");
-    EXPECT_EQ(answer.effects.size(), 1u);
-    EXPECT_GT(answer.ranking.size(), 5u);
+  const auto predictions =
+      evaluation::baseline_answers(trials_with(folder, "joint_coulomb_friction:torque=0.4"));
+  ASSERT_EQ(predictions.size(), evaluation::baseline_names().size());
+  for (const Prediction& prediction : predictions) {
+    EXPECT_EQ(prediction.verdict, diagnosis::Verdict::effect);
+    EXPECT_EQ(prediction.effects.size(), 1u);
+    EXPECT_GT(prediction.ranking.size(), 5u);
   }
-  // The lowest training error finds friction, if not its kind: the more flexible one fits as well or better.
-  EXPECT_TRUE(answers[0].effects.at(0).name.ends_with("_friction")) << answers[0].effects.at(0).name;
+  // The lowest training error finds friction, if not its kind: the more flexible one fits as well
+  // or better.
+  EXPECT_TRUE(predictions[0].effects.at(0).name.ends_with("_friction"))
+      << predictions[0].effects.at(0).name;
 }
 
 }  // namespace
-}  // namespace jaculus
+}  // namespace jaculus::evaluation

@@ -1,4 +1,5 @@
-// Cases diagnosed by a program of their own, here a script that stands in for jaculus and writes down what it can see.
+// Cases diagnosed by a program of their own, here a script that stands in for jaculus and writes
+// down what it can see.
 
 #include <gtest/gtest.h>
 
@@ -7,11 +8,14 @@
 #include <iterator>
 
 #include "evaluation/run_diagnosis.h"
+#include "jaculus/effects/effect.h"
 #include "jaculus/evaluation/score.h"
+#include "jaculus/model/robot.h"
+#include "jaculus/testbed/effects.h"
 #include "support/input_error.h"
 #include "support/temporary_folder.h"
 
-namespace jaculus {
+namespace jaculus::evaluation {
 namespace {
 
 namespace fs = std::filesystem;
@@ -19,7 +23,8 @@ namespace fs = std::filesystem;
 constexpr const char* kProgram = R"sh(#!/bin/sh
 # $1 diagnose  $2 dataset  $3 --out  $4 answer ...
 mkdir -p answer
-{ echo "arguments: $*"; echo "folder: $(pwd)"; env; find . -type f; cat dataset/dataset.yaml; } > answer/seen
+{ echo "arguments: $*"; echo "folder: $(pwd)"; env; find . -type f; cat dataset/dataset.yaml; } )sh"
+                                 R"sh(> answer/seen
 cp answer/seen answer/augmented.yaml
 case "$(cat dataset/dataset.yaml)" in
   *refuse*) echo "dataset.yaml:1: bad" >&2; exit 2 ;;
@@ -27,7 +32,8 @@ case "$(cat dataset/dataset.yaml)" in
   *sleep*) exec sleep 30 ;;
   *garbage*) echo "{" > answer/diagnosis.json; exit 0 ;;
 esac
-echo '{"format": "jaculus-diagnosis/1", "verdict": "none", "effects": [], "ranking": []}' > answer/diagnosis.json
+echo '{"format": "jaculus-diagnosis/1", "verdict": "none", "effects": [], "ranking": []}' > )sh"
+                                 R"sh(answer/diagnosis.json
 )sh";
 
 struct Batch {
@@ -56,24 +62,35 @@ struct Batch {
   std::vector<std::string> ids;
 };
 
-SealedTruth nothing(const std::string& id) {
-  SealedTruth truth;
+CaseTruth nothing(const std::string& id) {
+  CaseTruth truth;
   truth.case_id = id;
   truth.kind = "none";
   return truth;
+}
+
+TEST(Catalogues, WhatIsOutsideOneIsNotInTheOther) {
+  for (const char* robot : {"minitaur_tail", "minitaur", "pendulum"}) {
+    for (const testbed::BenchEffect& effect :
+         testbed::bench_effects(model::find_robot(robot, std::filesystem::current_path()))) {
+      if (!effect.outside) continue;
+      EXPECT_EQ(effects::find_effect(effect.name), nullptr) << effect.name;
+    }
+  }
 }
 
 TEST(RunDiagnosis, SeesTheDatasetAndNothingElse) {
   Batch batch;
   batch.add("k3", "format: jaculus-dataset/1\n");
   ::setenv("JACULUS_LABEL_KEY", "open sesame", 1);
-  const CaseAnswer answer =
-      evaluation::run_diagnosis({batch.program, batch.folder / "cases" / "k3", batch.folder / "kept", {}, 5, 60.0});
+  const Prediction prediction = evaluation::run_diagnosis(
+      {batch.program, batch.folder / "cases" / "k3", batch.folder / "kept", {}, 5, 60.0});
   ::unsetenv("JACULUS_LABEL_KEY");
-  ASSERT_EQ(answer.verdict, "none") << answer.message;
-  EXPECT_GT(answer.seconds, 0.0);
+  ASSERT_EQ(prediction.verdict, diagnosis::Verdict::none) << prediction.message;
+  EXPECT_GT(prediction.seconds, 0.0);
   const std::string seen = test::bytes_of(batch.folder / "kept" / "augmented.yaml");
-  EXPECT_NE(seen.find("arguments: diagnose dataset --out answer --seed 5"), std::string::npos) << seen;
+  EXPECT_NE(seen.find("arguments: diagnose dataset --out answer --seed 5"), std::string::npos)
+      << seen;
   EXPECT_NE(seen.find("./dataset/dataset.yaml"), std::string::npos);
   for (const char* secret : {"sesame", "LABEL", "sealed", "tail_compliance", "k3"})
     EXPECT_EQ(seen.find(secret), std::string::npos) << secret << " in\n" << seen;
@@ -84,15 +101,19 @@ TEST(RunDiagnosis, SeesTheDatasetAndNothingElse) {
 TEST(RunDiagnosis, FailuresAreAnswersThatSayWhy) {
   Batch batch;
   for (const char* id : {"refuse", "crash", "sleep", "garbage"}) batch.add(id, id);
-  const auto answer = [&](const std::string& id) {
-    return evaluation::run_diagnosis(
-        {batch.program, batch.folder / "cases" / id, batch.folder / "kept", {}, 1, id == "sleep" ? 0.3 : 60.0});
+  const auto prediction = [&](const std::string& id) {
+    return evaluation::run_diagnosis({batch.program,
+                                      batch.folder / "cases" / id,
+                                      batch.folder / "kept",
+                                      {},
+                                      1,
+                                      id == "sleep" ? 0.3 : 60.0});
   };
-  for (const std::string& id : batch.ids) EXPECT_EQ(answer(id).verdict, "failed") << id;
-  EXPECT_TRUE(test::holds(answer("refuse").message, "exit code 2: dataset.yaml:1: bad"));
-  EXPECT_TRUE(test::holds(answer("crash").message, "ended by signal 11"));
-  EXPECT_TRUE(test::holds(answer("sleep").message, "no answer within 0.3 s"));
-  EXPECT_TRUE(test::holds(answer("garbage").message, "is no JSON"));
+  for (const std::string& id : batch.ids) EXPECT_FALSE(prediction(id).verdict) << id;
+  EXPECT_TRUE(test::holds(prediction("refuse").message, "exit code 2: dataset.yaml:1: bad"));
+  EXPECT_TRUE(test::holds(prediction("crash").message, "ended by signal 11"));
+  EXPECT_TRUE(test::holds(prediction("sleep").message, "no answer within 0.3 s"));
+  EXPECT_TRUE(test::holds(prediction("garbage").message, "is no JSON"));
 }
 
 TEST(ScoreCases, OpensTheLabelsAfterTheLastAnswerAndResumes) {
@@ -105,20 +126,22 @@ TEST(ScoreCases, OpensTheLabelsAfterTheLastAnswerAndResumes) {
       EXPECT_TRUE(fs::exists(batch.folder / "out" / "answers" / id / "messages.txt")) << id;
     }
     opened = true;
-    return std::vector<SealedTruth>{nothing("b"), nothing("a")};
+    return std::vector<CaseTruth>{nothing("b"), nothing("a")};
   };
   const Score score = score_cases(batch.folder / "cases", batch.ids, labels, batch.options());
   ASSERT_TRUE(opened);
   EXPECT_EQ(score.truths[0].case_id, "a");
-  EXPECT_EQ(score.sheets[0].marks[0].credit, 1.0);
-  EXPECT_EQ(score.sheets[0].marks[1].credit, 0.0);
-  EXPECT_EQ(score.sheets[0].by.at("no answer").value, 0.5);
+  EXPECT_EQ(score.metrics[0].scores[0].credit, 1.0);
+  EXPECT_EQ(score.metrics[0].scores[1].credit, 0.0);
+  EXPECT_EQ(score.metrics[0].by.at("no answer").value, 0.5);
   const std::string first = test::bytes_of(batch.folder / "out" / "score.json");
 
-  // Again without --resume: refused. With it: no case is run again, which the kept messages would show.
-  EXPECT_TRUE(test::holds(
-      test::input_error_of([&] { score_cases(batch.folder / "cases", batch.ids, labels, batch.options()); }),
-      "allowed: --resume"));
+  // Again without --resume: refused. With it: no case is run again, which the kept messages would
+  // show.
+  EXPECT_TRUE(test::holds(test::input_error_of([&] {
+                            score_cases(batch.folder / "cases", batch.ids, labels, batch.options());
+                          }),
+                          "allowed: --resume"));
   for (const std::string& id : batch.ids)
     std::ofstream(batch.folder / "out" / "answers" / id / "messages.txt") << "untouched";
   ScoreOptions again = batch.options();
@@ -130,9 +153,10 @@ TEST(ScoreCases, OpensTheLabelsAfterTheLastAnswerAndResumes) {
 
 TEST(ScoreCases, BadInputIsNamed) {
   Batch batch;
-  const auto none = [] { return std::vector<SealedTruth>(); };
+  const auto none = [] { return std::vector<CaseTruth>(); };
   const auto message = [&] {
-    return test::input_error_of([&] { score_cases(batch.folder / "cases", batch.ids, none, batch.options()); });
+    return test::input_error_of(
+        [&] { score_cases(batch.folder / "cases", batch.ids, none, batch.options()); });
   };
   EXPECT_TRUE(test::holds(message(), "no case"));
   batch.add("a", "none\n");
@@ -142,4 +166,4 @@ TEST(ScoreCases, BadInputIsNamed) {
 }
 
 }  // namespace
-}  // namespace jaculus
+}  // namespace jaculus::evaluation

@@ -1,4 +1,5 @@
-// A leap planned again with a payload known: the robot that carries it keeps to the second plan, not to the first.
+// A leap planned again with a payload known: the robot that carries it keeps to the second plan,
+// not to the first.
 
 #include "jaculus/evaluation/replan.h"
 
@@ -6,23 +7,25 @@
 
 #include <nlohmann/json.hpp>
 
+#include "jaculus/core/installation.h"
 #include "jaculus/model/robot.h"
 #include "jaculus/testbed/trials.h"
 
-namespace jaculus {
+namespace jaculus::evaluation {
 namespace {
 
-Problem tailless() {
-  return read_problem(std::filesystem::path(JACULUS_SOURCE_DIR) / "problems" / "leap_tailless.yaml");
+transcription::Problem tailless() {
+  return transcription::read_problem(source_folder() / "problems" / "leap_tailless.yaml");
 }
 
-EffectValue effect(const std::string& text, const Problem& problem) {
-  return read_effect(text, read_robot(problem.robot_folder).planar, "test");
+effects::EffectValue effect(const std::string& text, const transcription::Problem& problem) {
+  return effects::read_effect(text, model::read_robot(problem.robot_folder).planar, "test");
 }
 
 TEST(Replan, ThePlanThatKnowsThePayloadIsKept) {
-  const Problem problem = tailless();
-  const std::vector<EffectValue> payload = {effect("payload:mass=1,x=0.05,z=0.05", problem)};
+  const transcription::Problem problem = tailless();
+  const std::vector<effects::EffectValue> payload = {
+      effect("payload:mass=1,x=0.05,z=0.05", problem)};
   const Replan result = replan(problem, payload, replay_on_plant(problem.robot_folder, payload));
   ASSERT_TRUE(result.before.converged) << result.before.status;
   ASSERT_TRUE(result.after.converged) << result.after.status;
@@ -30,16 +33,17 @@ TEST(Replan, ThePlanThatKnowsThePayloadIsKept) {
   EXPECT_LT(result.after.planned_acceleration, result.before.planned_acceleration);
   EXPECT_GT(result.before.shortfall(), 0.2) << replan_text(result);
   RecordProperty("figures", replan_text(result));
-  EXPECT_LT(std::abs(result.after.shortfall()), 0.3 * result.before.shortfall()) << replan_text(result);
+  EXPECT_LT(std::abs(result.after.shortfall()), 0.3 * result.before.shortfall())
+      << replan_text(result);
   EXPECT_EQ(nlohmann::json::parse(replan_json(result)).at("planner_knows"), true);
   EXPECT_NE(replan_text(result).find("effect known"), std::string::npos);
 }
 
 TEST(Replan, AnEffectThatPlanningCannotHaveIsSaidToBeSo) {
-  const Problem problem = tailless();
-  const std::vector<EffectValue> delay = {effect("actuation_delay:delay=0.004", problem)};
+  const transcription::Problem problem = tailless();
+  const std::vector<effects::EffectValue> delay = {effect("actuation_delay:delay=0.004", problem)};
   int replays = 0;
-  const Replan result = replan(problem, delay, [&](const Table&) {
+  const Replan result = replan(problem, delay, [&](const trajectory::Table&) {
     ++replays;
     return 1.0;
   });
@@ -51,8 +55,9 @@ TEST(Replan, AnEffectThatPlanningCannotHaveIsSaidToBeSo) {
 
 TEST(Replan, OnTheTestbedTheSameHolds) {
   if (!testbed::available()) GTEST_SKIP() << "built without MuJoCo";
-  const Problem problem = tailless();
-  const std::vector<EffectValue> payload = {effect("payload:mass=1,x=0.05,z=0.05", problem)};
+  const transcription::Problem problem = tailless();
+  const std::vector<effects::EffectValue> payload = {
+      effect("payload:mass=1,x=0.05,z=0.05", problem)};
   testbed::Changes changes;
   changes.payload = 1.0;
   changes.payload_place = {0.05, 0.05};
@@ -60,8 +65,9 @@ TEST(Replan, OnTheTestbedTheSameHolds) {
   ASSERT_TRUE(result.before.converged && result.after.converged);
   EXPECT_GT(result.before.shortfall(), 0.2) << replan_text(result);
   RecordProperty("figures", replan_text(result));
-  EXPECT_LT(std::abs(result.after.shortfall()), 0.3 * result.before.shortfall()) << replan_text(result);
+  EXPECT_LT(std::abs(result.after.shortfall()), 0.3 * result.before.shortfall())
+      << replan_text(result);
 }
 
 }  // namespace
-}  // namespace jaculus
+}  // namespace jaculus::evaluation

@@ -12,13 +12,14 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (size == 0) return 0;
   fuzz::refuse_politely([&] {
     std::istringstream stream(fuzz::text_of(data + 1, size - 1));
-    const MocapTake take = read_optitrack(stream, "fuzz.csv");
-    MocapAxes axes;
-    axes.up = data[0] % 2 == 0 ? "y" : "z";
-    axes.forward = data[0] % 3 == 0 ? "auto" : "+x";
+    const trajectory::MocapTake take = trajectory::read_optitrack(stream, "fuzz.csv");
+    trajectory::MocapAxes axes;
+    axes.up = data[0] % 2 == 0 ? trajectory::MocapUp::y : trajectory::MocapUp::z;
+    axes.forward =
+        data[0] % 3 == 0 ? trajectory::MocapForward::automatic : trajectory::MocapForward::plus_x;
     std::vector<std::string> notes;
-    const Stream out = mocap_stream(take, axes, notes);
-    if (out.values.rows() != static_cast<Eigen::Index>(out.channels.size()) || out.values.cols() != out.time.size())
+    const trajectory::Stream out = trajectory::mocap_stream(take, axes, notes);
+    if (out.values.rows() != std::ssize(out.channels) || out.values.cols() != out.time.size())
       __builtin_trap();
   });
   return 0;

@@ -1,6 +1,6 @@
 #pragma once
-// What the fuzzers share. A reader may refuse its input with an InputError; anything else that it throws, any crash, leak, overflow or
-// hang is a finding.
+// What the fuzzers share. A reader may refuse its input with an InputError; anything else that it
+// throws, any crash, leak, overflow or hang is a finding.
 
 #include <cstddef>
 #include <cstdint>

@@ -17,13 +17,13 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     switch (data[0] % 4) {
       case 0:
         (void)node.dump();
-        (void)read_outline(node);
+        (void)trajectory::read_outline(node);
         break;
       case 1:
-        (void)read_openlog_format(node);
+        (void)trajectory::read_openlog_format(node);
         break;
       case 2:
-        (void)read_column_map(node);
+        (void)trajectory::read_column_map(node);
         break;
       default:
         (void)node.number(dimension::torque, {-1.0, 1e3});

@@ -1,4 +1,5 @@
-# Installs BUILD into a fresh prefix, then configures, builds and runs CONSUMER against it. Any failure fails the test.
+# Installs BUILD into a fresh prefix, then configures, builds and runs CONSUMER and the programs of EXAMPLES against it. Any
+# failure fails the test.
 set(work ${BUILD}/install_check)
 file(REMOVE_RECURSE ${work})
 
@@ -16,8 +17,30 @@ foreach(wanted include/jaculus share/jaculus/models share/jaculus/problems)
     message(FATAL_ERROR "${wanted} was not installed")
   endif()
 endforeach()
-run(${CMAKE_COMMAND} -S ${CONSUMER} -B ${work}/build -G ${GENERATOR} -DCMAKE_BUILD_TYPE=Release
-    -DCMAKE_CXX_COMPILER=${COMPILER} -DCMAKE_PREFIX_PATH=${work}/prefix -DSANITIZE=${SANITIZE})
-run(${CMAKE_COMMAND} --build ${work}/build)
+function(build source folder)
+  run(${CMAKE_COMMAND} -S ${source} -B ${folder} -G ${GENERATOR} -DCMAKE_BUILD_TYPE=Release
+      -DCMAKE_CXX_COMPILER=${COMPILER} -DCMAKE_PREFIX_PATH=${work}/prefix -DSANITIZE=${SANITIZE})
+  run(${CMAKE_COMMAND} --build ${folder})
+endfunction()
+
+build(${CONSUMER} ${work}/build)
 run(${work}/build/consumer ${work})
+
+# Each example does what its first lines promise.
+function(expect wanted)
+  execute_process(COMMAND ${ARGN} RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE output)
+  if(NOT status EQUAL 0 OR NOT output MATCHES "${wanted}")
+    string(JOIN " " command ${ARGN})
+    message(FATAL_ERROR "${command}: exit code ${status}, expected '${wanted}' in\n${output}")
+  endif()
+endfunction()
+
+build(${EXAMPLES} ${work}/examples)
+expect("verification passed" ${work}/examples/solve ${EXAMPLES}/hopper/jump.yaml ${work}/torques.csv)
+if(NOT EXISTS ${work}/torques.csv)
+  message(FATAL_ERROR "the example solve wrote no torques")
+endif()
+expect("active: [^\n]*pitch rate" ${work}/examples/own_term ${EXAMPLES}/own_term/jump.yaml)
+expect("verdict: effect.*viscous_friction" ${work}/examples/diagnose
+       ${work}/prefix/share/jaculus/problems/pendulum_trials.yaml joint_viscous_friction:coefficient=0.05)
 file(REMOVE_RECURSE ${work})

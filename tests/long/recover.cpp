@@ -1,7 +1,8 @@
-// Gives every effect of the catalogue back? For each, in the shipped experiment that excites it: data of the plant at realistic noise,
-// diagnosed against the whole catalogue once, and against it alone in every replicate to see how often the 95 % interval holds the
-// truth. The first parameter is half its probing step from nominal, and twice as far, up to eight times, while that is lost in the
-// experiment's noise; the strength taken is printed. A new entry is walked unasked.
+// Gives every effect of the catalogue back? For each, in the shipped experiment that excites it:
+// data of the plant at realistic noise, diagnosed against the whole catalogue once, and against it
+// alone in every replicate to see how often the 95 % interval holds the truth. The first parameter
+// is half its probing step from nominal, and twice as far, up to eight times, while that is lost in
+// the experiment's noise; the strength taken is printed. A new entry is walked unasked.
 //   recover [REPLICATES [EFFECT...]]
 
 #include <fmt/format.h>
@@ -10,7 +11,8 @@
 #include <cstdlib>
 #include <map>
 
-#include "diagnosis/posed.h"
+#include "diagnosis/build_problem.h"
+#include "jaculus/core/installation.h"
 #include "jaculus/core/tasks.h"
 #include "jaculus/diagnosis/diagnose.h"
 #include "jaculus/effects/effect.h"
@@ -20,24 +22,31 @@
 namespace jaculus {
 namespace {
 
-const std::map<std::string, std::string> kExperiments = {{"leap", "leap_trials"},
-                                                         {"self_righting", "drop_trials"},
-                                                         {"tail_bench", "bench_trials"},
-                                                         {"pendulum", "pendulum_trials"}};
+using trajectory::ExperimentKind;
+
+const std::map<ExperimentKind, std::string> kExperiments = {
+    {ExperimentKind::leap, "leap_trials"},
+    {ExperimentKind::self_righting, "drop_trials"},
+    {ExperimentKind::tail_bench, "bench_trials"},
+    {ExperimentKind::pendulum, "pendulum_trials"}};
 
 struct Walk {
-  const Effect* effect;
+  const effects::Effect* effect;
   std::string problem;
   double share = 0.5;  ///< of the probing step
 };
 
 std::vector<Walk> walks(const std::vector<std::string>& wanted) {
   std::vector<Walk> list;
-  for (const Effect& effect : effect_catalogue()) {
-    if (!wanted.empty() && std::find(wanted.begin(), wanted.end(), effect.name) == wanted.end()) continue;
-    for (const std::string& by : effect.excited_by) {
-      const std::string file = std::string(JACULUS_SOURCE_DIR) + "/problems/" + kExperiments.at(by) + ".yaml";
-      if (!effect.applies(dataset_robot(read_experiment(file).setup).planar)) continue;
+  for (const effects::Effect& effect : effects::effect_catalogue()) {
+    if (!wanted.empty() && std::find(wanted.begin(), wanted.end(), effect.name) == wanted.end())
+      continue;
+    for (const ExperimentKind by : effect.excited_by) {
+      const std::string file =
+          source_folder().string() + "/problems/" + kExperiments.at(by) + ".yaml";
+      if (!effect.applies(
+              simulation::dataset_robot(simulation::read_experiment(file).setup).planar))
+        continue;
       list.push_back({&effect, file});
       break;
     }
@@ -46,65 +55,74 @@ std::vector<Walk> walks(const std::vector<std::string>& wanted) {
 }
 
 Vector truth_of(const Walk& walk) {
-  const Effect& effect = *walk.effect;
+  const effects::Effect& effect = *walk.effect;
   const Bounds& bounds = effect.parameters.front().bounds;
   Vector theta = effect.probed();
-  theta[0] =
-      std::clamp(effect.nominal()[0] + walk.share * (theta[0] - effect.nominal()[0]), bounds.lower, bounds.upper);
+  theta[0] = std::clamp(effect.nominal()[0] + walk.share * (theta[0] - effect.nominal()[0]),
+                        bounds.lower, bounds.upper);
   return theta;
 }
 
-Dataset data_of(const Walk& walk, int replicate) {
-  const Experiment experiment = read_experiment(walk.problem);
-  const Robot robot = dataset_robot(experiment.setup);
-  Plant plant = dataset_plant(experiment.setup, robot.planar);
+trajectory::Dataset data_of(const Walk& walk, int replicate) {
+  const simulation::Experiment experiment = simulation::read_experiment(walk.problem);
+  const model::Robot robot = simulation::dataset_robot(experiment.setup);
+  simulation::Plant plant = simulation::dataset_plant(experiment.setup, robot.planar);
   walk.effect->apply(truth_of(walk), plant);
-  const Controller controller = experiment_controller(experiment, robot.planar);
-  Dataset dataset = experiment.setup;
+  const simulation::Controller controller =
+      simulation::experiment_controller(experiment, robot.planar);
+  trajectory::Dataset dataset = experiment.setup;
   for (int k = 0; k < experiment.trials; ++k)
-    dataset.trials.push_back(
-        run_trial(experiment, plant, controller, k, static_cast<std::uint64_t>(replicate) + 1).trial);
+    dataset.trials.push_back(simulation::run_trial(experiment, plant, controller, k,
+                                                   static_cast<std::uint64_t>(replicate) + 1)
+                                 .trial);
   return dataset;
 }
 
-/// Whether the interval of the first parameter holds the truth; nothing where the effect was not stated.
-std::optional<bool> covered(const Walk& walk, const Diagnosis& diagnosis) {
-  for (const FoundEffect& found : diagnosis.effects) {
+/// Whether the interval of the first parameter holds the truth; nothing where the effect was not
+/// stated.
+std::optional<bool> covered(const Walk& walk, const diagnosis::Diagnosis& diagnosis) {
+  for (const diagnosis::FoundEffect& found : diagnosis.effects) {
     if (found.name != walk.effect->name) continue;
-    const EffectParameter& own = walk.effect->parameters.front();
-    return found.parameters.front().ci95.contains(shown_value(own, truth_of(walk)[0]));
+    const effects::EffectParameter& own = walk.effect->parameters.front();
+    return found.parameters.front().ci95.contains(effects::shown_value(own, truth_of(walk)[0]));
   }
   return std::nullopt;
 }
 
-/// "first", "in its class" (equivalents by the sensitivities named with it, or an ambiguous verdict that holds it), else the verdict.
-std::string standing(const Walk& walk, const Diagnosis& diagnosis) {
-  for (const FoundEffect& found : diagnosis.effects) {
-    if (found.name == walk.effect->name) return &found == &diagnosis.effects.front() ? "first" : "in its class";
-    if (std::find(found.like.begin(), found.like.end(), walk.effect->name) != found.like.end()) return "in its class";
+/// "first", "in its class" (equivalents by the sensitivities named with it, or an ambiguous verdict
+/// that holds it), else the verdict.
+std::string standing(const Walk& walk, const diagnosis::Diagnosis& diagnosis) {
+  for (const diagnosis::FoundEffect& found : diagnosis.effects) {
+    if (found.name == walk.effect->name)
+      return &found == &diagnosis.effects.front() ? "first" : "in its class";
+    if (std::find(found.indistinguishable.begin(), found.indistinguishable.end(),
+                  walk.effect->name) != found.indistinguishable.end())
+      return "in its class";
   }
-  std::string text = diagnosis.verdict;
-  for (const FoundEffect& found : diagnosis.effects) text += " " + found.name;
+  std::string text = diagnosis::to_text(diagnosis.verdict);
+  for (const diagnosis::FoundEffect& found : diagnosis.effects) text += " " + found.name;
   return text;
 }
 
 std::string report(Walk walk, int replicates) {
-  DiagnoseOptions alone;
+  diagnosis::DiagnoseOptions alone;
   alone.effects = {walk.effect};
   const auto by_itself = [&](int replicate) {  // without where the gap lies, which takes longest
-    return diagnose_problem(pose({data_of(walk, replicate)}, alone).problem, alone);
+    return diagnosis::diagnose_problem(
+        *diagnosis::build_problem({data_of(walk, replicate)}, alone).problem, alone);
   };
   while (walk.share < 4.0 && !covered(walk, by_itself(0))) walk.share *= 2.0;
-  const std::string place = standing(walk, diagnose({data_of(walk, 0)}));
+  const std::string place = standing(walk, diagnosis::diagnose({data_of(walk, 0)}));
   int held = 0, stated = 0;
   for (int r = 0; r < replicates; ++r) {
     const auto in = covered(walk, by_itself(r));
     stated += in.has_value() ? 1 : 0;
     held += in.value_or(false) ? 1 : 0;
   }
-  return fmt::format("{:<28} {:<24} {:<34} covered {:>3} of {:>3} stated, {} replicates", walk.effect->name,
-                     fmt::format("{} {:.4g} {}", walk.effect->parameters.front().name, truth_of(walk)[0],
-                                 walk.effect->parameters.front().unit),
+  return fmt::format("{:<28} {:<24} {:<34} covered {:>3} of {:>3} stated, {} replicates",
+                     walk.effect->name,
+                     fmt::format("{} {:.4g} {}", walk.effect->parameters.front().name,
+                                 truth_of(walk)[0], walk.effect->parameters.front().unit),
                      place, held, stated, replicates);
 }
 
@@ -116,8 +134,8 @@ int main(int argc, char** argv) {
   const int replicates = argc > 1 ? std::atoi(argv[1]) : 20;
   const std::vector<Walk> list = walks({argv + std::min(argc, 2), argv + argc});
   TaskOptions options;
-  const auto task = [&](int i) { return report(list[static_cast<std::size_t>(i)], replicates); };
-  for (const TaskResult& result : run_tasks(static_cast<int>(list.size()), task, options))
+  const auto task = [&](int i) { return report(list[i], replicates); };
+  for (const TaskResult& result : run_tasks(count_of(list), task, options))
     fmt::print("{}\n", result.state == TaskState::done ? result.bytes : "failed: " + result.error);
   return 0;
 }

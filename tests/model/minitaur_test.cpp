@@ -4,22 +4,25 @@
 
 #include <cstdlib>
 
+#include "jaculus/core/installation.h"
 #include "jaculus/model/robot.h"
 #include "jaculus/trajectory/csv.h"
 #include "model/support.h"
 
-namespace jaculus {
+namespace jaculus::model {
 namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path kModels = fs::path(JACULUS_SOURCE_DIR) / "models";
+const fs::path kModels = source_folder() / "models";
 
 const PlanarBody& body_at(const PlanarModel& model, const std::string& joint) {
-  return model.bodies.at(static_cast<std::size_t>(model.body_of_joint(joint)));
+  return model.bodies.at(model.body_of_joint(joint));
 }
 
-double about_joint(const PlanarBody& body) { return body.inertia + body.mass * body.com.squaredNorm(); }
+double about_joint(const PlanarBody& body) {
+  return body.inertia + body.mass * body.com.squaredNorm();
+}
 
 TEST(Minitaur, HasThePublishedMasses) {
   const PlanarModel bare = read_robot(kModels / "minitaur").planar;
@@ -58,8 +61,8 @@ TEST(Minitaur, HasTheCoordinatesOfTheLegs) {
   const PlanarModel m = read_robot(kModels / "minitaur_tail").planar;
   std::vector<std::string> names;
   for (const Coordinate& c : m.coordinates) names.push_back(c.name);
-  EXPECT_EQ(names, (std::vector<std::string>{"x", "z", "pitch", "front_extension", "front_angle", "rear_extension",
-                                             "rear_angle", "tail"}));
+  EXPECT_EQ(names, (std::vector<std::string>{"x", "z", "pitch", "front_extension", "front_angle",
+                                             "rear_extension", "rear_angle", "tail"}));
   EXPECT_FALSE(m.coordinates[1].angular);
   EXPECT_TRUE(m.coordinates[2].angular);
   EXPECT_DOUBLE_EQ(m.coordinates[3].range.lower, 0.4);
@@ -68,7 +71,8 @@ TEST(Minitaur, HasTheCoordinatesOfTheLegs) {
   Vector q(8);
   q << 9, 9, 9, 1.0, 0.2, 1.5, -0.3, 0.7;
   const Vector theta = m.joint_map * q + m.joint_offset;
-  EXPECT_DOUBLE_EQ(theta[m.body_of_joint("front_a")], 0.8);  // extension = (a + b)/2, angle = (b - a)/2
+  // extension = (a + b)/2, angle = (b - a)/2
+  EXPECT_DOUBLE_EQ(theta[m.body_of_joint("front_a")], 0.8);
   EXPECT_DOUBLE_EQ(theta[m.body_of_joint("front_b")], 1.2);
   EXPECT_DOUBLE_EQ(theta[m.body_of_joint("rear_a")], 1.8);
   EXPECT_DOUBLE_EQ(theta[m.body_of_joint("rear_b")], 1.2);
@@ -80,11 +84,11 @@ TEST(Minitaur, HasTheCoordinatesOfTheLegs) {
 TEST(Minitaur, HasTheMotorsAndTheScoop) {
   const PlanarModel m = read_robot(kModels / "minitaur_tail").planar;
   ASSERT_EQ(m.motors.size(), 5u);
-  const PlanarMotor& leg = m.motors[static_cast<std::size_t>(m.motor_index("rear_b"))];
+  const PlanarMotor& leg = m.motors[m.motor_index("rear_b")];
   EXPECT_EQ(leg.count, 2);
   EXPECT_EQ(leg.resistance, 0.186);
   EXPECT_EQ(leg.gear, 1.0);
-  const PlanarMotor& tail = m.motors[static_cast<std::size_t>(m.motor_index("tail"))];
+  const PlanarMotor& tail = m.motors[m.motor_index("tail")];
   EXPECT_EQ(tail.count, 1);
   EXPECT_EQ(tail.gear, 4.0);
   EXPECT_EQ(tail.rotor_inertia, 7.2e-5);
@@ -107,7 +111,7 @@ struct Deviation {
   double ground = 0.0;       ///< worst height of the feet in the first phase, where all stand [m]
 };
 
-Deviation deviation(const Table& plan, const PlanarModel& model) {
+Deviation deviation(const trajectory::Table& plan, const PlanarModel& model) {
   Deviation worst;
   double squares = 0.0;
   const auto value = [&](int row, const std::string& name) {
@@ -122,30 +126,33 @@ Deviation deviation(const Table& plan, const PlanarModel& model) {
     const testing::Pose base{{value(row, "x"), value(row, "z")}, value(row, "pitch")};
     const std::vector<testing::Pose> poses = testing::poses(model, base, joints);
     for (const PlanarPoint& foot : model.feet) {
-      const Vec2 toe = poses[static_cast<std::size_t>(foot.body)].at(foot.position);
+      const Vec2 toe = poses[foot.body].at(foot.position);
       worst.foot =
-          std::max(worst.foot, (toe - Vec2(value(row, foot.name + "_x"), value(row, foot.name + "_z"))).norm());
-      if (plan.phase.at(static_cast<std::size_t>(row)) == plan.phase.front())
+          std::max(worst.foot,
+                   (toe - Vec2(value(row, foot.name + "_x"), value(row, foot.name + "_z"))).norm());
+      if (plan.phase.at(row) == plan.phase.front())
         worst.ground = std::max(worst.ground, std::abs(toe.y()));
     }
     for (const PlanarLoop& loop : model.loops) {
-      const testing::Pose& a = poses[static_cast<std::size_t>(loop.body_a)];
-      const testing::Pose& b = poses[static_cast<std::size_t>(loop.body_b)];
+      const testing::Pose& a = poses[loop.body_a];
+      const testing::Pose& b = poses[loop.body_b];
       const Vec2 pin = a.at(loop.point_a);
       const double gap = (pin - b.at(loop.point_b)).norm();
       worst.closure = std::max(worst.closure, gap);
       squares += gap * gap;
       const Vec2 u = b.p - a.p;
       const Vec2 v = pin - a.p;
-      worst.branch = std::min(worst.branch, loop.branch * (u.y() * v.x() - u.x() * v.y() > 0.0 ? 1.0 : -1.0));
+      worst.branch =
+          std::min(worst.branch, loop.branch * (u.y() * v.x() - u.x() * v.y() > 0.0 ? 1.0 : -1.0));
     }
   }
   worst.closure_rms = std::sqrt(squares / static_cast<double>(plan.values.rows() * 2));
   return worst;
 }
 
-// The plans' equality rows are relaxed by 1e-4 and stance and closure are held through rates, so positions drift along a plan: the
-// loops by 0.25 mm (root mean square), notail_Vel15_V8 by more, which misses its torque rows too; the feet of the two slow plans (Vel15) by 0.8 and 1.6 mm.
+// The plans' equality rows are relaxed by 1e-4 and stance and closure are held through rates, so
+// positions drift along a plan: the loops by 0.25 mm (root mean square), notail_Vel15_V8 by more,
+// which misses its torque rows too; the feet of the two slow plans (Vel15) by 0.8 and 1.6 mm.
 TEST(Minitaur, AgreesWithTheSolvedPlans) {
   const fs::path data = testing::data_folder();
   if (data.empty()) {
@@ -156,7 +163,7 @@ TEST(Minitaur, AgreesWithTheSolvedPlans) {
   for (const fs::directory_entry& entry : fs::directory_iterator(data / "plans")) {
     if (entry.path().extension() != ".csv") continue;
     ++plans;
-    const Table plan = read_csv(entry.path());
+    const trajectory::Table plan = trajectory::read_csv(entry.path());
     const bool tail = plan.column("tail") >= 0;
     const PlanarModel model = read_robot(kModels / (tail ? "minitaur_tail" : "minitaur")).planar;
     const Deviation worst = deviation(plan, model);
@@ -172,4 +179,4 @@ TEST(Minitaur, AgreesWithTheSolvedPlans) {
 }
 
 }  // namespace
-}  // namespace jaculus
+}  // namespace jaculus::model

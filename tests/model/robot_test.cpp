@@ -6,15 +6,16 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "jaculus/core/installation.h"
 #include "jaculus/model/urdf.h"
 #include "model/support.h"
 
-namespace jaculus {
+namespace jaculus::model {
 namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path kModels = fs::path(JACULUS_SOURCE_DIR) / "models";
+const fs::path kModels = source_folder() / "models";
 
 Override set(const std::string& path, const std::string& value) {
   const yaml::Node node = yaml::Node::parse("override: {" + path + ": " + value + "}", "p.yaml");
@@ -31,9 +32,10 @@ TEST(Robot, EveryModelReadsAndExplainsItself) {
   for (const fs::directory_entry& entry : fs::directory_iterator(kModels)) {
     const Robot robot = read_robot(entry.path());
     EXPECT_EQ(robot.name, entry.path().filename().string());
-    EXPECT_EQ(robot.planar.joint_map.rows(), static_cast<Eigen::Index>(robot.planar.bodies.size()));
+    EXPECT_EQ(robot.planar.joint_map.rows(), robot.planar.bodies.size());
     EXPECT_EQ(robot.planar.joint_map.cols(), robot.planar.size());
-    const char* gravity = robot.name == "self_righting" ? "gravity = 0 [m/s^2]" : "gravity = 9.81 [m/s^2]";
+    const char* gravity =
+        robot.name == "self_righting" ? "gravity = 0 [m/s^2]" : "gravity = 9.81 [m/s^2]";
     EXPECT_TRUE(mentions(override_paths(entry.path()), gravity)) << robot.name;
     ++robots;
   }
@@ -43,7 +45,8 @@ TEST(Robot, EveryModelReadsAndExplainsItself) {
 TEST(Robot, NotesWhatWasMergedAndDropped) {
   const Robot robot = read_robot(kModels / "minitaur_tail");
   EXPECT_TRUE(mentions(robot.notes, "'front_a' stands for 'front_left_a' and 'front_right_a'"));
-  EXPECT_TRUE(mentions(robot.notes, "'tail_scoop' is fixed by 'tail_scoop_joint' and merged into 'tail'"));
+  EXPECT_TRUE(
+      mentions(robot.notes, "'tail_scoop' is fixed by 'tail_scoop_joint' and merged into 'tail'"));
   EXPECT_TRUE(mentions(robot.notes, "sideways positions dropped (links up to 0.125 m"));
 }
 
@@ -61,6 +64,7 @@ TEST(Robot, ExplainsEveryKeyOfTheExamples) {
                           "branch",
                           "coordinates",
                           "ranges",
+                          "rest_pose",
                           "feet",
                           "points",
                           "motors",
@@ -126,7 +130,8 @@ TEST(Robot, RealPendulumReads) {
 }
 
 TEST(Robot, TurnedFramesAndHeldJointsKeepTheirPlace) {
-  // An arm of two links whose frames are pitched, a joint about x between them that is held, an inertia along tilted axes.
+  // An arm of two links whose frames are pitched, a joint about x between them that is held, an
+  // inertia along tilted axes.
   const testing::Folder folder;
   folder.write("robot.urdf", R"(<robot name="arm">
 <link name="ground"/>
@@ -134,9 +139,11 @@ TEST(Robot, TurnedFramesAndHeldJointsKeepTheirPlace) {
   <inertia ixx="0.02" iyy="0.03" izz="0.04" ixy="0" ixz="0" iyz="0"/></inertial></link>
 <link name="roll"><inertial><origin xyz="0 0 0"/><mass value="1"/>
   <inertia ixx="0.02" iyy="0.03" izz="0.04" ixy="0" ixz="0" iyz="0"/></inertial></link>
-<joint name="a" type="revolute"><parent link="ground"/><child link="one"/><origin xyz="0 0 1" rpy="0 0.4 0"/><axis xyz="0 -2 0"/>
+<joint name="a" type="revolute"><parent link="ground"/><child link="one"/>)"
+                             R"(<origin xyz="0 0 1" rpy="0 0.4 0"/><axis xyz="0 -2 0"/>
   <limit lower="-1" upper="2" effort="1" velocity="1"/></joint>
-<joint name="b" type="continuous"><parent link="one"/><child link="roll"/><origin xyz="0.5 0 0"/><axis xyz="1 0 0"/></joint>
+<joint name="b" type="continuous"><parent link="one"/><child link="roll"/><origin xyz="0.5 0 0"/>)"
+                             R"(<axis xyz="1 0 0"/></joint>
 </robot>)");
   folder.write("robot.yaml", "format: jaculus-robot/1\nbase: fixed\nfixed_joints: {b: 90 deg}\n");
   const PlanarModel m = read_robot(folder.path()).planar;
@@ -149,30 +156,34 @@ TEST(Robot, TurnedFramesAndHeldJointsKeepTheirPlace) {
   const Vec2 com = (2.0 * Vec2(0.1, 0.2) + Vec2(0.5, 0.0)) / 3.0;
   EXPECT_NEAR((one.com - com).norm(), 0.0, 1e-12);
   // The rolled link's z axis has become the one across the plane: its izz counts.
-  const double inertia =
-      0.03 + 2.0 * (Vec2(0.1, 0.2) - com).squaredNorm() + 0.04 + (Vec2(0.5, 0.0) - com).squaredNorm();
+  const double inertia = 0.03 + 2.0 * (Vec2(0.1, 0.2) - com).squaredNorm() + 0.04 +
+                         (Vec2(0.5, 0.0) - com).squaredNorm();
   EXPECT_NEAR(one.inertia, inertia, 1e-12);
   EXPECT_EQ(m.coordinates[0].range.upper, 2.0);
 }
 
 TEST(Robot, BranchIsTakenFromTheZeroWhereItIsClosed) {
-  // A parallelogram: two cranks of 1 m, 1 m apart, joined over a coupler of 1 m; the coupler and one crank depend.
+  // A parallelogram: two cranks of 1 m, 1 m apart, joined over a coupler of 1 m; the coupler and
+  // one crank depend.
   const std::string body =
-      R"(<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>)";
+      R"(<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/>)"
+      R"(</inertial>)";
   std::string urdf = "<robot name=\"four_bar\"><link name=\"ground\"/>\n";
   for (const char* link : {"left", "right", "coupler"})
     urdf += "<link name=\"" + std::string(link) + "\">" + body + "</link>\n";
-  const auto joint = [](const std::string& name, const std::string& parent, const std::string& child,
-                        const std::string& xyz) {
-    return "<joint name=\"" + name + "\" type=\"continuous\"><parent link=\"" + parent + "\"/><child link=\"" + child +
-           "\"/><origin xyz=\"" + xyz + "\"/><axis xyz=\"0 1 0\"/></joint>\n";
+  const auto joint = [](const std::string& name, const std::string& parent,
+                        const std::string& child, const std::string& xyz) {
+    return "<joint name=\"" + name + "\" type=\"continuous\"><parent link=\"" + parent +
+           "\"/><child link=\"" + child + "\"/><origin xyz=\"" + xyz +
+           "\"/><axis xyz=\"0 1 0\"/></joint>\n";
   };
   urdf += joint("l", "ground", "left", "0 0 0") + joint("r", "ground", "right", "1 0 0") +
           joint("c", "left", "coupler", "0 0 1");
   const testing::Folder folder;
   folder.write("robot.urdf", urdf + "</robot>");
   folder.write("robot.yaml",
-               "format: jaculus-robot/1\nbase: fixed\nloops:\n  bar: {link_a: coupler, point_a: [1, 0], link_b: right, "
+               "format: jaculus-robot/1\nbase: fixed\nloops:\n  bar: {link_a: coupler, point_a: "
+               "[1, 0], link_b: right, "
                "point_b: [0, 1], "
                "dependent: [c, r]}\n");
   const PlanarModel m = read_robot(folder.path()).planar;
@@ -185,17 +196,20 @@ TEST(Robot, BranchIsTakenFromTheZeroWhereItIsClosed) {
 
 TEST(Robot, OverridesReplaceValues) {
   const PlanarModel m =
-      read_robot(kModels / "minitaur_tail",
-                 {set("tail.drag.coefficient", "2.3"), set("tail.drag.kind", "point"), set("friction", "0.5"),
-                  set("motors.*.resistance", "0.22 ohm"), set("motors.tail.resistance", "200 mohm"),
-                  set("motors.tail.efficiency", "80 %"), set("bodies.base.mass", "7 kg"), set("tail.mass", "0.2"),
-                  set("ranges.tail", "[-10 deg, 10 deg]"), set("tail.com", "[0, 50 cm]"),
-                  set("motors.front_a.gear", "=motors.rear_a.gear"), set("motors.rear_a.gear", "2")})
+      read_robot(
+          kModels / "minitaur_tail",
+          {set("tail.drag.coefficient", "2.3"), set("tail.drag.kind", "point"),
+           set("friction", "0.5"), set("motors.*.resistance", "0.22 ohm"),
+           set("motors.tail.resistance", "200 mohm"), set("motors.tail.efficiency", "80 %"),
+           set("bodies.base.mass", "7 kg"), set("tail.mass", "0.2"),
+           set("ranges.tail", "[-10 deg, 10 deg]"), set("tail.com", "[0, 50 cm]"),
+           set("motors.front_a.gear", "=motors.rear_a.gear"), set("motors.rear_a.gear", "2")})
           .planar;
   EXPECT_EQ(m.drags[0].coefficient, 2.3);
   EXPECT_EQ(m.drags[0].kind, DragKind::point);
   EXPECT_EQ(m.friction, 0.5);
-  for (const PlanarMotor& motor : m.motors) EXPECT_EQ(motor.resistance, motor.joint == "tail" ? 0.2 : 0.22);
+  for (const PlanarMotor& motor : m.motors)
+    EXPECT_EQ(motor.resistance, motor.joint == "tail" ? 0.2 : 0.22);
   EXPECT_NEAR(m.motors.back().efficiency, 0.8, 1e-15);
   EXPECT_EQ(m.bodies[0].mass, 7.0);
   EXPECT_EQ(m.bodies.back().mass, 0.2);
@@ -208,7 +222,8 @@ TEST(Robot, EveryListedPathCanBeOverridden) {
   for (const std::string& line : override_paths(kModels / "minitaur_tail")) {
     const std::string path = line.substr(0, line.find(" = "));
     std::string value = line.substr(line.find(" = ") + 3);
-    if (value.ends_with(']') && value.rfind(" [") != std::string::npos) value.resize(value.rfind(" ["));
+    if (value.ends_with(']') && value.rfind(" [") != std::string::npos)
+      value.resize(value.rfind(" ["));
     if (value == "[-inf, inf]") value = "[-.inf, .inf]";
     EXPECT_NO_THROW(read_robot(kModels / "minitaur_tail", {set(path, value)})) << line;
   }
@@ -227,7 +242,8 @@ TEST(Robot, IsFoundByFolderAndByName) {
     (void)find_robot("minitour", folder.path());
     ADD_FAILURE();
   } catch (const InputError& e) {
-    EXPECT_NE(std::string(e.what()).find("did you mean 'minitaur'?"), std::string::npos) << e.what();
+    EXPECT_NE(std::string(e.what()).find("did you mean 'minitaur'?"), std::string::npos)
+        << e.what();
     EXPECT_NE(std::string(e.what()).find("minitaur_tail"), std::string::npos) << e.what();
   }
 }
@@ -259,4 +275,4 @@ TEST(Lock, HoldsACoordinate) {
 }
 
 }  // namespace
-}  // namespace jaculus
+}  // namespace jaculus::model

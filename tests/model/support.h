@@ -1,5 +1,6 @@
 #pragma once
-// Helpers of the model's tests: robots written to a temporary folder, the real plans, a forward kinematics of its own.
+// Helpers of the model's tests: robots written to a temporary folder, the real plans, a forward
+// kinematics of its own.
 
 #include <gtest/gtest.h>
 
@@ -12,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "jaculus/core/installation.h"
 #include "jaculus/model/planar.h"
 
 namespace jaculus::testing {
@@ -49,10 +51,11 @@ inline std::string replaced(std::string text, const std::string& from, const std
   return at == std::string::npos ? text : text.replace(at, from.size(), to);
 }
 
-/// The folder of real data: JACULUS_DATA, or ../shared/data beside the source tree. Empty where absent.
+/// The folder of real data: JACULUS_DATA, or ../shared/data beside the source tree. Empty where
+/// absent.
 inline std::filesystem::path data_folder() {
   if (const char* given = std::getenv("JACULUS_DATA")) return given;
-  const std::filesystem::path beside = std::filesystem::path(JACULUS_SOURCE_DIR).parent_path() / "shared" / "data";
+  const std::filesystem::path beside = source_folder().parent_path() / "shared" / "data";
   return std::filesystem::is_directory(beside) ? beside : std::filesystem::path();
 }
 
@@ -61,21 +64,24 @@ struct Pose {
   Vec2 p = Vec2::Zero();
   double phi = 0.0;
   [[nodiscard]] Vec2 at(const Vec2& v) const {
-    return p + Vec2(std::cos(phi) * v.x() + std::sin(phi) * v.y(), -std::sin(phi) * v.x() + std::cos(phi) * v.y());
+    return p + Vec2(std::cos(phi) * v.x() + std::sin(phi) * v.y(),
+                    -std::sin(phi) * v.x() + std::cos(phi) * v.y());
   }
 };
 
-/// Poses of all bodies from the base's pose and every joint's value, by the formulas at the top of planar.h.
-inline std::vector<Pose> poses(const PlanarModel& model, const Pose& base,
+/// Poses of all bodies from the base's pose and every joint's value, by the formulas at the top of
+/// planar.h.
+inline std::vector<Pose> poses(const model::PlanarModel& model, const Pose& base,
                                const std::map<std::string, double>& joints) {
   std::vector<Pose> result = {base};
   for (std::size_t b = 1; b < model.bodies.size(); ++b) {
-    const PlanarBody& body = model.bodies[b];
+    const model::PlanarBody& body = model.bodies[b];
     const double theta = joints.at(body.joint);
-    const Pose& parent = result[static_cast<std::size_t>(body.parent)];
+    const Pose& parent = result[body.parent];
     Pose pose;
     pose.p = parent.at(body.origin + body.axis * theta);
-    pose.phi = parent.phi + body.angle_offset + (body.kind == JointKind::revolute ? body.sign * theta : 0.0);
+    pose.phi = parent.phi + body.angle_offset +
+               (body.kind == model::JointKind::revolute ? body.sign * theta : 0.0);
     result.push_back(pose);
   }
   return result;

@@ -1,4 +1,5 @@
-// Reports as files: nothing in them is markup, numbers come back, large ones are thinned without losing peaks.
+// Reports as files: nothing in them is markup, numbers come back, large ones are thinned without
+// losing peaks.
 
 #include "jaculus/report/report.h"
 
@@ -9,13 +10,13 @@
 #include <cstring>
 
 #include "jaculus/core/error.h"
-#include "jaculus/report/study_report.h"
-#include "report/html.h"
-#include "report/report_json.h"
-#include "report/thin.h"
+#include "report/document/html.h"
+#include "report/document/json.h"
+#include "report/document/thin.h"
+#include "report/study_parts.h"
 #include "support/temporary_folder.h"
 
-namespace jaculus {
+namespace jaculus::report {
 namespace {
 
 const std::string kHostile = "</script><script>alert(1)</script><!-- \"'& \xE2\x80\xA8 \xFF";
@@ -27,18 +28,19 @@ std::size_t count(const std::string& text, const std::string& what) {
 }
 
 /// A report that holds `name` wherever a name can stand.
-Report named(const std::string& name) {
-  Report report{name, name, name, {{name, name}}, {name}, {}};
+Document named(const std::string& name) {
+  Document report{name, name, name, {{name, name}}, {name}, {}};
   Section section{name, {name}};
   section.tables.push_back({name, {name}, {{name}}, name});
   section.bars.push_back({"b", name, name, {{name, 0.5, 0.1, 0.9, name}}, name});
   section.heat_maps.push_back({"h", name, name, name, {name}, {name}, {{1.0}}, name});
   section.drawings.push_back({"d", name, {{name, {Vec2(0, 0), Vec2(1, 0)}, 0.1, 0.5, name}}, name});
-  section.charts.push_back({"c", name, name, {name, name}, {name, name}, {{name, {0.0, 1.0}, {0.0, 1.0}}}, {{name}}});
+  section.charts.push_back(
+      {"c", name, name, {name, name}, {name, name}, {{name, {0.0, 1.0}, {0.0, 1.0}}}, {{name}}});
   Actor actor;
   actor.name = name;
   actor.time = {0.0, 1.0};
-  actor.bodies = {{name, "link", 1, {0.0, 0.0, 1.0, 1.0}}};
+  actor.bodies = {{name, BodyKind::link, 1, {0.0, 0.0, 1.0, 1.0}}};
   actor.phases = {{name, 0.0, 1.0}};
   section.animations.push_back({"a", name, {{name, {actor}}}, name});
   report.sections.push_back(section);
@@ -46,7 +48,8 @@ Report named(const std::string& name) {
 }
 
 std::vector<float> decoded(const std::string& text) {
-  static const std::string kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  static const std::string kDigits =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   std::string bytes;
   unsigned block = 0;
   int bits = 0;
@@ -64,22 +67,23 @@ std::vector<float> decoded(const std::string& text) {
 }
 
 TEST(Report, NamesNeverBecomeMarkup) {
-  const std::string html = report_html(named(kHostile));
+  const std::string html = report_html(finished(named(kHostile)));
   EXPECT_EQ(html.find("<script>alert"), std::string::npos);
   EXPECT_EQ(html.find("<!--"), std::string::npos);
   // The page's own elements: its data and its viewer; an end each.
-  EXPECT_EQ(count(html, "</script>"), count(report_html(named("plain")), "</script>"));
+  EXPECT_EQ(count(html, "</script>"), count(report_html(finished(named("plain"))), "</script>"));
   EXPECT_EQ(html.find("\xE2\x80\xA8", html.find("id=\"data\"")), std::string::npos)
       << "a line separator ends a line of script";
 }
 
 TEST(Report, DataReadBackAsTheyWere) {
-  const nlohmann::ordered_json data = {{"name", "</script> <b> & \xE2\x80\xA8 \\u003c"}, {"x", {1.5, nullptr}}};
+  const nlohmann::ordered_json data = {{"name", "</script> <b> & \xE2\x80\xA8 \\u003c"},
+                                       {"x", {1.5, nullptr}}};
   EXPECT_EQ(nlohmann::ordered_json::parse(json_for_script(data)), data);
 }
 
 TEST(Report, NothingIsAskedFor) {
-  const std::string html = report_html(named("plain"));
+  const std::string html = report_html(finished(named("plain")));
   EXPECT_NE(html.find("default-src 'none'"), std::string::npos);
   EXPECT_EQ(count(html, " src=\"http"), 0U);
   EXPECT_EQ(count(html, "@import"), 0U);
@@ -87,11 +91,11 @@ TEST(Report, NothingIsAskedFor) {
 }
 
 TEST(Report, NumbersComeBackAndEqualOnesAreKeptOnce) {
-  Report report = named("plain");
+  Document report = named("plain");
   Chart& chart = report.sections[0].charts[0];
   const std::vector<double> x{0.0, 0.1, 1e-30, -7.25, kNaN};
   chart.series = {{"one", x, x}, {"two", x, {1.0, 2.0, 3.0, 4.0, 5.0}}};
-  const nlohmann::ordered_json json = report_json(report);
+  const nlohmann::ordered_json json = document_json(report);
   const auto& series = json["sections"][0]["charts"][0]["series"];
   EXPECT_EQ(series[0]["x"], series[1]["x"]);
   EXPECT_EQ(series[0]["x"], series[0]["y"]);
@@ -101,14 +105,14 @@ TEST(Report, NumbersComeBackAndEqualOnesAreKeptOnce) {
   EXPECT_TRUE(std::isnan(back.back()));
   for (std::size_t n = 1; n < 5; ++n) {  // every length of padding
     chart.series = {{"one", std::vector<double>(n, 2.5), std::vector<double>(n, 2.5)}};
-    const nlohmann::ordered_json again = report_json(report);
+    const nlohmann::ordered_json again = document_json(report);
     const auto index = again["sections"][0]["charts"][0]["series"][0]["x"].get<std::size_t>();
     EXPECT_EQ(decoded(again["arrays"][index]), std::vector<float>(n, 2.5F));
   }
 }
 
 TEST(Report, ThinningKeepsPeaksAndGaps) {
-  Report report = named("plain");
+  Document report = named("plain");
   std::vector<double> x, y;
   for (int i = 0; i < 100'000; ++i) {
     x.push_back(i);
@@ -131,7 +135,7 @@ TEST(Report, ThinningKeepsPeaksAndGaps) {
 }
 
 TEST(Report, StaysUnderFiveMegabytesAndSaysWhatItLeftOut) {
-  Report report = named("plain");
+  Document report = named("plain");
   Section& section = report.sections[0];
   section.charts.clear();
   for (int k = 0; k < 40; ++k) {
@@ -140,23 +144,25 @@ TEST(Report, StaysUnderFiveMegabytesAndSaysWhatItLeftOut) {
       x.push_back(i);
       y.push_back(std::sin(1e-3 * i * k) + k);
     }
-    section.charts.push_back({"c" + std::to_string(k), "", "", {"x", "s"}, {"y", "V"}, {{"s", x, y}}});
+    section.charts.push_back(
+        {"c" + std::to_string(k), "", "", {"x", "s"}, {"y", "V"}, {{"s", x, y}}});
   }
-  const std::string html = report_html(report);
+  const std::string html = report_html(finished(report));
   EXPECT_LT(html.size(), 5'000'000U);
   EXPECT_NE(html.find("To keep this file small"), std::string::npos);
 }
 
 TEST(Report, TenThousandSamplesOfFortyChannelsAreKeptWhole) {
-  Report report = named("plain");
+  Document report = named("plain");
   std::vector<double> x;
   for (int i = 0; i < 10'000; ++i) x.push_back(1e-3 * i);
   for (int k = 0; k < 40; ++k) {
     std::vector<double> y;
     for (const double t : x) y.push_back(std::sin(t * k));
-    report.sections[0].charts.push_back({"w" + std::to_string(k), "", "", {"x", "s"}, {"y", "V"}, {{"s", x, y}}});
+    report.sections[0].charts.push_back(
+        {"w" + std::to_string(k), "", "", {"x", "s"}, {"y", "V"}, {{"s", x, y}}});
   }
-  const std::string html = report_html(report);
+  const std::string html = report_html(finished(report));
   EXPECT_LT(html.size(), 5'000'000U);
   EXPECT_EQ(html.find("To keep this file small"), std::string::npos);
 }
@@ -174,8 +180,8 @@ TEST(Figures, FormatsAreChecked) {
 }
 
 /// A report with one chart of two series.
-Report with_chart() {
-  Report report;
+Document with_chart() {
+  Document report;
   report.kind = "study";
   report.title = "falling";
   Section section;
@@ -198,7 +204,7 @@ TEST(Figures, EveryFormatIsWrittenAsWhatItIs) {
   const test::TemporaryFolder folder;
   const std::vector<std::pair<std::string, std::string>> begins = {
       {".png", "\x89PNG\r\n\x1A\n"}, {".svg", "<?xml"}, {".pdf", "%PDF-"}};
-  const auto files = write_figures(with_chart(), folder.path(), {"png", "svg", "pdf"});
+  const auto files = write_figures(finished(with_chart()), folder.path(), {"png", "svg", "pdf"});
   ASSERT_EQ(files.size(), begins.size());
   for (const auto& [extension, magic] : begins) {
     const std::filesystem::path file = folder.path() / "figures" / ("drop_height" + extension);
@@ -218,7 +224,8 @@ TEST(Figures, EveryFormatIsWrittenAsWhatItIs) {
 TEST(Report, WithoutTheViewerItIsAPlainPageWithTheNumbers) {
   const test::TemporaryFolder empty;
   ASSERT_EQ(::setenv("JACULUS_WEB", empty.path().c_str(), 1), 0);
-  const std::string html = report_html(with_chart()), hostile = report_html(named(kHostile));
+  const std::string html = report_html(finished(with_chart())),
+                    hostile = report_html(finished(named(kHostile)));
   ::unsetenv("JACULUS_WEB");
   EXPECT_EQ(count(html, "<script"), 0U);
   for (const char* shown : {"falling", "drop", "Charts and animation are missing", "<table"})
@@ -238,4 +245,4 @@ TEST(StudyReport, ColumnsBecomeNamesWithUnits) {
 }
 
 }  // namespace
-}  // namespace jaculus
+}  // namespace jaculus::report

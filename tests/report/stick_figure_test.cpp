@@ -1,6 +1,7 @@
-// Stick figures against the kinematics that they stand on, and what they do with what was not measured.
+// Stick figures against the kinematics that they stand on, and what they do with what was not
+// measured.
 
-#include "jaculus/report/stick_figure.h"
+#include "report/render/stick_figure.h"
 
 #include <gtest/gtest.h>
 
@@ -10,18 +11,21 @@
 #include "jaculus/dynamics/rigid_body.h"
 #include "jaculus/model/robot.h"
 
-namespace jaculus {
+namespace jaculus::report {
 namespace {
 
 constexpr double kTolerance = 1e-12;
 
-PlanarModel minitaur() { return read_robot(find_robot("minitaur_tail", std::filesystem::current_path())).planar; }
+model::PlanarModel minitaur() {
+  return model::read_robot(model::find_robot("minitaur_tail", std::filesystem::current_path()))
+      .planar;
+}
 
 /// Two samples of a motion in all coordinates, with rates.
-MotionChannels two_samples(const PlanarModel& model, const Vector& a, const Vector& b) {
+MotionChannels two_samples(const model::PlanarModel& model, const Vector& a, const Vector& b) {
   MotionChannels channels;
   for (int i = 0; i < model.size(); ++i) {
-    const std::string& name = model.coordinates[static_cast<std::size_t>(i)].name;
+    const std::string& name = model.coordinates[i].name;
     channels[name] = {{0.0, 0.1}, {a[i], b[i]}};
     const double rate = (b[i] - a[i]) / 0.1;
     channels[name + "_velocity"] = {{0.0, 0.1}, {rate, rate}};
@@ -29,47 +33,49 @@ MotionChannels two_samples(const PlanarModel& model, const Vector& a, const Vect
   return channels;
 }
 
-Vector posture(const PlanarModel& model, double lift) {
+Vector posture(const model::PlanarModel& model, double lift) {
   Vector q = Vector::Zero(model.size());
-  for (const auto& [name, value] : std::map<std::string, double>{
-           {"z", 0.2 + lift}, {"front_extension", 1.2}, {"rear_extension", 1.2}, {"tail", 0.5 - lift}})
+  for (const auto& [name, value] : std::map<std::string, double>{{"z", 0.2 + lift},
+                                                                 {"front_extension", 1.2},
+                                                                 {"rear_extension", 1.2},
+                                                                 {"tail", 0.5 - lift}})
     q[model.coordinate_index(name)] = value;
   return q;
 }
 
-const ActorBody& body(const Actor& actor, const std::string& kind) {
+const ActorBody& body(const Actor& actor, BodyKind kind) {
   for (const ActorBody& b : actor.bodies)
     if (b.kind == kind) return b;
   throw std::logic_error("no such body");
 }
 
 TEST(StickFigure, FollowsTheKinematics) {
-  const PlanarModel model = minitaur();
+  const model::PlanarModel model = minitaur();
   const Vector a = posture(model, 0.0), b = posture(model, 0.3);
   const Actor actor = stick_figure(model, two_samples(model, a, b), {.name = "robot"});
   ASSERT_EQ(actor.time.size(), 2U);
-  const AbsoluteTree tree(model);
-  Motion motion(tree);
-  ASSERT_TRUE(set_configuration(tree, b, motion));
-  const Vec2 com = centre_of_mass(tree, motion);
+  const dynamics::AbsoluteTree tree(model);
+  dynamics::Motion motion(tree);
+  ASSERT_TRUE(dynamics::set_configuration(tree, b, motion));
+  const Vec2 com = dynamics::centre_of_mass(tree, motion);
   EXPECT_NEAR(actor.com[2], com.x(), kTolerance);
   EXPECT_NEAR(actor.com[3], com.y(), kTolerance);
-  const ActorBody& scoop = body(actor, "scoop");
-  const PlanarDrag& drag = model.drags[0];
+  const ActorBody& scoop = body(actor, BodyKind::scoop);
+  const model::PlanarDrag& drag = model.drags[0];
   const Vec2 tip = position(tree.path_to(model, drag.body, drag.end * drag.direction), motion.pose);
   EXPECT_NEAR(scoop.xz[6], tip.x(), kTolerance);
   EXPECT_NEAR(scoop.xz[7], tip.y(), kTolerance);
 }
 
 TEST(StickFigure, DragOpposesTheTailAndGrowsOutwards) {
-  const PlanarModel model = minitaur();
+  const model::PlanarModel model = minitaur();
   Vector a = posture(model, 0.0), b = a;
   b[model.coordinate_index("tail")] += 1.0;  // 10 rad/s forwards
   const Actor actor = stick_figure(model, two_samples(model, a, b), {.name = "robot"});
-  const PlanarDrag& drag = model.drags[0];
+  const model::PlanarDrag& drag = model.drags[0];
   std::vector<double> sizes;
   for (const ActorArrow& arrow : actor.arrows) {
-    if (arrow.kind != "drag") continue;
+    if (arrow.kind != ArrowKind::drag) continue;
     EXPECT_LT(arrow.force[0], 0.0);
     sizes.push_back(std::hypot(arrow.force[0], arrow.force[1]));
   }
@@ -81,29 +87,31 @@ TEST(StickFigure, DragOpposesTheTailAndGrowsOutwards) {
 }
 
 TEST(StickFigure, MotorAnglesGiveTheLegsAndTheFloorTheHeight) {
-  const PlanarModel model = minitaur();
+  const model::PlanarModel model = minitaur();
   MotionChannels channels;
-  for (const char* joint : {"front_a", "front_b", "rear_a", "rear_b"}) channels[joint] = {{0.0, 0.1}, {1.2, 1.4}};
+  for (const char* joint : {"front_a", "front_b", "rear_a", "rear_b"})
+    channels[joint] = {{0.0, 0.1}, {1.2, 1.4}};
   channels["tail"] = {{0.0, 0.1}, {0.0, 0.0}};
   const Actor actor = stick_figure(model, channels, {.name = "log"});
   Vector q = posture(model, 0.0);
   q[model.coordinate_index("tail")] = 0.0;
-  const AbsoluteTree tree(model);
-  Motion motion(tree);
-  ASSERT_TRUE(set_configuration(tree, q, motion));
+  const dynamics::AbsoluteTree tree(model);
+  dynamics::Motion motion(tree);
+  ASSERT_TRUE(dynamics::set_configuration(tree, q, motion));
   const double height = q[model.coordinate_index("z")] - position(tree.feet[0], motion.pose).y();
-  const ActorBody& base = body(actor, "base");
+  const ActorBody& base = body(actor, BodyKind::base);
   // The base's first point is a hip, at the height of the base's origin.
   EXPECT_NEAR(base.xz[1], height, 1e-9);
 }
 
 TEST(StickFigure, WhatNothingDeterminesIsNotDrawn) {
-  const PlanarModel model = minitaur();
+  const model::PlanarModel model = minitaur();
   MotionChannels channels;
-  for (const char* coordinate : {"x", "z", "pitch"}) channels[coordinate] = {{0.0, 0.1, 0.2}, {0.2, kNaN, 0.3}};
+  for (const char* coordinate : {"x", "z", "pitch"})
+    channels[coordinate] = {{0.0, 0.1, 0.2}, {0.2, kNaN, 0.3}};
   const Actor actor = stick_figure(model, channels, {.name = "mocap alone"});
   ASSERT_EQ(actor.bodies.size(), 1U);
-  EXPECT_EQ(actor.bodies[0].kind, "base");
+  EXPECT_EQ(actor.bodies[0].kind, BodyKind::base);
   EXPECT_TRUE(actor.com.empty()) << "the legs' place is not known";
   EXPECT_TRUE(std::isfinite(actor.bodies[0].xz[0]));
   const std::size_t row = static_cast<std::size_t>(actor.bodies[0].points) * 2;
@@ -111,7 +119,7 @@ TEST(StickFigure, WhatNothingDeterminesIsNotDrawn) {
 }
 
 TEST(StickFigure, LongMotionsAreDrawnAtSoManyInstants) {
-  const PlanarModel model = minitaur();
+  const model::PlanarModel model = minitaur();
   MotionChannels channels;
   MotionChannel z;
   for (int i = 0; i < 10'000; ++i) {
@@ -125,4 +133,4 @@ TEST(StickFigure, LongMotionsAreDrawnAtSoManyInstants) {
 }
 
 }  // namespace
-}  // namespace jaculus
+}  // namespace jaculus::report

@@ -1,4 +1,5 @@
-// Components of the plant: nominal values change no bit, small values little, and closed forms where there are any.
+// Components of the plant: nominal values change no bit, small values little, and closed forms
+// where there are any.
 
 #include <gtest/gtest.h>
 
@@ -10,7 +11,7 @@
 #include "jaculus/model/robot.h"
 #include "simulation/support.h"
 
-namespace jaculus {
+namespace jaculus::simulation {
 namespace {
 
 using namespace test;
@@ -23,17 +24,17 @@ struct Push {
 };
 
 Push push_off() {
-  const PlanarModel model = read_robot(find_robot("minitaur_tail", "")).planar;
+  const model::PlanarModel model = model::read_robot(model::find_robot("minitaur_tail", "")).planar;
   Push p{nominal_plant(model), {}, {}};
   Reference& r = p.controller.reference;
-  const auto motors = static_cast<Eigen::Index>(model.motors.size());
+  const auto motors = std::ssize(model.motors);
   r.time = Vector::LinSpaced(3, 0.0, 0.1);
   r.duration = 0.1;
   r.position = Matrix(motors, 3);
   r.velocity = Matrix::Zero(motors, 3);
   r.feedforward = Matrix::Constant(motors, 3, 0.2);
   for (Eigen::Index m = 0; m < motors; ++m) {
-    r.motors.push_back(model.motors[static_cast<size_t>(m)].joint);
+    r.motors.push_back(model.motors[m].joint);
     const bool tail = r.motors.back() == "tail";
     const double from = 1.0, to = tail ? 0.6 : 1.35;
     r.position.row(m) << from, 0.5 * (from + to), to;
@@ -115,15 +116,18 @@ TEST(Components, InfluenceGoesToZeroWithTheParameter) {
          p.plant.ground.foot_radius = 0.01 * s;
          p.start = reference_start(p.plant, p.controller.reference);
        }},
-      {"torque", [](Push& p, double s) { p.plant.actuation.torque_scale["rear_a"] = 1.0 - 0.1 * s; }},
+      {"torque",
+       [](Push& p, double s) { p.plant.actuation.torque_scale["rear_a"] = 1.0 - 0.1 * s; }},
       {"winding", [](Push& p, double s) { p.plant.winding.heat = s; }},
       {"encoder", [](Push& p, double s) { p.plant.sensing.offset["rear_a"] = 0.01 * s; }}};
   for (const auto& [name, edit] : edits) {
     const double large = influence([&](Push& p) { edit(p, 1.0); });
     const double small = influence([&](Push& p) { edit(p, 0.1); });
-    EXPECT_LT(small, 0.25 * large + 1e-9) << name << ": " << large << " and a tenth of it " << small;
+    EXPECT_LT(small, 0.25 * large + 1e-9)
+        << name << ": " << large << " and a tenth of it " << small;
     EXPECT_LT(large, 0.3) << name;
-    EXPECT_GT(large, name == "winding" ? -1.0 : 1e-6) << name;  // torque commands hardly feel a warm winding
+    // torque commands hardly feel a warm winding
+    EXPECT_GT(large, name == "winding" ? -1.0 : 1e-6) << name;
   }
 }
 
@@ -137,11 +141,12 @@ TEST(Components, DelayShiftsARobotThatStandsStill) {
 }
 
 TEST(Components, HeldWhileItWaitsFromWhateverStart) {
-  // Feet that stand leave one combination of torques without effect, and none of it may be asked for: the rank decides, start by start.
+  // Feet that stand leave one combination of torques without effect, and none of it may be asked
+  // for: the rank decides, start by start.
   for (int k = 0; k < 60; ++k) {
     Push p = push_off();
     for (Eigen::Index m = 0; m < 4; ++m)
-      p.controller.reference.initial[p.controller.reference.motors[static_cast<size_t>(m)]] +=
+      p.controller.reference.initial[p.controller.reference.motors[m]] +=
           0.004 * std::sin(1.0 + 7.3 * k + 2.1 * static_cast<double>(m));
     p.start = reference_start(p.plant, p.controller.reference);
     level_feet(p.plant, p.start.q);
@@ -154,9 +159,10 @@ TEST(Components, HeldWhileItWaitsFromWhateverStart) {
 
 /// An arm held still by its stop, driven by one motor.
 Plant stalled_arm() {
-  PlanarModel model = test_support::on_fixed_base({link("arm", 0, Vec2::Zero(), 1.0, Vec2::Zero(), 0.02)}, {"arm"});
+  model::PlanarModel model =
+      test_support::on_fixed_base({link("arm", 0, Vec2::Zero(), 1.0, Vec2::Zero(), 0.02)}, {"arm"});
   model.gravity = 0.0;
-  PlanarMotor motor;
+  model::PlanarMotor motor;
   motor.joint = "arm";
   motor.body = 1;
   motor.count = 2;
@@ -170,7 +176,7 @@ Plant stalled_arm() {
   return plant;
 }
 
-Controller constant(CommandQuantity quantity, double value) {
+Controller constant(Quantity quantity, double value) {
   Controller c = no_controller();
   c.quantity = quantity;
   c.after_end = AfterEnd::repeat;
@@ -186,7 +192,7 @@ TEST(Components, BatterySagsByItsResistance) {
   plant.battery.resistance = 0.05;
   for (double duty : {0.1, 0.5, 0.9}) {
     const Simulation s =
-        simulate(plant, constant(CommandQuantity::duty, duty), start_at({0}, {0}), options_for(0.01, 2));
+        simulate(plant, constant(Quantity::duty, duty), start_at({0}, {0}), options_for(0.01, 2));
     const double bus = 16.0 / (1.0 + 2.0 * duty * duty * 0.05 / 0.2);
     EXPECT_NEAR(s.bus_voltage[1], bus, 1e-9);
     EXPECT_NEAR(s.voltage(0, 1), duty * bus, 1e-9);
@@ -196,12 +202,13 @@ TEST(Components, BatterySagsByItsResistance) {
 }
 
 TEST(Components, WindingWarmsByItsOwnLoss) {
-  // A torque command keeps the current while k_t's fall is small beside 1: T' = h i^2 R_0 (1 + 0.0039 T) to first order in it.
+  // A torque command keeps the current while k_t's fall is small beside 1: T' = h i^2 R_0 (1 +
+  // 0.0039 T) to first order in it.
   Plant plant = stalled_arm();
   plant.winding.heat = 0.05;
   const double duration = 0.5, voltage = 2.0;
-  const Simulation s =
-      simulate(plant, constant(CommandQuantity::voltage, voltage), start_at({0}, {0}), options_for(duration, 101));
+  const Simulation s = simulate(plant, constant(Quantity::voltage, voltage), start_at({0}, {0}),
+                                options_for(duration, 101));
   // At constant voltage: (1 + a T) T' = h V^2/R_0, so T + a T^2/2 = h V^2/R_0 t.
   const double a = 0.0039, c = 0.05 * voltage * voltage / 0.2 * duration;
   const double temperature = (std::sqrt(1.0 + 2.0 * a * c) - 1.0) / a;
@@ -211,9 +218,10 @@ TEST(Components, WindingWarmsByItsOwnLoss) {
 
 TEST(Components, HingeSwingsAtItsFrequency) {
   // Motor held by its armature (large), link on a spring: a torsion pendulum of sqrt(k/I).
-  PlanarModel model = test_support::on_fixed_base({link("arm", 0, Vec2::Zero(), 1.0, Vec2::Zero(), 0.05)}, {"arm"});
+  model::PlanarModel model =
+      test_support::on_fixed_base({link("arm", 0, Vec2::Zero(), 1.0, Vec2::Zero(), 0.05)}, {"arm"});
   model.gravity = 0.0;
-  PlanarMotor motor;
+  model::PlanarMotor motor;
   motor.joint = "arm";
   motor.body = 1;
   motor.rotor_inertia = 0.01;
@@ -221,19 +229,23 @@ TEST(Components, HingeSwingsAtItsFrequency) {
   Plant plant = nominal_plant(model);
   const double stiffness = 100.0, link_inertia = 0.05, rotor = 0.01;
   plant.transmissions = {{"arm", 1.0 / stiffness, 0.0, 0.0}};
-  // A steady torque: the motor's side runs ahead by (tau/(J + I)) I/k (1 - cos(w t)), w = sqrt(k (1/I + 1/J)).
+  // A steady torque: the motor's side runs ahead by (tau/(J + I)) I/k (1 - cos(w t)), w = sqrt(k
+  // (1/I + 1/J)).
   const Simulation s =
-      simulate(plant, constant(CommandQuantity::torque, 0.5), start_at({0}, {0}), options_for(0.2, 101));
-  const double w = std::sqrt(stiffness * (1.0 / link_inertia + 1.0 / rotor)), alpha = 0.5 / (link_inertia + rotor);
+      simulate(plant, constant(Quantity::torque, 0.5), start_at({0}, {0}), options_for(0.2, 101));
+  const double w = std::sqrt(stiffness * (1.0 / link_inertia + 1.0 / rotor)),
+               alpha = 0.5 / (link_inertia + rotor);
   for (int k : {13, 50, 100}) {
     const double t = s.time[k], hinge = -alpha * link_inertia / stiffness * (1.0 - std::cos(w * t));
     const double centre = 0.5 * alpha * t * t;  // (J motor + I link)/(J + I)
-    EXPECT_NEAR(s.motor_position(0, k), centre - link_inertia / (link_inertia + rotor) * hinge, 1e-7);
+    EXPECT_NEAR(s.motor_position(0, k), centre - link_inertia / (link_inertia + rotor) * hinge,
+                1e-7);
   }
 }
 
 TEST(Components, JointFrictionBringsASpinToRest) {
-  PlanarModel model = test_support::on_fixed_base({link("arm", 0, Vec2::Zero(), 1.0, Vec2::Zero(), 0.02)}, {"arm"});
+  model::PlanarModel model =
+      test_support::on_fixed_base({link("arm", 0, Vec2::Zero(), 1.0, Vec2::Zero(), 0.02)}, {"arm"});
   model.gravity = 0.0;
   Plant plant = nominal_plant(model);
   plant.friction = {{"arm", 0.0, 0.05, 0.0, 1.0, 0.0, 0.1}};
@@ -308,4 +320,4 @@ TEST(Components, DivergenceIsAStatusWithItsTime) {
 }
 
 }  // namespace
-}  // namespace jaculus
+}  // namespace jaculus::simulation

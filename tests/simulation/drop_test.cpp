@@ -8,7 +8,7 @@
 #include "jaculus/model/robot.h"
 #include "simulation/support.h"
 
-namespace jaculus {
+namespace jaculus::simulation {
 namespace {
 
 using namespace test;
@@ -16,9 +16,9 @@ using namespace test;
 constexpr double kDegree = std::numbers::pi / 180.0;
 
 /// A voltage at the tail from the start on.
-Controller full_voltage(const PlanarModel& model, double volts) {
+Controller full_voltage(const model::PlanarModel& model, double volts) {
   Controller c = no_controller();
-  c.quantity = CommandQuantity::voltage;
+  c.quantity = Quantity::voltage;
   c.after_end = AfterEnd::repeat;
   c.reference.motors = {"tail"};
   c.reference.time = Vector::Zero(1);
@@ -27,7 +27,7 @@ Controller full_voltage(const PlanarModel& model, double volts) {
   return c;
 }
 
-Simulation drop(const Robot& robot, double duration) {
+Simulation drop(const model::Robot& robot, double duration) {
   Plant plant = nominal_plant(robot.planar);
   plant.stops = {{"tail", {-kInfinity, std::numbers::pi}, 0.0}};
   SimulationOptions options = options_for(duration, 2);
@@ -35,7 +35,7 @@ Simulation drop(const Robot& robot, double duration) {
 }
 
 TEST(Drop, MeetsTheFiguresOfTheTwoBodyEquations) {
-  const Robot robot = read_robot(find_robot("self_righting", ""));
+  const model::Robot robot = model::read_robot(model::find_robot("self_righting", ""));
   const double stop = 0.17673;
   const Simulation s = drop(robot, std::sqrt(2.0 * 0.5 / kGravity));
   ASSERT_EQ(s.status, SimulationStatus::done) << s.message;
@@ -53,8 +53,8 @@ TEST(Drop, MeetsTheFiguresOfTheTwoBodyEquations) {
 }
 
 TEST(Drop, WithoutDragTheBodyStopsWhereTheTailDoes) {
-  const std::vector<Override> none = {{"tail.drag.kind", yaml::Node::parse("none", "test")}};
-  const Robot robot = read_robot(find_robot("self_righting", ""), none);
+  const std::vector<model::Override> none = {{"tail.drag.kind", yaml::Node::parse("none", "test")}};
+  const model::Robot robot = model::read_robot(model::find_robot("self_righting", ""), none);
   const Simulation s = drop(robot, std::sqrt(2.0 * 0.5 / kGravity));
   EXPECT_NEAR(event_time(s, EventKind::stop, "tail"), 0.14643, 1e-5);
   EXPECT_NEAR(s.q(0, 1), -36.250 * kDegree, 2e-3 * kDegree);
@@ -62,10 +62,11 @@ TEST(Drop, WithoutDragTheBodyStopsWhereTheTailDoes) {
 }
 
 TEST(Drop, FreeBodyFallsAndTurnsAsThePinnedOne) {
-  // A pivot at the centre of mass of a body that falls free: gravity changes nothing but the fall where the tail has no mass.
-  PlanarModel model = read_robot(find_robot("self_righting", "")).planar;
-  const Simulation pinned = drop({"", "", model, {}}, 0.1);
-  PlanarModel free = model;
+  // A pivot at the centre of mass of a body that falls free: gravity changes nothing but the fall
+  // where the tail has no mass.
+  model::PlanarModel model = model::read_robot(model::find_robot("self_righting", "")).planar;
+  const Simulation pinned = drop({"", "", model, {}, {}}, 0.1);
+  model::PlanarModel free = model;
   free.base_free = {true, true, true};
   free.gravity = kGravity;
   free.bodies[1].inertia += free.bodies[1].mass * free.bodies[1].com.squaredNorm();
@@ -74,8 +75,8 @@ TEST(Drop, FreeBodyFallsAndTurnsAsThePinnedOne) {
   free = with_coordinates(free, {"tail"});
   Plant plant = nominal_plant(free);
   plant.drag_smoothing = nominal_plant(model).drag_smoothing;
-  const Simulation s =
-      simulate(plant, full_voltage(free, 16.0), start_at({0, 1, 0, 0}, {0, 0, 0, 0}), options_for(0.1, 2));
+  const Simulation s = simulate(plant, full_voltage(free, 16.0),
+                                start_at({0, 1, 0, 0}, {0, 0, 0, 0}), options_for(0.1, 2));
   ASSERT_EQ(s.status, SimulationStatus::done) << s.message;
   EXPECT_NEAR(s.q(1, 1), 1.0 - 0.5 * kGravity * 0.01, 1e-9);
   EXPECT_NEAR(s.q(2, 1), pinned.q(0, 1), 1e-8);
@@ -83,4 +84,4 @@ TEST(Drop, FreeBodyFallsAndTurnsAsThePinnedOne) {
 }
 
 }  // namespace
-}  // namespace jaculus
+}  // namespace jaculus::simulation

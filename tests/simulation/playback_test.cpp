@@ -1,5 +1,5 @@
-// With no effect, a plan comes back: the plant plays what the solver planned. Remainders are of the plan's grid, whose fourth order
-// shows where it is refined.
+// With no effect, a plan comes back: the plant plays what the solver planned. Remainders are of the
+// plan's grid, whose fourth order shows where it is refined.
 
 #include <gtest/gtest.h>
 
@@ -8,9 +8,9 @@
 #include "jaculus/solver/plan.h"
 #include "simulation/support.h"
 #include "support/shared_data.h"
-#include "transcription/programmes.h"
+#include "transcription/example_problems.h"
 
-namespace jaculus {
+namespace jaculus::simulation {
 namespace {
 
 using namespace test;
@@ -23,34 +23,34 @@ struct Departure {
 };
 
 struct Solved {
-  PlanarModel model;
-  Table plan;
+  model::PlanarModel model;
+  trajectory::Table plan;
 };
 
-/// The robot of a problem, its overrides applied and coordinates locked, with its own friction and battery in place of the margins
-/// that the plan keeps.
-PlanarModel robot_of(const Problem& problem) {
-  const PlanarModel own = read_robot(problem.robot_folder, problem.overrides).planar;
-  PlanarModel model = model_of(problem);
+/// The robot of a problem, its overrides applied and coordinates locked, with its own friction and
+/// battery in place of the margins that the plan keeps.
+model::PlanarModel robot_of(const transcription::Problem& problem) {
+  const model::PlanarModel own = model::read_robot(problem.robot_folder, problem.overrides).planar;
+  model::PlanarModel model = model_of(problem);
   model.friction = own.friction;
-  for (PlanarMotor& motor : model.motors) motor = own.motors[static_cast<size_t>(own.motor_index(motor.joint))];
+  for (model::PlanarMotor& motor : model.motors) motor = own.motors[own.motor_index(motor.joint)];
   return model;
 }
 
 Solved solve(const std::string& name, const std::vector<int>& grid = {}) {
-  Problem problem = read_problem(problem_file(name));
+  transcription::Problem problem = transcription::read_problem(problem_file(name));
   if (!grid.empty()) problem = on_grid(problem, grid);
-  const Robot robot = read_robot(problem.robot_folder, problem.overrides);
-  const Plan plan = make_plan(problem, robot.planar);
+  const model::Robot robot = model::read_robot(problem.robot_folder, problem.overrides);
+  const solver::Plan plan = solver::make_plan(problem, robot.planar);
   EXPECT_TRUE(plan.converged()) << name;
-  return {robot_of(problem), to_table(*plan.trajectory)};
+  return {robot_of(problem), trajectory::to_table(*plan.trajectory)};
 }
 
 Simulation play(const Solved& solved, double rate_hz, double kp, double kd) {
   Controller c;
   c.rate_hz = rate_hz;
-  c.reference = plan_reference(solved.plan, solved.model, CommandQuantity::torque, 16.0, "plan.csv");
-  const auto motors = static_cast<Eigen::Index>(c.reference.motors.size());
+  c.reference = plan_reference(solved.plan, solved.model, Quantity::torque, 16.0, "plan.csv");
+  const auto motors = std::ssize(c.reference.motors);
   c.kp = Vector::Constant(motors, kp);
   c.kd = Vector::Constant(motors, kd);
   const Plant plant = nominal_plant(solved.model);
@@ -79,8 +79,8 @@ Departure departure(const Solved& solved, const Simulation& s) {
 }
 
 void print(const std::string& what, const Departure& d) {
-  std::printf("%-34s %.3f mm  %.4f deg  %.5f m/s\n", what.c_str(), 1e3 * d.position, d.pitch * 180.0 / std::numbers::pi,
-              d.velocity);
+  std::printf("%-34s %.3f mm  %.4f deg  %.5f m/s\n", what.c_str(), 1e3 * d.position,
+              d.pitch * 180.0 / std::numbers::pi, d.velocity);
 }
 
 constexpr double kTenthDegree = 0.1 * std::numbers::pi / 180.0;
@@ -118,27 +118,31 @@ TEST(FinerPlan, ComesBackCloserByFeedForwardAlone) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Leaps, Playback,
-                         ::testing::Values("leap_tailless", "leap_inactive", "leap_inertial", "leap_tail",
-                                           "leap_tailless_15deg", "leap_inertial_15deg", "leap_tail_15deg",
+                         ::testing::Values("leap_tailless", "leap_inactive", "leap_inertial",
+                                           "leap_tail", "leap_tailless_15deg",
+                                           "leap_inertial_15deg", "leap_tail_15deg",
                                            "leap_inactive_0deg"),
                          [](const auto& p) { return std::string(p.param); });
 
-/// The authors' own plans, duty of 7 or 8 V as they were replayed, under joint PD: they must come back stably.
+/// The authors' own plans, duty of 7 or 8 V as they were replayed, under joint PD: they must come
+/// back stably.
 TEST(AuthorsPlans, PlayBackStablyWithFeedback) {
   JACULUS_REQUIRE_SHARED_DATA(folder);
-  for (const char* name : {"notail_V7", "aerotail_V7_nodes82", "aerotail_V7_stableland", "aerotail_V7",
-                           "inactivetail_V7", "notail_Vel15_V8", "aerotail_Vel15_V8"}) {
+  for (const char* name :
+       {"notail_V7", "aerotail_V7_nodes82", "aerotail_V7_stableland", "aerotail_V7",
+        "inactivetail_V7", "notail_Vel15_V8", "aerotail_Vel15_V8"}) {
     const std::string plan = name;
     const bool tailless = plan.starts_with("notail"), inactive = plan.starts_with("inactive");
-    Problem problem =
-        read_problem(problem_file(tailless ? "leap_tailless" : (inactive ? "leap_inactive" : "leap_tail")));
-    const Solved solved{robot_of(problem), read_csv(folder / "plans" / (plan + ".csv"))};
-    for (const CommandQuantity quantity : {CommandQuantity::torque, CommandQuantity::duty}) {
+    transcription::Problem problem = transcription::read_problem(
+        problem_file(tailless ? "leap_tailless" : (inactive ? "leap_inactive" : "leap_tail")));
+    const Solved solved{robot_of(problem),
+                        trajectory::read_csv(folder / "plans" / (plan + ".csv"))};
+    for (const Quantity quantity : {Quantity::torque, Quantity::duty}) {
       Controller c;
       c.quantity = quantity;
       c.reference = plan_reference(solved.plan, solved.model, quantity, 16.0, plan);
-      const auto motors = static_cast<Eigen::Index>(c.reference.motors.size());
-      const bool duty = quantity == CommandQuantity::duty;
+      const auto motors = std::ssize(c.reference.motors);
+      const bool duty = quantity == Quantity::duty;
       if (duty) c.reference.feedforward *= (plan.ends_with("V8") ? 8.0 : 7.0) / 16.0;
       c.kp = Vector::Constant(motors, duty ? 2.0 : 20.0);
       c.kd = Vector::Constant(motors, duty ? 0.04 : 0.4);
@@ -158,4 +162,4 @@ TEST(AuthorsPlans, PlayBackStablyWithFeedback) {
 }
 
 }  // namespace
-}  // namespace jaculus
+}  // namespace jaculus::simulation

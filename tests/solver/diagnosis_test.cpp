@@ -6,11 +6,11 @@
 #include <stdexcept>
 
 #include "jaculus/solver/elastic.h"
-#include "jaculus/solver/prices.h"
+#include "jaculus/solver/sensitivities.h"
 #include "jaculus/solver/violations.h"
 #include "solver/small_nlps.h"
 
-namespace jaculus {
+namespace jaculus::solver {
 namespace {
 
 using testing::DenseNlp;
@@ -71,8 +71,8 @@ TEST(Elastic, DerivativesAgreeWithDifferences) {
     EXPECT_TRUE(elastic.jacobian(at, values));
     Matrix jacobian = Matrix::Zero(2, 7);
     for (int k = 0; k < values.size(); ++k) {
-      const auto i = static_cast<std::size_t>(k);
-      jacobian(elastic.jacobian_sparsity().rows[i], elastic.jacobian_sparsity().columns[i]) += values[k];
+      jacobian(elastic.jacobian_sparsity().rows[k], elastic.jacobian_sparsity().columns[k]) +=
+          values[k];
     }
     return std::pair<Vector, Matrix>(gradient, jacobian);
   };
@@ -80,8 +80,7 @@ TEST(Elastic, DerivativesAgreeWithDifferences) {
   Vector values = Vector::Constant(elastic.hessian_sparsity().size(), kNaN);
   ASSERT_TRUE(elastic.hessian(x, sigma, lambda, values));
   for (int k = 0; k < values.size(); ++k) {
-    const auto i = static_cast<std::size_t>(k);
-    hessian(elastic.hessian_sparsity().rows[i], elastic.hessian_sparsity().columns[i]) += values[k];
+    hessian(elastic.hessian_sparsity().rows[k], elastic.hessian_sparsity().columns[k]) += values[k];
   }
   const auto [gradient, jacobian] = lagrange_gradient(x);
   for (int j = 0; j < 7; ++j) {
@@ -95,7 +94,8 @@ TEST(Elastic, DerivativesAgreeWithDifferences) {
     EXPECT_LT((jacobian.col(j) - (g_ahead - g_behind) / (2 * h)).cwiseAbs().maxCoeff(), 1e-6);
     const auto [df_ahead, dg_ahead] = lagrange_gradient(ahead);
     const auto [df_behind, dg_behind] = lagrange_gradient(behind);
-    const Vector column = (sigma * (df_ahead - df_behind) + (dg_ahead - dg_behind).transpose() * lambda) / (2 * h);
+    const Vector column =
+        (sigma * (df_ahead - df_behind) + (dg_ahead - dg_behind).transpose() * lambda) / (2 * h);
     for (int i = j; i < 7; ++i) EXPECT_NEAR(hessian(i, j), column[i], 1e-6) << i << "," << j;
   }
 }
@@ -120,7 +120,8 @@ TEST(Elastic, NamesTheRowsThatCannotHoldTogether) {
   EXPECT_NEAR(conflict.relaxed[0].amount, 3.0, 1e-4);
   EXPECT_NEAR(conflict.x[1], 2.0, 1e-4);
   ASSERT_EQ(conflict.against.size(), 2u);  // the lower bound of x0 and the equality, not x2's rows
-  for (const LimitPrice& limit : conflict.against) EXPECT_TRUE(limit.name == "x0" || limit.name == "row 1");
+  for (const LimitSensitivity& limit : conflict.against)
+    EXPECT_TRUE(limit.name == "x0" || limit.name == "row 1");
 
   nlp.g_scale << 1.0, 100.0, 1.0, 1.0;
   conflict = find_conflict(nlp, Vector::Zero(3));
@@ -144,7 +145,7 @@ TEST(Elastic, OnlyChosenRowsGiveWay) {
   ASSERT_EQ(conflict.against.size(), 1u);
   EXPECT_EQ(conflict.against[0].name, "row 1");
   EXPECT_EQ(conflict.against[0].side, Side::upper);
-  EXPECT_NEAR(conflict.against[0].price, -1.0, 1e-4);  // raising the limit by one saves one
+  EXPECT_NEAR(conflict.against[0].rate, -1.0, 1e-4);  // raising the limit by one saves one
 }
 
 TEST(Elastic, AFeasibleProblemHasNoConflict) {
@@ -165,10 +166,10 @@ TEST(Elastic, NonlinearConflict) {
   EXPECT_EQ(conflict.relaxed[0].name, "row 1");
   EXPECT_NEAR(conflict.relaxed[0].amount, -20.0, 1e-3);
   ASSERT_EQ(conflict.against.size(), 4u);  // the upper bounds of all four variables
-  for (const LimitPrice& limit : conflict.against) {
+  for (const LimitSensitivity& limit : conflict.against) {
     EXPECT_FALSE(limit.is_row);
     EXPECT_EQ(limit.side, Side::upper);
-    EXPECT_NEAR(limit.price, -10.0, 1e-2);  // d(x^2)/dx at 5
+    EXPECT_NEAR(limit.rate, -10.0, 1e-2);  // d(x^2)/dx at 5
   }
 }
 
@@ -180,7 +181,7 @@ double resolve(DenseNlp nlp, const std::function<void(DenseNlp&)>& change) {
   return result.objective;
 }
 
-TEST(Prices, AgreeWithSolvingAgain) {
+TEST(Sensitivities, AgreeWithSolvingAgain) {
   DenseNlp nlp = hs071();
   nlp.x_scale << 0.5, 2.0, 3.0, 4.0;
   nlp.g_scale << 25.0, 4.0;
@@ -188,51 +189,53 @@ TEST(Prices, AgreeWithSolvingAgain) {
   nlp.x_lower[2] = nlp.x_upper[2] = 3.5;
   const NlpResult result = solve_nlp(nlp, {kHs071Start}, {.tolerance = 1e-10});
   ASSERT_TRUE(result.converged());
-  const auto prices = limit_prices(nlp, result, {.equalities = true});
+  const auto sensitivities = limit_sensitivities(nlp, result, {.equalities = true});
   const double h = 1e-4;
   int checked = 0;
-  for (const LimitPrice& price : prices) {
+  for (const LimitSensitivity& limit : sensitivities) {
     const auto moved = [&](double by) {
       return resolve(nlp, [&](DenseNlp& n) {
-        Vector& lower = price.is_row ? n.g_lower : n.x_lower;
-        Vector& upper = price.is_row ? n.g_upper : n.x_upper;
-        if (price.side != Side::upper) lower[price.index] += by;
-        if (price.side != Side::lower) upper[price.index] += by;
+        Vector& lower = limit.is_row ? n.g_lower : n.x_lower;
+        Vector& upper = limit.is_row ? n.g_upper : n.x_upper;
+        if (limit.side != Side::upper) lower[limit.index] += by;
+        if (limit.side != Side::lower) upper[limit.index] += by;
       });
     };
-    EXPECT_NEAR(price.price, (moved(h) - moved(-h)) / (2 * h), 2e-3 * (1 + std::abs(price.price))) << price.name;
+    EXPECT_NEAR(limit.rate, (moved(h) - moved(-h)) / (2 * h), 2e-3 * (1 + std::abs(limit.rate)))
+        << limit.name;
     ++checked;
   }
   EXPECT_EQ(checked, 4);  // both rows, x0's lower bound, x2 where it is fixed
-  EXPECT_EQ(limit_prices(nlp, result).size(), 2u);
-  const auto maximised = limit_prices(nlp, result, {.maximise = true, .equalities = true});
-  ASSERT_EQ(maximised.size(), prices.size());
-  for (std::size_t i = 0; i < prices.size(); ++i) {
-    EXPECT_EQ(maximised[i].price, -prices[i].price);
-    EXPECT_EQ(maximised[i].name, prices[i].name);
-    EXPECT_LE(std::abs(prices[i].scaled), std::abs(prices[i > 0 ? i - 1 : 0].scaled));
+  EXPECT_EQ(limit_sensitivities(nlp, result).size(), 2u);
+  const auto maximised = limit_sensitivities(nlp, result, {.maximise = true, .equalities = true});
+  ASSERT_EQ(maximised.size(), sensitivities.size());
+  for (std::size_t i = 0; i < sensitivities.size(); ++i) {
+    EXPECT_EQ(maximised[i].rate, -sensitivities[i].rate);
+    EXPECT_EQ(maximised[i].name, sensitivities[i].name);
+    EXPECT_LE(std::abs(sensitivities[i].scaled), std::abs(sensitivities[i > 0 ? i - 1 : 0].scaled));
   }
 }
 
-TEST(Prices, RangeRowsKnowTheirSide) {
+TEST(Sensitivities, RangeRowsKnowTheirSide) {
   for (const double target : {9.0, -9.0}) {
     DenseNlp nlp = projection(Vector::Constant(1, target), Matrix::Constant(1, 1, 2.0));
     nlp.g_lower << -4.0;
     nlp.g_upper << 6.0;
-    const auto prices = limit_prices(nlp, solve_nlp(nlp, {Vector::Zero(1)}, {.tolerance = 1e-10}));
-    ASSERT_EQ(prices.size(), 1u);
-    EXPECT_EQ(prices[0].side, target > 0 ? Side::upper : Side::lower);
-    EXPECT_EQ(prices[0].limit, target > 0 ? 6.0 : -4.0);
+    const auto sensitivities =
+        limit_sensitivities(nlp, solve_nlp(nlp, {Vector::Zero(1)}, {.tolerance = 1e-10}));
+    ASSERT_EQ(sensitivities.size(), 1u);
+    EXPECT_EQ(sensitivities[0].side, target > 0 ? Side::upper : Side::lower);
+    EXPECT_EQ(sensitivities[0].limit, target > 0 ? 6.0 : -4.0);
     // f = 1/2 (limit/2 - target)^2, so df/dlimit = (limit/2 - target)/2.
-    EXPECT_NEAR(prices[0].price, target > 0 ? -3.0 : 3.5, 1e-5);
+    EXPECT_NEAR(sensitivities[0].rate, target > 0 ? -3.0 : 3.5, 1e-5);
   }
 }
 
-TEST(Prices, NoneWithoutASolution) {
+TEST(Sensitivities, NoneWithoutASolution) {
   DenseNlp nlp = hs071();
   const NlpResult result = solve_nlp(nlp, {kHs071Start}, {.max_iterations = 1});
-  EXPECT_THROW(static_cast<void>(limit_prices(nlp, result)), std::logic_error);
+  EXPECT_THROW(static_cast<void>(limit_sensitivities(nlp, result)), std::logic_error);
 }
 
 }  // namespace
-}  // namespace jaculus
+}  // namespace jaculus::solver

@@ -11,7 +11,7 @@
 #include "jaculus/solver/violations.h"
 #include "solver/small_nlps.h"
 
-namespace jaculus {
+namespace jaculus::solver {
 namespace {
 
 using testing::DenseNlp;
@@ -38,10 +38,11 @@ TEST(Ipopt, SolvesHs071) {
   EXPECT_LT(result.max_violation, 1e-6);
   EXPECT_LT(stationarity(nlp, result), 1e-5);
   EXPECT_GT(result.iterations, 3);
-  EXPECT_EQ(static_cast<int>(result.history.size()), result.iterations + 1);
+  EXPECT_EQ(count_of(result.history), result.iterations + 1);
   EXPECT_GT(result.evaluations.hessian, 3);
   EXPECT_GT(result.wall_seconds.total, 0.0);
-  EXPECT_GE(result.wall_seconds.total, result.wall_seconds.functions + result.wall_seconds.linear_solver);
+  EXPECT_GE(result.wall_seconds.total,
+            result.wall_seconds.functions + result.wall_seconds.linear_solver);
   EXPECT_GT(result.wall_seconds.linear_solver, 0.0);
 }
 
@@ -65,7 +66,9 @@ TEST(Ipopt, SolvesWithoutRows) {
 
 TEST(Ipopt, SolvesWithoutExactHessian) {
   DenseNlp nlp = rosenbrock();
-  nlp.h = [](const Vector&, double, const Vector&) -> Matrix { throw std::logic_error("must not be called"); };
+  nlp.h = [](const Vector&, double, const Vector&) -> Matrix {
+    throw std::logic_error("must not be called");
+  };
   SolverOptions options;
   options.exact_hessian = false;
   const NlpResult result = solve_nlp(nlp, {Eigen::Vector2d(-1.2, 1.0), {}}, options);
@@ -96,7 +99,8 @@ TEST(Ipopt, SameInputsGiveTheSameBits) {
 }
 
 TEST(Ipopt, KnownMultipliersOfAProjection) {
-  // Nearest point to (3, 4) with x0 + x1 = 1, x1 <= 0.5: x = (0.5, 0.5), lambda = 2.5, upper multiplier of x1 = 1.
+  // Nearest point to (3, 4) with x0 + x1 = 1, x1 <= 0.5: x = (0.5, 0.5), lambda = 2.5, upper
+  // multiplier of x1 = 1.
   DenseNlp nlp = projection(Eigen::Vector2d(3, 4), Matrix::Ones(1, 2));
   nlp.g_lower << 1.0;
   nlp.g_upper << 1.0;
@@ -118,7 +122,8 @@ TEST(Ipopt, FixedVariablesKeepTheirValueAndGetTheirMultiplier) {
   ASSERT_EQ(result.status, Status::optimal);
   EXPECT_EQ(result.x()[1], 0.25);
   EXPECT_LT(stationarity(nlp, result), 1e-6);
-  EXPECT_GT(result.upper_multipliers[1], 1.0);  // 4 - 0.25 minus the row's share: a larger value would be better
+  // 4 - 0.25 minus the row's share: a larger value would be better
+  EXPECT_GT(result.upper_multipliers[1], 1.0);
 }
 
 TEST(Ipopt, AllVariablesFixed) {
@@ -142,8 +147,8 @@ TEST(Ipopt, InfeasibleProblemIsCalledSo) {
   int restorations = 0;
   for (const IterationInfo& info : result.history) {
     restorations += info.restoration;
-    // The problem's own rows, not the restoration's relaxed ones. While it runs Ipopt widens bounds by 1e-8 of their
-    // size, which makes room for 4 * 2 * 5 * 5e-8 here.
+    // The problem's own rows, not the restoration's relaxed ones. While it runs Ipopt widens bounds
+    // by 1e-8 of their size, which makes room for 4 * 2 * 5 * 5e-8 here.
     EXPECT_GE(info.infeasibility, 20.0 - 2.1e-6);
   }
   EXPECT_GT(restorations, 0);
@@ -183,7 +188,8 @@ TEST(Ipopt, IterationLimit) {
 
 TEST(Ipopt, TimeLimit) {
   DenseNlp nlp = rosenbrock();
-  EXPECT_EQ(solve_nlp(nlp, {Eigen::Vector2d(-1.2, 1.0), {}}, {.time_limit_s = 0.0}).status, Status::time_limit);
+  EXPECT_EQ(solve_nlp(nlp, {Eigen::Vector2d(-1.2, 1.0), {}}, {.time_limit_s = 0.0}).status,
+            Status::time_limit);
 }
 
 TEST(Ipopt, CallbackStopsAndKeepsTheIterate) {
@@ -222,7 +228,8 @@ TEST(Ipopt, UnboundedProblemDiverges) {
 }
 
 TEST(Ipopt, StepsBackWhereFunctionsAreUndefined) {
-  // minimise x - log x: defined for x > 0 only, and a full Newton step from 3 leaves that half line.
+  // minimise x - log x: defined for x > 0 only, and a full Newton step from 3 leaves that half
+  // line.
   DenseNlp nlp(1, 0);
   int undefined = 0;
   nlp.f = [&](const Vector& x, double& f) {
@@ -234,7 +241,9 @@ TEST(Ipopt, StepsBackWhereFunctionsAreUndefined) {
     return true;
   };
   nlp.df = [](const Vector& x) -> Vector { return Vector::Constant(1, 1 - 1 / x[0]); };
-  nlp.h = [](const Vector& x, double s, const Vector&) -> Matrix { return Matrix::Constant(1, 1, s / (x[0] * x[0])); };
+  nlp.h = [](const Vector& x, double s, const Vector&) -> Matrix {
+    return Matrix::Constant(1, 1, s / (x[0] * x[0]));
+  };
   const NlpResult result = solve_nlp(nlp, {Vector::Constant(1, 3.0), {}});
   ASSERT_EQ(result.status, Status::optimal) << result.message;
   EXPECT_NEAR(result.x()[0], 1.0, 1e-5);
@@ -315,4 +324,4 @@ TEST(Ipopt, PrintsNothing) {
 }
 
 }  // namespace
-}  // namespace jaculus
+}  // namespace jaculus::solver

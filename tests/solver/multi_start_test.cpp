@@ -12,7 +12,7 @@
 #include "jaculus/solver/ipopt.h"
 #include "solver/small_nlps.h"
 
-namespace jaculus {
+namespace jaculus::solver {
 namespace {
 
 using testing::DenseNlp;
@@ -93,7 +93,9 @@ NlpResult solve_double_well(double start) {
     f = std::pow(x[0], 4) / 4 - x[0] * x[0] / 2 + x[0] / 10;
     return true;
   };
-  nlp.df = [](const Vector& x) -> Vector { return Vector::Constant(1, std::pow(x[0], 3) - x[0] + 0.1); };
+  nlp.df = [](const Vector& x) -> Vector {
+    return Vector::Constant(1, std::pow(x[0], 3) - x[0] + 0.1);
+  };
   nlp.h = [](const Vector& x, double s, const Vector&) -> Matrix {
     return Matrix::Constant(1, 1, s * (3 * x[0] * x[0] - 1));
   };
@@ -161,8 +163,8 @@ TEST(MultiStart, BestIsConvergedAndTiesGoToTheEarliest) {
 }
 
 TEST(MultiStart, NoneConverged) {
-  const MultiStart all =
-      multi_start(3, [](int start, std::uint64_t) { return made_up(Status::infeasible, 0.0, 3.0 - start); });
+  const MultiStart all = multi_start(
+      3, [](int start, std::uint64_t) { return made_up(Status::infeasible, 0.0, 3.0 - start); });
   EXPECT_EQ(all.best, -1);
   EXPECT_EQ(all.least_bad, 2);
   EXPECT_EQ(all.near_share, 0.0);
@@ -176,7 +178,8 @@ TEST(MultiStart, ResumesFromItsJournalAndRefusesAnotherSeed) {
   options.tasks.journal = std::filesystem::path(folder) / "journal";
   const MultiStart first = multi_start(4, random_start, options);
   const MultiStart again = multi_start(
-      4, [](int, std::uint64_t) -> NlpResult { throw std::runtime_error("must not run"); }, options);
+      4, [](int, std::uint64_t) -> NlpResult { throw std::runtime_error("must not run"); },
+      options);
   EXPECT_EQ(again.converged, 4);
   for (std::size_t i = 0; i < 4; ++i) expect_same(first.starts[i].result, again.starts[i].result);
   options.seed = 6;
@@ -185,4 +188,4 @@ TEST(MultiStart, ResumesFromItsJournalAndRefusesAnotherSeed) {
 }
 
 }  // namespace
-}  // namespace jaculus
+}  // namespace jaculus::solver

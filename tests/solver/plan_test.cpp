@@ -1,21 +1,22 @@
-// make_plan: feasibility stages before random starts, finer meshes, and what is said where they fail.
+// make_plan: feasibility stages before random starts, finer meshes, and what is said where they
+// fail.
 
 #include "jaculus/solver/plan.h"
 
 #include <gtest/gtest.h>
 
-#include "transcription/programmes.h"
+#include "transcription/example_problems.h"
 
-namespace jaculus {
+namespace jaculus::solver {
 namespace {
 
-Plan solve(const Problem& problem) {
-  const Robot robot = read_robot(problem.robot_folder, problem.overrides);
+Plan solve(const transcription::Problem& problem) {
+  const model::Robot robot = model::read_robot(problem.robot_folder, problem.overrides);
   return make_plan(problem, robot.planar);
 }
 
-Problem coarse_leap(const std::string& lines) {
-  Problem problem = test::extended_problem("leap_tail", lines);
+transcription::Problem coarse_leap(const std::string& lines) {
+  transcription::Problem problem = test::extended_problem("leap_tail", lines);
   problem.phases[0].intervals = 6;
   problem.phases[0].mesh = {1, 1, 1, 1, 1, 0.6};
   problem.phases[1].intervals = 4;
@@ -23,7 +24,7 @@ Problem coarse_leap(const std::string& lines) {
 }
 
 TEST(Plan, RandomStartsPassThroughAFeasibilityStage) {
-  Problem problem = coarse_leap("solver: {starts: 5}");
+  transcription::Problem problem = coarse_leap("solver: {starts: 5}");
   const Plan plan = solve(problem);
   ASSERT_TRUE(plan.converged());
   EXPECT_EQ(plan.starts.converged, 5);
@@ -37,35 +38,37 @@ TEST(Plan, RandomStartsPassThroughAFeasibilityStage) {
 }
 
 /// Times [s] at which the least normal force of the front foot is asked for.
-std::vector<double> window_times(Programme& programme, const Vector& x) {
+std::vector<double> window_times(transcription::NonlinearProgram& program, const Vector& x) {
   std::vector<double> times;
   double start = 0.0;
-  EXPECT_TRUE(programme.evaluate_at(x));
-  for (const Interval& interval : programme.intervals()) {
-    for (const PathRows& rows : interval.path)
-      if (rows.term->name == "front_foot normal force") times.push_back(start + 0.5 * rows.point * interval.length());
+  EXPECT_TRUE(program.evaluate_at(x));
+  for (const transcription::Interval& interval : program.intervals()) {
+    for (const transcription::PathRows& rows : interval.path)
+      if (rows.term->name == "front_foot normal force")
+        times.push_back(start + 0.5 * rows.point * interval.length());
     start += interval.length();
   }
   return times;
 }
 
 TEST(Plan, RefinementKeepsTheWindowOfALimitInTime) {
-  Problem problem = coarse_leap("refinement: {max_rounds: 1, tolerance: 1e-12}");
+  transcription::Problem problem = coarse_leap("refinement: {max_rounds: 1, tolerance: 1e-12}");
   const Plan plan = solve(problem);
   ASSERT_TRUE(plan.converged());
   ASSERT_EQ(plan.refinements, 1) << plan.refinement_failure;
   ASSERT_EQ(plan.mesh_rounds.size(), 2u);
   EXPECT_EQ(plan.mesh_rounds[1].intervals, (std::vector<int>{12, 8}));
-  const double first_phase = plan.result.x()[plan.programme->layout().phases[0].duration];
-  const std::vector<double> times = window_times(*plan.programme, plan.result.x());
+  const double first_phase = plan.result.x()[plan.program->layout().phases[0].duration];
+  const std::vector<double> times = window_times(*plan.program, plan.result.x());
   ASSERT_FALSE(times.empty());
-  // The file leaves out three points of a grid of six intervals: everything from the start of its last one, 5/5.6 of the phase.
-  // On the finer grid the last point before that is the middle of the tenth interval, 4.75/5.6.
+  // The file leaves out three points of a grid of six intervals: everything from the start of its
+  // last one, 5/5.6 of the phase. On the finer grid the last point before that is the middle of the
+  // tenth interval, 4.75/5.6.
   EXPECT_NEAR(times.back() / first_phase, 4.75 / 5.6, 1e-9);
 }
 
 TEST(Plan, AFinerSolveThatFailsIsTold) {
-  Problem problem = coarse_leap("refinement: {max_rounds: 1, tolerance: 1e-12}");
+  transcription::Problem problem = coarse_leap("refinement: {max_rounds: 1, tolerance: 1e-12}");
   const Plan whole = solve(problem);
   ASSERT_EQ(whole.refinements, 1) << whole.refinement_failure;
   // As many iterations as the first mesh takes, which the finer one does not get by with.
@@ -74,7 +77,8 @@ TEST(Plan, AFinerSolveThatFailsIsTold) {
   const Plan cut = solve(problem);
   EXPECT_TRUE(cut.converged());
   EXPECT_EQ(cut.refinements, 0);
-  EXPECT_NE(cut.refinement_failure.find("12 + 8 intervals, ended 'iteration_limit'"), std::string::npos)
+  EXPECT_NE(cut.refinement_failure.find("12 + 8 intervals, ended 'iteration_limit'"),
+            std::string::npos)
       << cut.refinement_failure;
 }
 
@@ -92,7 +96,7 @@ TEST(Plan, ActiveLimitsNameBoundsInputsAndDurations) {
   EXPECT_EQ(velocity->phase, "rear_feet");
   EXPECT_NE(find_limit(plan, "rear_foot friction forward"), nullptr);
   EXPECT_EQ(find_limit(plan, "bound on duration"), nullptr);
-  Problem brief = coarse_leap("");
+  transcription::Problem brief = coarse_leap("");
   brief.phases[1].duration.lower = 0.02;
   const Plan longer = solve(brief);
   ASSERT_TRUE(longer.converged());
@@ -102,7 +106,7 @@ TEST(Plan, ActiveLimitsNameBoundsInputsAndDurations) {
 }
 
 TEST(Plan, VerificationFailsWhatIsNoNumberAndWhatIsFarBeyondALimit) {
-  Programme programme = test::make_programme(coarse_leap(""));
+  transcription::NonlinearProgram program = test::make_program(coarse_leap(""));
   const Plan plan = solve(coarse_leap(""));
   ASSERT_TRUE(plan.converged());
   VerifyOptions options;
@@ -110,28 +114,29 @@ TEST(Plan, VerificationFailsWhatIsNoNumberAndWhatIsFarBeyondALimit) {
       1.0;  // a coarse grid; limits are what this is about
   options.balance = 1.0;
   options.between = 0.5;
-  EXPECT_TRUE(verify_plan(programme, plan.result.x(), options).passed);
+  EXPECT_TRUE(verify_plan(program, plan.result.x(), options).passed);
   options.between = 1e-3;
-  const PlanVerification strict = verify_plan(programme, plan.result.x(), options);
+  const PlanVerification strict = verify_plan(program, plan.result.x(), options);
   EXPECT_FALSE(strict.passed);
   ASSERT_FALSE(strict.failures.empty());
-  EXPECT_NE(strict.failures.front().find("between nodes"), std::string::npos) << strict.failures.front();
+  EXPECT_NE(strict.failures.front().find("between nodes"), std::string::npos)
+      << strict.failures.front();
   options.between = kNaN;
-  EXPECT_FALSE(verify_plan(programme, plan.result.x(), options).passed);
+  EXPECT_FALSE(verify_plan(program, plan.result.x(), options).passed);
   options.between = 0.5;
   options.rate = 0.0;
-  EXPECT_FALSE(verify_plan(programme, plan.result.x(), options).passed);
+  EXPECT_FALSE(verify_plan(program, plan.result.x(), options).passed);
 }
 
 TEST(Plan, GuessFromAnotherRobotNamesItsGaps) {
   const Plan tailless = solve(test::on_grid(test::extended_problem("leap_tailless", ""), {6, 4}));
   ASSERT_TRUE(tailless.trajectory.has_value());
-  const Programme programme = test::make_programme(coarse_leap(""));
-  const std::vector<std::string> gaps = guess_gaps(programme, *tailless.trajectory);
+  const transcription::NonlinearProgram program = test::make_program(coarse_leap(""));
+  const std::vector<std::string> gaps = transcription::guess_gaps(program, *tailless.trajectory);
   ASSERT_EQ(gaps.size(), 2u);  // its coordinate and its motor
   EXPECT_NE(gaps[0].find("coordinate 'tail'"), std::string::npos) << gaps[0];
   EXPECT_NE(gaps[1].find("motor 'tail'"), std::string::npos) << gaps[1];
 }
 
 }  // namespace
-}  // namespace jaculus
+}  // namespace jaculus::solver

@@ -1,5 +1,6 @@
 #pragma once
-// Small nonlinear programmes with known answers. Derivatives are written by hand, patterns are dense.
+// Small nonlinear programs with known answers. Derivatives are written by hand, patterns are
+// dense.
 
 #include <functional>
 #include <string>
@@ -9,8 +10,9 @@
 
 namespace jaculus::testing {
 
-/// An Nlp from its data and four functions; the Jacobian is row-major [m x n], the Hessian dense, its lower triangle used.
-class DenseNlp : public Nlp {
+/// An Nlp from its data and four functions; the Jacobian is row-major [m x n], the Hessian dense,
+/// its lower triangle used.
+class DenseNlp : public transcription::Nlp {
  public:
   using Function = std::function<bool(const Vector& x, double& f)>;
   using Gradient = std::function<Vector(const Vector& x)>;
@@ -25,8 +27,8 @@ class DenseNlp : public Nlp {
         g_upper(Vector::Constant(m, kInfinity)),
         x_scale(Vector::Ones(n)),
         g_scale(Vector::Ones(m)),
-        x_unit(static_cast<std::size_t>(n), "m"),
-        g_unit(static_cast<std::size_t>(m), "V") {
+        x_unit(n, "m"),
+        g_unit(m, "V") {
     for (int i = 0; i < m; ++i) {
       for (int j = 0; j < n; ++j) {
         jacobian_pattern.rows.push_back(i);
@@ -49,10 +51,10 @@ class DenseNlp : public Nlp {
   Vector x_lower, x_upper, g_lower, g_upper, x_scale, g_scale;
   double f_scale = 1.0;
   std::vector<std::string> x_unit, g_unit;
-  Sparsity jacobian_pattern, hessian_pattern;
+  transcription::Sparsity jacobian_pattern, hessian_pattern;
 
-  int variables() const override { return static_cast<int>(x_lower.size()); }
-  int rows() const override { return static_cast<int>(g_lower.size()); }
+  int variables() const override { return count_of(x_lower); }
+  int rows() const override { return count_of(g_lower); }
   const Vector& variable_lower() const override { return x_lower; }
   const Vector& variable_upper() const override { return x_upper; }
   const Vector& row_lower() const override { return g_lower; }
@@ -62,10 +64,10 @@ class DenseNlp : public Nlp {
   double objective_scale() const override { return f_scale; }
   std::string variable_name(int i) const override { return "x" + std::to_string(i); }
   std::string row_name(int i) const override { return "row " + std::to_string(i); }
-  std::string variable_unit(int i) const override { return x_unit[static_cast<std::size_t>(i)]; }
-  std::string row_unit(int i) const override { return g_unit[static_cast<std::size_t>(i)]; }
-  const Sparsity& jacobian_sparsity() const override { return jacobian_pattern; }
-  const Sparsity& hessian_sparsity() const override { return hessian_pattern; }
+  std::string variable_unit(int i) const override { return x_unit[i]; }
+  std::string row_unit(int i) const override { return g_unit[i]; }
+  const transcription::Sparsity& jacobian_sparsity() const override { return jacobian_pattern; }
+  const transcription::Sparsity& hessian_sparsity() const override { return hessian_pattern; }
 
   bool objective(const ConstVectorRef& x, double& value) override { return f(x, value); }
   bool gradient(const ConstVectorRef& x, VectorRef out) override {
@@ -83,16 +85,15 @@ class DenseNlp : public Nlp {
     if (rows() == 0) return true;
     const Matrix j = dg(x);
     for (int k = 0; k < jacobian_pattern.size(); ++k) {
-      const auto i = static_cast<std::size_t>(k);
-      values[k] = j(jacobian_pattern.rows[i], jacobian_pattern.columns[i]);
+      values[k] = j(jacobian_pattern.rows[k], jacobian_pattern.columns[k]);
     }
     return true;
   }
-  bool hessian(const ConstVectorRef& x, double sigma, const ConstVectorRef& lambda, VectorRef values) override {
+  bool hessian(const ConstVectorRef& x, double sigma, const ConstVectorRef& lambda,
+               VectorRef values) override {
     const Matrix full = h(x, sigma, lambda);
     for (int k = 0; k < hessian_pattern.size(); ++k) {
-      const auto i = static_cast<std::size_t>(k);
-      values[k] = full(hessian_pattern.rows[i], hessian_pattern.columns[i]);
+      values[k] = full(hessian_pattern.rows[k], hessian_pattern.columns[k]);
     }
     return true;
   }
@@ -110,7 +111,8 @@ inline DenseNlp hs071() {
     return true;
   };
   nlp.df = [](const Vector& x) -> Vector {
-    return Eigen::Vector4d(x[3] * (2 * x[0] + x[1] + x[2]), x[0] * x[3], x[0] * x[3] + 1, x[0] * (x[0] + x[1] + x[2]));
+    return Eigen::Vector4d(x[3] * (2 * x[0] + x[1] + x[2]), x[0] * x[3], x[0] * x[3] + 1,
+                           x[0] * (x[0] + x[1] + x[2]));
   };
   nlp.g = [](const Vector& x, Vector& g) {
     g[0] = x.prod();
@@ -119,8 +121,8 @@ inline DenseNlp hs071() {
   };
   nlp.dg = [](const Vector& x) {
     Matrix j(2, 4);
-    j << x[1] * x[2] * x[3], x[0] * x[2] * x[3], x[0] * x[1] * x[3], x[0] * x[1] * x[2], 2 * x[0], 2 * x[1], 2 * x[2],
-        2 * x[3];
+    j << x[1] * x[2] * x[3], x[0] * x[2] * x[3], x[0] * x[1] * x[3], x[0] * x[1] * x[2], 2 * x[0],
+        2 * x[1], 2 * x[2], 2 * x[3];
     return j;
   };
   nlp.h = [](const Vector& x, double s, const Vector& l) {
@@ -159,7 +161,7 @@ inline DenseNlp rosenbrock() {
 
 /// minimise 1/2 |x - target|^2  subject to  A x in its bounds.
 inline DenseNlp projection(const Vector& target, const Matrix& a) {
-  DenseNlp nlp(static_cast<int>(target.size()), static_cast<int>(a.rows()));
+  DenseNlp nlp(count_of(target), static_cast<int>(a.rows()));
   nlp.f = [target](const Vector& x, double& f) {
     f = 0.5 * (x - target).squaredNorm();
     return true;
@@ -170,7 +172,9 @@ inline DenseNlp projection(const Vector& target, const Matrix& a) {
     return true;
   };
   nlp.dg = [a](const Vector&) { return a; };
-  nlp.h = [n = target.size()](const Vector&, double s, const Vector&) -> Matrix { return s * Matrix::Identity(n, n); };
+  nlp.h = [n = target.size()](const Vector&, double s, const Vector&) -> Matrix {
+    return s * Matrix::Identity(n, n);
+  };
   return nlp;
 }
 

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace jaculus {
+namespace jaculus::studies {
 namespace {
 
 std::vector<ComparedPlan> leaps() {
@@ -61,22 +61,22 @@ TEST(Compare, WithoutATaillessPlanTheFirstCounts) {
 }
 
 TEST(Compare, KindFollowsFromDragAndLocks) {
-  PlanarModel model;
+  model::PlanarModel model;
   model.bodies.resize(2);
   model.bodies[1].joint = "tail";
-  Problem problem;
+  transcription::Problem problem;
   EXPECT_EQ(tail_kind(problem, model), TailKind::none);
-  PlanarDrag drag;
+  model::PlanarDrag drag;
   drag.body = 1;
   model.drags = {drag};
   EXPECT_EQ(tail_kind(problem, model), TailKind::inertial);
   model.drags[0].coefficient = 2.0;
   EXPECT_EQ(tail_kind(problem, model), TailKind::drag);
-  model.drags[0].kind = DragKind::none;
+  model.drags[0].kind = model::DragKind::none;
   EXPECT_EQ(tail_kind(problem, model), TailKind::inertial);
   problem.locks = {{"tail", -1.5}};
   EXPECT_EQ(tail_kind(problem, model), TailKind::held);
 }
 
 }  // namespace
-}  // namespace jaculus
+}  // namespace jaculus::studies

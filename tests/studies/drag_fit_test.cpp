@@ -1,11 +1,11 @@
-#include "jaculus/studies/drag_fit.h"
+#include "studies/drag_fit.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 
-namespace jaculus {
+namespace jaculus::studies {
 namespace {
 
 constexpr double kResistance = 0.186;
@@ -18,8 +18,8 @@ BenchPoint point(double speed, double torque) {
 }
 
 /// Torques with noise, which may take a small one below zero; a bench's own points may not.
-std::vector<DragObservation> bench(double b, double c, double d, double noise, int count, double low, double high,
-                                   unsigned seed) {
+std::vector<DragObservation> bench(double b, double c, double d, double noise, int count,
+                                   double low, double high, unsigned seed) {
   std::mt19937 rng(seed);
   std::normal_distribution<double> error(0.0, 1.0);
   std::vector<DragObservation> observations;
@@ -31,7 +31,8 @@ std::vector<DragObservation> bench(double b, double c, double d, double noise, i
 }
 
 TEST(DragFit, PowerBalanceGivesTheTorque) {
-  const std::vector<DragObservation> o = steady_observations({point(12.0, 0.7), point(-12.0, -0.7)}, kResistance);
+  const std::vector<DragObservation> o =
+      steady_observations({point(12.0, 0.7), point(-12.0, -0.7)}, kResistance);
   EXPECT_NEAR(o[0].torque, 0.7, 1e-12);
   EXPECT_NEAR(o[1].torque, 0.7, 1e-12);
   EXPECT_DOUBLE_EQ(o[1].quadratic, 144.0);
@@ -76,7 +77,7 @@ TEST(DragFit, ANarrowRangeOfSpeedsCantTellViscousFromCoulomb) {
 
 TEST(DragFit, AWideRangeCan) {
   const DragFits fits = fit_drag(bench(0.00514, 0.0, 0.25, 0.01, 40, 0.5, 25.0, 4), 0.95);
-  EXPECT_EQ(fits.fits[static_cast<std::size_t>(fits.taken)].model, "drag + Coulomb");
+  EXPECT_EQ(fits.fits[fits.taken].model, "drag + Coulomb");
   EXPECT_FALSE(fits.fits[1].plausible);
   const Estimate& d = fits.fits[2].coulomb;
   EXPECT_LT(d.low, 0.25);
@@ -103,8 +104,8 @@ TEST(DragFit, ACoastDownGivesTheDragThatSlowedIt) {
   std::vector<double> time, speed;
   for (int i = 0; i < 1200; ++i) {
     time.push_back(0.001 * i);
-    speed.push_back(std::sqrt(d / b) *
-                    std::tan(std::atan(start * std::sqrt(b / d)) - std::sqrt(b * d) * time.back() / inertia));
+    speed.push_back(std::sqrt(d / b) * std::tan(std::atan(start * std::sqrt(b / d)) -
+                                                std::sqrt(b * d) * time.back() / inertia));
   }
   const std::vector<double> power(time.size(), 0.0);
   const DragFits fits = fit_drag(transient_observations(time, speed, power, inertia, 0.02), 0.95);
@@ -127,16 +128,19 @@ TEST(DragFit, WindowsThatReverseAreLeftOut) {
 }
 
 TEST(DragFit, CoefficientFollowsEquationTwo) {
-  const Estimate c = drag_coefficient({0.125 * 1.225 * 2.0 * 0.18 * (1.0 - 0.1296), 0.0, 0.0}, 1.225, 0.18, 0.6, 1.0);
+  const Estimate c = drag_coefficient({0.125 * 1.225 * 2.0 * 0.18 * (1.0 - 0.1296), 0.0, 0.0},
+                                      1.225, 0.18, 0.6, 1.0);
   EXPECT_NEAR(c.value, 2.0, 1e-12);
 }
 
 TEST(DragFit, FaultsOfPointsAreNamed) {
   EXPECT_EQ(bench_fault(point(10.0, 0.5), kResistance), "");
   EXPECT_NE(bench_fault({1.0, 1.0, 0.0}, kResistance).find("stands still"), std::string::npos);
-  EXPECT_NE(bench_fault({1.0, 10.0, 5.0}, kResistance).find("lost in the winding"), std::string::npos);
-  EXPECT_NE(bench_fault({kNaN, 10.0, 5.0}, kResistance).find("must all be there"), std::string::npos);
+  EXPECT_NE(bench_fault({1.0, 10.0, 5.0}, kResistance).find("lost in the winding"),
+            std::string::npos);
+  EXPECT_NE(bench_fault({kNaN, 10.0, 5.0}, kResistance).find("must all be there"),
+            std::string::npos);
 }
 
 }  // namespace
-}  // namespace jaculus
+}  // namespace jaculus::studies

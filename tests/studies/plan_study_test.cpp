@@ -1,4 +1,5 @@
-// Sweeps of optimised plans, on grids small enough for a test: two lengths of the tail at 6 + 4 intervals.
+// Sweeps of optimised plans, on grids small enough for a test: two lengths of the tail at 6 + 4
+// intervals.
 
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -11,16 +12,17 @@
 #include <thread>
 
 #include "jaculus/core/error.h"
+#include "jaculus/core/installation.h"
 #include "jaculus/core/journal.h"
 #include "jaculus/studies/study.h"
 #include "support/temporary_folder.h"
 
-namespace jaculus {
+namespace jaculus::studies {
 namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path kProblems = fs::path(JACULUS_SOURCE_DIR) / "problems";
+const fs::path kProblems = source_folder() / "problems";
 
 /// problems/leap_tail_length.yaml with fewer factors, on the leap with fewer intervals.
 std::string small_study(const std::string& factors) {
@@ -38,7 +40,8 @@ std::string small_study(const std::string& factors) {
 std::string small_leap() {
   return "format: jaculus-problem/1\nextends: " + (kProblems / "leap_tail.yaml").string() +
          "\nname: small\nphases:\n"
-         "  - {name: all_feet, contacts: [front_foot, rear_foot], intervals: 6, mesh: [1, 1, 1, 1, 1, 0.4], duration: "
+         "  - {name: all_feet, contacts: [front_foot, rear_foot], intervals: 6, mesh: [1, 1, 1, 1, "
+         "1, 0.4], duration: "
          "[1 ms, 500 ms]}\n"
          "  - {name: rear_feet, contacts: [rear_foot], intervals: 4, duration: [1 ms, 500 ms]}\n";
 }
@@ -58,7 +61,8 @@ class PlanStudy : public ::testing::Test {
 };
 
 TEST_F(PlanStudy, ShippedSweepOverTheTailsLengthIsGoodInput) {
-  EXPECT_NE(check_study(kProblems / "leap_tail_length.yaml").find("11 plans of leap_tail"), std::string::npos);
+  EXPECT_NE(check_study(kProblems / "leap_tail_length.yaml").find("11 plans of leap_tail"),
+            std::string::npos);
 }
 
 TEST_F(PlanStudy, SweepsTheTailsLengthOverOptimisedLeaps) {
@@ -67,17 +71,17 @@ TEST_F(PlanStudy, SweepsTheTailsLengthOverOptimisedLeaps) {
   ASSERT_EQ(r.rows.size(), 2u);
   for (const StudyJson& row : r.rows) {
     EXPECT_EQ(row.at("status"), "optimal");
-    EXPECT_NEAR(row.at("liftoff_velocity_m_s").get<double>(), 1.3, 1e-5);  // the leap is one of least time
-    EXPECT_NEAR(row.at("average_acceleration_m_s2").get<double>() * row.at("duration_s").get<double>(),
-                row.at("liftoff_velocity_m_s").get<double>(), 1e-12);
+    // the leap is one of least time
+    EXPECT_NEAR(row.at("liftoff_velocity_m_s").get<double>(), 1.3, 1e-5);
+    EXPECT_NEAR(
+        row.at("average_acceleration_m_s2").get<double>() * row.at("duration_s").get<double>(),
+        row.at("liftoff_velocity_m_s").get<double>(), 1e-12);
     EXPECT_GT(row.at("drag_momentum_share").get<double>(), 0.0);
   }
-  const auto at = [&r](int i, const char* column) {
-    return r.rows[static_cast<std::size_t>(i)].at(column).get<double>();
-  };
+  const auto at = [&r](int i, const char* column) { return r.rows[i].at(column).get<double>(); };
   EXPECT_NEAR(at(1, "link_mass_kg"), 1.5 * at(0, "link_mass_kg"), 1e-12);
-  EXPECT_NEAR(at(1, "link_inertia_about_joint_kg_m2"), 1.5 * 1.5 * 1.5 * at(0, "link_inertia_about_joint_kg_m2"),
-              1e-12);
+  EXPECT_NEAR(at(1, "link_inertia_about_joint_kg_m2"),
+              1.5 * 1.5 * 1.5 * at(0, "link_inertia_about_joint_kg_m2"), 1e-12);
   EXPECT_NEAR(at(1, "total_mass_kg") - at(0, "total_mass_kg"), 0.5 * at(0, "link_mass_kg"), 1e-12);
   EXPECT_NE(at(1, "average_acceleration_m_s2"), at(0, "average_acceleration_m_s2"));
   EXPECT_TRUE(fs::exists(folder_ / "sweep" / "study.csv"));
@@ -125,7 +129,9 @@ TEST_F(PlanStudy, GoesOnWhereItWasKilled) {
   StudyOptions options;
   options.resume = true;
   int first_seen = -1;
-  options.progress = [&first_seen](const TaskProgress& p) { first_seen = first_seen < 0 ? p.done : first_seen; };
+  options.progress = [&first_seen](const TaskProgress& p) {
+    first_seen = first_seen < 0 ? p.done : first_seen;
+  };
   EXPECT_TRUE(run_study(file, killed, options).complete);
   EXPECT_GE(first_seen, static_cast<int>(kept));  // what was finished is not computed again
   EXPECT_EQ(test::bytes_of(killed / "study.csv"), test::bytes_of(calm / "study.csv"));
@@ -162,4 +168,4 @@ TEST_F(PlanStudy, BadInputIsNamedWithItsPlace) {
 }
 
 }  // namespace
-}  // namespace jaculus
+}  // namespace jaculus::studies

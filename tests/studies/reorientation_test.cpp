@@ -12,7 +12,7 @@
 #include "jaculus/components/tail_drag.h"
 #include "studies/reorientation_systems.h"
 
-namespace jaculus {
+namespace jaculus::studies {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
@@ -54,7 +54,7 @@ TEST(Reorientation, TailAsBuiltMatchesTheEquations) {
 
 TEST(Reorientation, WithoutDragAllRotationCeasesAtTheStop) {
   ReorientationCase c = paper_case();
-  c.drag.kind = DragKind::none;
+  c.drag.kind = model::DragKind::none;
   const ReorientationResult r = simulate_reorientation(c, kTight);
   ASSERT_TRUE(r.stop);
   EXPECT_NEAR(-r.body_angle / kDegree, 36.250, 5e-4);
@@ -89,13 +89,16 @@ TEST(Reorientation, FigureThree) {
   EXPECT_NEAR(best_effectiveness(0.5, 0.01), 0.167, 5e-4);
 }
 
-// Boost's Dormand-Prince on the equations as printed, with states thb, tht and their rates: shares no code path.
+// Boost's Dormand-Prince on the equations as printed, with states thb, tht and their rates: shares
+// no code path.
 std::vector<double> printed_equations(const ReorientationCase& c, double until) {
   namespace odeint = boost::numeric::odeint;
   using State = std::vector<double>;
-  const double b = rotation_drag_factor(c.drag.density, c.drag.coefficient, c.drag.width, c.drag.start, c.drag.end);
+  const double b = components::rotation_drag_factor(c.drag.density, c.drag.coefficient,
+                                                    c.drag.width, c.drag.start, c.drag.end);
   const auto f = [&](const State& y, State& dy, double) {
-    const double current = (c.motor.voltage - c.motor.torque_constant * c.motor.gear * y[3]) / c.motor.resistance;
+    const double current =
+        (c.motor.voltage - c.motor.torque_constant * c.motor.gear * y[3]) / c.motor.resistance;
     double tau = 0.0;  // Newton's method on equation 7
     for (int i = 0; i < 60; ++i) {
       tau -= (0.539 * tau * tau * tau + 8.93 * tau - current) / (3.0 * 0.539 * tau * tau + 8.93);
@@ -103,11 +106,13 @@ std::vector<double> printed_equations(const ReorientationCase& c, double until) 
     const double omega = y[2] + y[3];
     const double drag = -b * omega * std::abs(omega);
     const double torque = c.motor.gear * tau;
-    dy = {y[2], y[3], -torque / c.body_inertia, torque / c.body_inertia + (torque + drag) / c.tail_inertia};
+    dy = {y[2], y[3], -torque / c.body_inertia,
+          torque / c.body_inertia + (torque + drag) / c.tail_inertia};
   };
   State y(4, 0.0);
-  odeint::integrate_adaptive(odeint::make_controlled<odeint::runge_kutta_dopri5<State>>(1e-12, 1e-12), f, y, 0.0, until,
-                             1e-5);
+  odeint::integrate_adaptive(
+      odeint::make_controlled<odeint::runge_kutta_dopri5<State>>(1e-12, 1e-12), f, y, 0.0, until,
+      1e-5);
   return y;
 }
 
@@ -131,7 +136,7 @@ TEST(Reorientation, InertialRotationIsTheStrokeTimesTheInertiaRatio) {
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   for (int k = 0; k < 200; ++k) {
     ReorientationCase c = paper_case();
-    c.drag.kind = DragKind::none;
+    c.drag.kind = model::DragKind::none;
     c.body_inertia = 0.01 + unit(rng);
     c.tail_inertia = 0.001 + unit(rng);
     c.motor.gear = 1.0 + 49.0 * unit(rng);
@@ -143,7 +148,8 @@ TEST(Reorientation, InertialRotationIsTheStrokeTimesTheInertiaRatio) {
     c.duration = 5.0;
     const ReorientationResult r = simulate_reorientation(c);
     ASSERT_TRUE(r.converged && r.tail_angle > 0.0);
-    EXPECT_NEAR(-r.body_angle, r.tail_angle * c.tail_inertia / (c.body_inertia + c.tail_inertia), 1e-9);
+    EXPECT_NEAR(-r.body_angle, r.tail_angle * c.tail_inertia / (c.body_inertia + c.tail_inertia),
+                1e-9);
     if (r.stop) {
       EXPECT_NEAR(r.tail_angle, c.stroke, 1e-12);
     }
@@ -165,8 +171,10 @@ TEST(Reorientation, TheStopKeepsTheMomentum) {
     ++stops;
     const StopEvent& s = *r.stop;
     EXPECT_NEAR(s.momentum_before, s.momentum_after, 1e-12);
-    EXPECT_NEAR(s.momentum_before,
-                c.body_inertia * s.body_rate_before + c.tail_inertia * (s.body_rate_before + s.tail_rate), 1e-12);
+    EXPECT_NEAR(
+        s.momentum_before,
+        c.body_inertia * s.body_rate_before + c.tail_inertia * (s.body_rate_before + s.tail_rate),
+        1e-12);
     // What the stop takes from the tail it gives to the body.
     EXPECT_NEAR(s.impulse, -c.body_inertia * (s.body_rate_after - s.body_rate_before), 1e-12);
   }
@@ -177,14 +185,15 @@ TEST(Reorientation, MomentumChangesByTheDragImpulseAlone) {
   std::vector<ReorientationSample> history;
   const ReorientationCase c = paper_case();
   const ReorientationResult r = simulate_reorientation(c, 1e-11, &history);
-  const double b = rotation_drag_factor(1.225, 2.0, 0.18, 0.6, 1.0);
+  const double b = components::rotation_drag_factor(1.225, 2.0, 0.18, 0.6, 1.0);
   double impulse = 0.0;
   for (std::size_t i = 1; i < history.size() && history[i].time < r.stop->time; ++i) {
     const auto drag = [&](const ReorientationSample& s) {
       const double omega = s.body_rate + s.tail_rate;
       return -b * omega * std::abs(omega);
     };
-    impulse += 0.5 * (history[i].time - history[i - 1].time) * (drag(history[i]) + drag(history[i - 1]));
+    impulse +=
+        0.5 * (history[i].time - history[i - 1].time) * (drag(history[i]) + drag(history[i - 1]));
   }
   EXPECT_NEAR(impulse, r.stop->momentum_before, 0.05 * std::abs(r.stop->momentum_before));
 }
@@ -204,7 +213,8 @@ TEST(Reorientation, DefaultToleranceKeepsEffectivenessWithinTenMicro) {
     for (double x : {0.01, 0.1, 0.3, 0.6}) {
       for (int gear = 1; gear <= 50; gear += 3) {
         ReorientationCase c = fig3_case(length, x, gear);
-        EXPECT_NEAR(simulate_reorientation(c).effectiveness, simulate_reorientation(c, kTight).effectiveness, 1e-5);
+        EXPECT_NEAR(simulate_reorientation(c).effectiveness,
+                    simulate_reorientation(c, kTight).effectiveness, 1e-5);
       }
     }
   }
@@ -230,7 +240,7 @@ TEST(Reorientation, ARootSpringDelaysTheBodyAndAStiffOneDoesNot) {
 TEST(Reorientation, WindOfNoSpeedIsStillAir) {
   ReorientationCase c = paper_case();
   const ReorientationResult still = simulate_reorientation(c, kTight);
-  c.drag.kind = DragKind::distributed;
+  c.drag.kind = model::DragKind::distributed;
   EXPECT_NEAR(simulate_reorientation(c, kTight).body_angle, still.body_angle, 1e-12);
   c.pivot_velocity = Vec2(1e-9, 0.0);  // through the other branch
   EXPECT_NEAR(simulate_reorientation(c, kTight).body_angle, still.body_angle, 1e-7);
@@ -241,9 +251,10 @@ TEST(Reorientation, WindOfNoSpeedIsStillAir) {
 
 TEST(Reorientation, ForwardSpeedAgainstTheSwingHelps) {
   ReorientationCase c = paper_case();
-  c.drag.kind = DragKind::distributed;
+  c.drag.kind = model::DragKind::distributed;
   const double still = std::abs(simulate_reorientation(c).body_angle);
-  c.pivot_velocity = Vec2(3.0, 0.0);  // an upright tail that swings forwards, running forwards: faster through the air
+  // an upright tail that swings forwards, running forwards: faster through the air
+  c.pivot_velocity = Vec2(3.0, 0.0);
   EXPECT_GT(std::abs(simulate_reorientation(c).body_angle), still + 0.01);
 }
 
@@ -253,7 +264,7 @@ TEST(Reorientation, TorqueLimitHolds) {
   c.motor_limits = true;
   std::vector<ReorientationSample> history;
   const ReorientationResult r = simulate_reorientation(c, 1e-8, &history);
-  const double largest = largest_joint_torque(c.motor).value;
+  const double largest = components::largest_joint_torque(c.motor).value;
   double peak = 0.0;
   for (const ReorientationSample& s : history) peak = std::max(peak, s.joint_torque);
   EXPECT_NEAR(peak, largest, 1e-12);
@@ -275,7 +286,8 @@ void check_jacobian(const System& system, std::mt19937& rng) {
       b[col] -= h;
       const typename System::State slope = (system.rhs(a) - system.rhs(b)) / (2.0 * h);
       for (int row = 0; row < System::N + System::Q; ++row) {
-        EXPECT_NEAR(j(row, col), slope[row], 2e-5 * (1.0 + j.col(col).cwiseAbs().maxCoeff())) << row << "," << col;
+        EXPECT_NEAR(j(row, col), slope[row], 2e-5 * (1.0 + j.col(col).cwiseAbs().maxCoeff()))
+            << row << "," << col;
       }
     }
   }
@@ -286,7 +298,7 @@ TEST(Reorientation, JacobiansAgreeWithDifferences) {
   const detail::Bodies in(c);
   const detail::MotorCurve motor(c);
   const detail::Air still(c);
-  c.drag.kind = DragKind::distributed;
+  c.drag.kind = model::DragKind::distributed;
   c.pivot_velocity = Vec2(4.0, -1.0);
   c.initial_tail_angle = 0.4;
   const detail::Air moving(c);
@@ -309,7 +321,8 @@ TEST(Reorientation, RosenbrockStepIsOfOrderFour) {
     return y[2];
   };
   const double exact = angle_after(3000);
-  const double order = std::log2(std::abs(angle_after(40) - exact) / std::abs(angle_after(80) - exact));
+  const double order =
+      std::log2(std::abs(angle_after(40) - exact) / std::abs(angle_after(80) - exact));
   EXPECT_NEAR(order, 4.0, 0.5);
 }
 
@@ -333,4 +346,4 @@ TEST(Reorientation, FaultsAreNamed) {
 }
 
 }  // namespace
-}  // namespace jaculus
+}  // namespace jaculus::studies

@@ -15,20 +15,22 @@
 #include <thread>
 
 #include "jaculus/core/error.h"
+#include "jaculus/core/installation.h"
 #include "jaculus/core/journal.h"
 
-namespace jaculus {
+namespace jaculus::studies {
 namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path kProblems = fs::path(JACULUS_SOURCE_DIR) / "problems";
+const fs::path kProblems = source_folder() / "problems";
 
 class Study : public ::testing::Test {
  protected:
   void SetUp() override {
     const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = fs::temp_directory_path() / ("jaculus_study_" + std::to_string(::getpid()) + "_" + info->name());
+    folder_ = fs::temp_directory_path() /
+              ("jaculus_study_" + std::to_string(::getpid()) + "_" + info->name());
     fs::remove_all(folder_);
     fs::create_directories(folder_);
   }
@@ -78,8 +80,8 @@ TEST_F(Study, FigureThreeComesOut) {
   EXPECT_NEAR(computed(r, "2x tail at normalised inertia 0.5"), 0.590, 5e-4);
   EXPECT_NEAR(computed(r, "inertial tail that matches the massless 2x tail"), 1.7, 5e-2);
   for (const StudyJson& point : r.rows) {
-    EXPECT_NEAR(point.at("effectiveness_without_drag").get<double>(), point.at("normalised_inertia").get<double>(),
-                1e-9);
+    EXPECT_NEAR(point.at("effectiveness_without_drag").get<double>(),
+                point.at("normalised_inertia").get<double>(), 1e-9);
   }
 }
 
@@ -113,7 +115,8 @@ const StudyReference& reference(const StudyResult& result, const std::string& qu
   throw std::runtime_error("no reference " + quantity);
 }
 
-// Sections VI-A and VI-B by hand: inertias 0.23 and 0.058, rates of the body and of the tail to it from REFERENCE's section 2.
+// Sections VI-A and VI-B by hand: inertias 0.23 and 0.058, rates of the body and of the tail to it
+// from REFERENCE's section 2.
 TEST_F(Study, TheStopAndWhatFollowsAreReportedBesideThePaper) {
   const StudyResult r = run("self_righting.yaml");
   const StudyJson& built = row(r, "as built");
@@ -134,16 +137,19 @@ TEST_F(Study, DisagreementsWithThePaperAreNamed) {
   const StudyReference& equal = reference(r, "normalised inertia of the equal inertial tail");
   EXPECT_TRUE(equal.disagrees);
   EXPECT_NEAR(equal.deviation, 0.5206 / 0.558 - 1.0, 1e-4);
-  EXPECT_TRUE(reference(r, "normalised inertia as built").disagrees);   // 0.204 there, 0.058/0.288 here
-  EXPECT_TRUE(reference(r, "mass that the tail adds").disagrees);       // 0.10 there, 0.816/7.3 here
-  EXPECT_FALSE(reference(r, "90 deg self-righting [s]").disagrees);     // 0.3049 of 0.302 +- 0.004
-  EXPECT_FALSE(reference(r, "tail reaches its stop [s]").disagrees);    // 0.1767 of about 0.18
+  // 0.204 there, 0.058/0.288 here
+  EXPECT_TRUE(reference(r, "normalised inertia as built").disagrees);
+  EXPECT_TRUE(reference(r, "mass that the tail adds").disagrees);     // 0.10 there, 0.816/7.3 here
+  EXPECT_FALSE(reference(r, "90 deg self-righting [s]").disagrees);   // 0.3049 of 0.302 +- 0.004
+  EXPECT_FALSE(reference(r, "tail reaches its stop [s]").disagrees);  // 0.1767 of about 0.18
   EXPECT_FALSE(reference(r, "impulse at the stop [N m s]").disagrees);  // words there
   std::size_t named = 0, disagreeing = 0;
   for (const StudyReference& q : r.references) disagreeing += q.disagrees ? 1 : 0;
-  for (const std::string& note : r.notes) named += note.starts_with("disagrees with the paper: ") ? 1 : 0;
+  for (const std::string& note : r.notes)
+    named += note.starts_with("disagrees with the paper: ") ? 1 : 0;
   EXPECT_EQ(named, disagreeing);
-  EXPECT_TRUE(reference(run("gear_search.yaml"), "best integer gear").disagrees);  // 4 there, 5 here
+  // 4 there, 5 here
+  EXPECT_TRUE(reference(run("gear_search.yaml"), "best integer gear").disagrees);
   const StudyJson json = StudyJson::parse(study_json(r));
   EXPECT_TRUE(json.at("reference").at(5).at("disagrees").get<bool>());
   EXPECT_EQ(json.at("reference").at(5).at("quantity"), equal.quantity);
@@ -172,8 +178,8 @@ TEST_F(Study, BestGearIsReportedNotBent) {
 TEST_F(Study, ShaftRatioFollowsTheFourthPower) {
   const StudyResult r = run("fig4_shaft.yaml");
   for (const StudyJson& point : r.rows) {
-    EXPECT_NEAR(point.at("shaft_torque_ratio").get<double>(), 1.0 - std::pow(point.at("shaft_ratio").get<double>(), 4),
-                1e-12);
+    EXPECT_NEAR(point.at("shaft_torque_ratio").get<double>(),
+                1.0 - std::pow(point.at("shaft_ratio").get<double>(), 4), 1e-12);
   }
   EXPECT_NEAR(computed(r, "drag moment left at L0/L = 0.6"), 0.870, 5e-4);
 }
@@ -196,12 +202,14 @@ TEST_F(Study, AnIsometricBodyWithASimilarMotorFallsAlikeAtAnySize) {
 }
 
 TEST_F(Study, ShippedStudiesRunAndHaveTheirColumns) {
-  for (const char* name : {"airspeed.yaml", "width_drag.yaml", "tail_design.yaml", "drag_bench.yaml"}) {
+  for (const char* name :
+       {"airspeed.yaml", "width_drag.yaml", "tail_design.yaml", "drag_bench.yaml"}) {
     const StudyResult r = run(name);
     EXPECT_TRUE(r.complete) << name;
     ASSERT_FALSE(r.rows.empty()) << name;
     for (const StudyJson& point : r.rows) {
-      for (const std::string& column : r.columns) EXPECT_TRUE(point.contains(column)) << name << " " << column;
+      for (const std::string& column : r.columns)
+        EXPECT_TRUE(point.contains(column)) << name << " " << column;
     }
   }
 }
@@ -250,7 +258,8 @@ TEST_F(Study, BadInputIsNamedWithItsPlace) {
            Fault{"from: 0.01, to: 0.6", "from: 0.6, to: 0.01", "below"},
            Fault{"count: 60", "count: 1", "count"},
            Fault{"kind: reorientation", "kind: reorientaton", "reorientation"},
-           Fault{"effectiveness_without_drag, aero", "effectiveness_without_drg, aero", "effectiveness_without_drag"},
+           Fault{"effectiveness_without_drag, aero", "effectiveness_without_drg, aero",
+                 "effectiveness_without_drag"},
            Fault{"stroke: 180 deg, ", "", "task.stroke is missing"},
            Fault{"stroke: 180 deg", "stroke: .nan", "stroke"},
            Fault{"where: {tail_length_m: 1,", "where: {tail_len: 1,", "tail_len"},
@@ -283,8 +292,9 @@ TEST_F(Study, ASearchOnItsBoundIsReported) {
 }
 
 TEST_F(Study, AReferenceThatPicksNoRowKeepsTheRows) {
-  const fs::path file = write("where.yaml", with("where: {tail_length_m: 1, normalised_inertia: 0.05}",
-                                                 "where: {tail_length_m: 1, normalised_inertia: 0.055}"));
+  const fs::path file =
+      write("where.yaml", with("where: {tail_length_m: 1, normalised_inertia: 0.05}",
+                               "where: {tail_length_m: 1, normalised_inertia: 0.055}"));
   const StudyResult r = run_study(file, {}, {});
   EXPECT_EQ(r.rows.size(), 183u);
   ASSERT_EQ(r.notes.size(), 1u);
@@ -332,7 +342,8 @@ TEST_F(Study, KilledTwentyTimesEndsWithTheSameBytes) {
     std::this_thread::sleep_for(std::chrono::milliseconds(wait_ms(rng)));
     ::kill(child, SIGKILL);
     ::waitpid(child, &status, 0);
-    if (!fs::exists(killed / "study.journal")) {  // not yet begun, or already at its end: the next one begins anew
+    // not yet begun, or already at its end: the next one begins anew
+    if (!fs::exists(killed / "study.journal")) {
       finished = 0;
       continue;
     }
@@ -350,4 +361,4 @@ TEST_F(Study, KilledTwentyTimesEndsWithTheSameBytes) {
 }
 
 }  // namespace
-}  // namespace jaculus
+}  // namespace jaculus::studies

@@ -1,14 +1,14 @@
-#include "jaculus/studies/tail_design.h"
+#include "studies/tail_design.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
-#include "jaculus/studies/search.h"
-#include "jaculus/studies/setup.h"
+#include "studies/search.h"
+#include "studies/setup.h"
 
-namespace jaculus {
+namespace jaculus::studies {
 namespace {
 
 ReorientationSetup paper_setup() {
@@ -31,7 +31,8 @@ ReorientationSetup paper_setup() {
 TEST(Setup, DescribesThePaperCase) {
   const ReorientationSetup s = paper_setup();
   ASSERT_EQ(check_setup(s), "");
-  EXPECT_EQ(simulate_reorientation(to_case(s)).body_angle, simulate_reorientation(paper_case()).body_angle);
+  EXPECT_EQ(simulate_reorientation(to_case(s)).body_angle,
+            simulate_reorientation(paper_case()).body_angle);
 }
 
 TEST(Setup, AlternativesReplaceOneAnother) {
@@ -55,7 +56,8 @@ TEST(Setup, EveryParameterReadsBackWhatWasSet) {
 }
 
 TEST(Search, FindsTheBestIntegerAndSaysWhereItStopped) {
-  const SearchResult inside = maximise({1.0, 50.0, true}, [](double x) { return -(x - 7.3) * (x - 7.3); });
+  const SearchResult inside =
+      maximise({1.0, 50.0, true}, [](double x) { return -(x - 7.3) * (x - 7.3); });
   EXPECT_EQ(inside.argument, 7.0);
   EXPECT_EQ(inside.bound, "");
   EXPECT_EQ(maximise({1.0, 50.0, true}, [](double x) { return x; }).bound, "upper");
@@ -64,7 +66,8 @@ TEST(Search, FindsTheBestIntegerAndSaysWhereItStopped) {
 }
 
 TEST(Search, RefinesAContinuousOptimum) {
-  const SearchResult r = maximise({0.0, 10.0, false}, [](double x) { return std::sin(x) - 0.1 * x; });
+  const SearchResult r =
+      maximise({0.0, 10.0, false}, [](double x) { return std::sin(x) - 0.1 * x; });
   EXPECT_NEAR(r.argument, std::acos(0.1), 1e-6);
   EXPECT_EQ(r.bound, "");
   EXPECT_EQ(maximise({0.0, 1.0, false}, [](double x) { return x; }).bound, "upper");
@@ -78,7 +81,8 @@ TEST(TailDesign, MassAndInertiaAreThoseOfTubeAndScoop) {
   const int n = 20000;
   for (int i = 0; i < n; ++i) {
     const double l = length * (i + 0.5) / n;
-    const double dm = length / n * (m.tube + (l > shaft ? m.film * 0.5 * std::numbers::pi * width : 0.0));
+    const double dm =
+        length / n * (m.tube + (l > shaft ? m.film * 0.5 * std::numbers::pi * width : 0.0));
     mass += dm;
     inertia += dm * l * l;
   }
@@ -116,10 +120,12 @@ TEST(TailDesign, TheFrontHoldsWhatNothingBeats) {
   const TailLimits limits{1.0, 1.0, 1.0};
   const std::vector<TailDesign> front = pareto_front(
       {
-          design(0.2, 0.3, 0.5, 0.5), design(0.1, 0.1, 0.5, 0.5), design(0.3, 0.25, 0.5, 0.5),  // heavier and worse
-          design(0.9, 0.5, 0.5, 0.5), design(0.15, 0.35, 1.1, 0.5),  // too long, lighter and better than the second
-          design(0.95, 0.45, 0.5, 1.1),                              // too wide, but no gain to any
-          design(1.05, 0.6, 0.5, 0.5),                               // too heavy, better than all
+          // heavier and worse
+          design(0.2, 0.3, 0.5, 0.5), design(0.1, 0.1, 0.5, 0.5), design(0.3, 0.25, 0.5, 0.5),
+          // too long, lighter and better than the second
+          design(0.9, 0.5, 0.5, 0.5), design(0.15, 0.35, 1.1, 0.5),
+          design(0.95, 0.45, 0.5, 1.1),  // too wide, but no gain to any
+          design(1.05, 0.6, 0.5, 0.5),   // too heavy, better than all
       },
       limits);
   ASSERT_EQ(front.size(), 3u);
@@ -130,4 +136,4 @@ TEST(TailDesign, TheFrontHoldsWhatNothingBeats) {
 }
 
 }  // namespace
-}  // namespace jaculus
+}  // namespace jaculus::studies

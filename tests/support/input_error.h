@@ -9,7 +9,8 @@
 
 namespace jaculus::test {
 
-/// Runs `action` and returns the message of the InputError that it must throw; a failure and "" where it throws none.
+/// Runs `action` and returns the message of the InputError that it must throw; a failure and ""
+/// where it throws none.
 template <class Action>
 std::string input_error_of(Action&& action) {
   try {

@@ -1,9 +1,11 @@
-// The robot itself: what its own static and swept tests show, datasets it writes, and what it refuses.
+// The robot itself: what its own static and swept tests show, datasets it writes, and what it
+// refuses.
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
+#include "jaculus/core/installation.h"
 #include "jaculus/testbed/effects.h"
 #include "jaculus/testbed/trials.h"
 #include "support/input_error.h"
@@ -18,10 +20,11 @@ namespace {
 using test::holds;
 using test::input_error_of;
 
-const std::filesystem::path kRobot = std::filesystem::path(JACULUS_SOURCE_DIR) / "models" / "minitaur_tail";
+const std::filesystem::path kRobot = source_folder() / "models" / "minitaur_tail";
 
 double measured(const std::string& name, double value) {
-  const BenchEffect& effect = *find_bench_effect(name);
+  const auto effects = bench_effects(kRobot);
+  const BenchEffect& effect = *find_bench_effect(effects, name);
   std::vector<double> values;
   for (const BenchParameter& p : effect.parameters) values.push_back(p.usual);
   values[0] = value;
@@ -51,13 +54,13 @@ TEST(Stop, RestitutionOfTheDampedOscillatorHasItsKnownValues) {
 
 TEST(Drives, TheCubicIsInvertedAndTheBatterySagsByThePowerDrawn) {
   const RobotFiles files = read_robot_files(kRobot);
-  const PlanarMotor& motor = files.drives.front().motor;
+  const model::PlanarMotor& motor = files.drives.front().motor;
   for (const double torque : {-3.0, -0.1, 0.0, 1.0, 2.9}) {
     EXPECT_NEAR(torque_of_current(motor, current_of_torque(motor, torque)), torque, 1e-12);
   }
   Changes changes;
   changes.battery_resistance = 0.05;
-  const Drives drives(files, changes, "duty");
+  const Drives drives(files, changes, trajectory::Quantity::duty);
   std::vector<DriveState> states;
   const std::vector<double> commands(files.drives.size(), 0.3), rates(files.drives.size(), 5.0);
   const double bus = drives.run(commands, rates, states);
@@ -72,18 +75,20 @@ TEST(Trials, AreRobotsLogs) {
   TrialSpec spec;
   spec.trials = 2;
   spec.seed = 7;
-  Dataset dataset = run_trials(self_righting(kRobot), {}, spec);
+  trajectory::Dataset dataset = run_trials(self_righting(kRobot), {}, spec);
   const test::TemporaryFolder folder;
-  write_dataset(dataset, folder / "drop");
-  const Dataset back = read_dataset(folder / "drop");
+  trajectory::write_dataset(dataset, folder / "drop");
+  const trajectory::Dataset back = trajectory::read_dataset(folder / "drop");
   ASSERT_EQ(back.trials.size(), 2U);
-  const Stream& mocap = *back.trials[0].stream("mocap");
+  const trajectory::Stream& mocap = *back.trials[0].stream("mocap");
   EXPECT_EQ(mocap.channels, (std::vector<std::string>{"x", "z", "pitch"}));
   EXPECT_NEAR(mocap.values(1, 0), 1.0, 5e-3);
-  EXPECT_LT(mocap.values(2, mocap.values.cols() - 1), -1.0) << "the body has turned nose-up against the tail";
+  EXPECT_LT(mocap.values(2, mocap.values.cols() - 1), -1.0)
+      << "the body has turned nose-up against the tail";
   EXPECT_GE(back.trials[0].stream("joints")->channel("tail_velocity"), 0);
-  const Dataset again = run_trials(self_righting(kRobot), {}, spec);
-  EXPECT_EQ(again.trials[1].streams[0].values, dataset.trials[1].streams[0].values) << "same seed, same trial";
+  const trajectory::Dataset again = run_trials(self_righting(kRobot), {}, spec);
+  EXPECT_EQ(again.trials[1].streams[0].values, dataset.trials[1].streams[0].values)
+      << "same seed, same trial";
   EXPECT_NE(dataset.trials[0].streams[0].values(0, 5), dataset.trials[1].streams[0].values(0, 5));
 }
 
@@ -94,10 +99,12 @@ TEST(Trials, NoiseHasTheFloorThatIsStated) {
   spec.pose_scatter = spec.clock_scatter = 0.0;
   TrialSpec exact = spec;
   exact.exact = true;
-  const Dataset asked = tail_bench(kRobot);
-  Dataset noisy = run_trials(asked, {}, spec), still = run_trials(asked, {}, exact);
-  const Stream &a = *noisy.trials[0].stream("joints"), &b = *still.trials[0].stream("joints");
-  // The phases of sampling differ, so noise is told by second differences, of which white noise has six times the variance.
+  const trajectory::Dataset asked = tail_bench(kRobot);
+  trajectory::Dataset noisy = run_trials(asked, {}, spec), still = run_trials(asked, {}, exact);
+  const trajectory::Stream &a = *noisy.trials[0].stream("joints"),
+                           &b = *still.trials[0].stream("joints");
+  // The phases of sampling differ, so noise is told by second differences, of which white noise has
+  // six times the variance.
   const auto row = a.channel("tail_velocity");
   const Eigen::Index n = std::min(a.values.cols(), b.values.cols());
   double sum = 0.0;
@@ -112,14 +119,20 @@ TEST(Trials, NoiseHasTheFloorThatIsStated) {
 
 TEST(Effects, RefuseWhatTheyAreNot) {
   Changes changes;
-  EXPECT_TRUE(
-      holds(input_error_of([&] { apply_effect("tail_complience:compliance=0.01", changes); }), "tail_compliance"));
-  EXPECT_TRUE(holds(input_error_of([&] { apply_effect("wind:sped=1", changes); }), "did you mean 'speed'"));
-  EXPECT_TRUE(holds(input_error_of([&] { apply_effect("wind:speed=1e9", changes); }), "from -4 to 4"));
-  EXPECT_TRUE(holds(input_error_of([&] { apply_effect("wind:speed=abc", changes); }), "'abc' given"));
-  EXPECT_TRUE(holds(input_error_of([&] { apply_effect("wind", changes); }), "no value"));
-  EXPECT_TRUE(holds(input_error_of([&] { apply_effect("wind:speed=1,speed=2", changes); }), "twice"));
-  apply_effect("wind:speed=1.5", changes);
+  const auto known = bench_effects(kRobot);
+  EXPECT_TRUE(holds(
+      input_error_of([&] { apply_effect("tail_complience:compliance=0.01", known, changes); }),
+      "tail_compliance"));
+  EXPECT_TRUE(holds(input_error_of([&] { apply_effect("wind:sped=1", known, changes); }),
+                    "did you mean 'speed'"));
+  EXPECT_TRUE(holds(input_error_of([&] { apply_effect("wind:speed=1e9", known, changes); }),
+                    "from -4 to 4"));
+  EXPECT_TRUE(holds(input_error_of([&] { apply_effect("wind:speed=abc", known, changes); }),
+                    "'abc' given"));
+  EXPECT_TRUE(holds(input_error_of([&] { apply_effect("wind", known, changes); }), "no value"));
+  EXPECT_TRUE(holds(input_error_of([&] { apply_effect("wind:speed=1,speed=2", known, changes); }),
+                    "twice"));
+  apply_effect("wind:speed=1.5", known, changes);
   EXPECT_EQ(changes.wind, 1.5);
 }
 
@@ -127,7 +140,7 @@ TEST(Effects, AtTheirUsualValuesChangeNothing) {
   if (!available()) GTEST_SKIP() << "built without MuJoCo";
   const RobotFiles files = read_robot_files(kRobot);
   const std::string plain = mjcf(files, {}, {}, {});
-  for (const BenchEffect& effect : bench_effects()) {
+  for (const BenchEffect& effect : bench_effects(kRobot)) {
     std::vector<double> values;
     for (const BenchParameter& p : effect.parameters) values.push_back(p.usual);
     Changes changes;

@@ -9,7 +9,7 @@
 
 #include "support/input_error.h"
 
-namespace jaculus {
+namespace jaculus::trajectory {
 namespace {
 
 using test::holds;
@@ -26,17 +26,21 @@ channels:
   bus_voltage: {column: U, unit: mV}
 )yaml";
 
-ColumnMap map_of(const std::string& text) { return read_column_map(yaml::Node::parse(text, "map.yaml")); }
+ColumnMap map_of(const std::string& text) {
+  return read_column_map(yaml::Node::parse(text, "map.yaml"));
+}
 
-Stream log_of(const std::string& text, std::vector<std::string>& notes, const std::string& map = kMap) {
+Stream log_of(const std::string& text, std::vector<std::string>& notes,
+              const std::string& map = kMap) {
   std::istringstream stream(text);
   return read_mapped_csv(stream, "log.txt", map_of(map), notes);
 }
 
 TEST(ColumnMap, ReadsForeignTables) {
   std::vector<std::string> notes;
-  const Stream stream =
-      log_of("made by a logger\n\"t (us)\";q0;what;q4;U\n0;90;ok;90;15000\n10000;0;ok;-90;lost\n20000;0", notes);
+  const Stream stream = log_of(
+      "made by a logger\n\"t (us)\";q0;what;q4;U\n0;90;ok;90;15000\n10000;0;ok;-90;lost\n20000;0",
+      notes);
   ASSERT_EQ(stream.channels, (std::vector<std::string>{"front_a", "bus_voltage"}));
   ASSERT_EQ(stream.time.size(), 2);
   EXPECT_NEAR(stream.time[1], 0.01, 1e-15);
@@ -51,9 +55,10 @@ TEST(ColumnMap, ReadsForeignTables) {
 
 TEST(ColumnMap, ReadsTablesWithoutAHeaderPartedByBlanks) {
   std::vector<std::string> notes;
-  const Stream stream = log_of("  0   1.5 7\n 0.1\t-2  8\n", notes,
-                               "format: jaculus-columns/1\nseparator: space\nheader: false\nchannels:\n"
-                               "  time: {column: 1, unit: s}\n  tail: {column: 2, unit: rad}\n");
+  const Stream stream =
+      log_of("  0   1.5 7\n 0.1\t-2  8\n", notes,
+             "format: jaculus-columns/1\nseparator: space\nheader: false\nchannels:\n"
+             "  time: {column: 1, unit: s}\n  tail: {column: 2, unit: rad}\n");
   EXPECT_EQ(stream.values(0, 1), -2.0);
 }
 
@@ -67,7 +72,8 @@ TEST(ColumnMap, BadFilesAndMapsNameThePlace) {
            {"", "log.txt: ends within the 1 lines to skip"},
            {"x\n", "log.txt: there is no header line"},
            {head, "log.txt: there is no row"},
-           {"x\nt (us);q1;q4;U\n0;0;0;0\n", "log.txt:3: there is no column 'q0' for front_a, did you mean 'q1'?"},
+           {"x\nt (us);q1;q4;U\n0;0;0;0\n",
+            "log.txt:3: there is no column 'q0' for front_a, did you mean 'q1'?"},
            {head + "0;0;0;abc\n", "log.txt:3: column 'U': 'abc' is not a number"},
            {head + "0;0;0;nan\n", "log.txt:3: column 'U': 'nan' is not a number"},
            {head + "5;0;0;1\n4;0;0;1\n", "log.txt:4: time: 4e-06 s follows 5e-06 s"},
@@ -81,8 +87,10 @@ TEST(ColumnMap, BadFilesAndMapsNameThePlace) {
   };
   for (const Fault& f : std::vector<Fault>{
            {"unit: us", "unit: m", "map.yaml:7: column 'time [m]'"},
-           {"columns: [q0, q4], unit: deg", "columns: [q0, q4]", "map.yaml:8: column 'front_a' has no unit"},
-           {"time: {column", "tme: {column", "map.yaml:7: channels: allowed: time and at least one more channel"},
+           {"columns: [q0, q4], unit: deg", "columns: [q0, q4]",
+            "map.yaml:8: column 'front_a' has no unit"},
+           {"time: {column", "tme: {column",
+            "map.yaml:7: channels: allowed: time and at least one more channel"},
            {"column: U", "colum: U", "map.yaml:9: channels.bus_voltage"},
            {"separator: \";\"", "separator: \"|\"", "map.yaml:3: separator"},
        }) {
@@ -93,4 +101,4 @@ TEST(ColumnMap, BadFilesAndMapsNameThePlace) {
 }
 
 }  // namespace
-}  // namespace jaculus
+}  // namespace jaculus::trajectory

@@ -16,7 +16,7 @@
 #include "support/shared_data.h"
 #include "support/temporary_folder.h"
 
-namespace jaculus {
+namespace jaculus::trajectory {
 namespace {
 
 using test::holds;
@@ -24,8 +24,8 @@ using test::input_error_of;
 using test::TemporaryFolder;
 
 TEST(Csv, ReadsNamesUnitsNumbersAndGaps) {
-  const Table table =
-      parse_csv("time [s], x [m],phase,node\n0,-1.5e-3,push,1\n 0.5 , ,\"fly, \"\"high\"\"\",+2\n", "t.csv");
+  const Table table = parse_csv(
+      "time [s], x [m],phase,node\n0,-1.5e-3,push,1\n 0.5 , ,\"fly, \"\"high\"\"\",+2\n", "t.csv");
   ASSERT_EQ(table.columns.size(), 3u);
   EXPECT_EQ(table.columns[1].name, "x");
   EXPECT_EQ(table.columns[1].unit, "m");
@@ -40,7 +40,8 @@ TEST(Csv, ReadsNamesUnitsNumbersAndGaps) {
 }
 
 TEST(Csv, ToleratesByteOrderMarkCarriageReturnsQuotesAndBlankEnd) {
-  const Table table = parse_csv("\xEF\xBB\xBF\"time [s]\",\"x\"\r\n1,\"2\"\r\n3,\r\n\r\n  \n", "t.csv");
+  const Table table =
+      parse_csv("\xEF\xBB\xBF\"time [s]\",\"x\"\r\n1,\"2\"\r\n3,\r\n\r\n  \n", "t.csv");
   ASSERT_EQ(table.values.rows(), 2);
   EXPECT_EQ(table.columns[0].name, "time");
   EXPECT_EQ(table.values(0, 1), 2.0);
@@ -83,7 +84,8 @@ TEST(Csv, BadFilesNameThePlace) {
       {"x,z\n1,\"2\n", "t.csv:2: a quoted cell has no closing quote"},
       {"x,z\n\"1\"0,2\n", "t.csv:2: '0' stands behind a closing quote"},
       {std::string("x,z\n1,\0\n", 8), "t.csv:2: column 'z': '?' is not a number"},
-      {"x,z\n1," + std::string(500, 'a') + "\n", "'" + std::string(40, 'a') + "...' is not a number"},
+      {"x,z\n1," + std::string(500, 'a') + "\n",
+       "'" + std::string(40, 'a') + "...' is not a number"},
   };
   for (const Case& c : cases)
     EXPECT_TRUE(holds(input_error_of([&] { parse_csv(c.text, "t.csv"); }), c.message)) << c.text;
@@ -91,8 +93,10 @@ TEST(Csv, BadFilesNameThePlace) {
 
 TEST(Csv, MissingFileAndFolderAreBadInput) {
   const TemporaryFolder folder;
-  EXPECT_TRUE(holds(input_error_of([&] { read_csv(folder / "none.csv"); }), "none.csv: there is no such file"));
-  EXPECT_TRUE(holds(input_error_of([&] { read_csv(folder.path()); }), "a folder; a CSV file is expected"));
+  EXPECT_TRUE(holds(input_error_of([&] { read_csv(folder / "none.csv"); }),
+                    "none.csv: there is no such file"));
+  EXPECT_TRUE(
+      holds(input_error_of([&] { read_csv(folder.path()); }), "a folder; a CSV file is expected"));
 }
 
 TEST(Csv, QuantityConvertsToSi) {
@@ -108,8 +112,10 @@ TEST(Csv, QuantityRefusesMissingColumnsAndUnits) {
   const auto message = [&](const std::string& name, const Dimension& dimension) {
     return input_error_of([&] { quantity(table, name, dimension, "t.csv"); });
   };
-  EXPECT_TRUE(holds(message("tme", dimension::time), "t.csv:1: column 'tme [s]' is missing; did you mean 'time'?"));
-  EXPECT_TRUE(holds(message("x", dimension::length), "t.csv:1: column 'x' has no unit; 'x [m]' is expected"));
+  EXPECT_TRUE(holds(message("tme", dimension::time),
+                    "t.csv:1: column 'tme [s]' is missing; did you mean 'time'?"));
+  EXPECT_TRUE(holds(message("x", dimension::length),
+                    "t.csv:1: column 'x' has no unit; 'x [m]' is expected"));
   EXPECT_TRUE(holds(message("z", dimension::length), "t.csv:1: column 'z [V]': "));
 }
 
@@ -118,7 +124,8 @@ TEST(Csv, NumbersReadBackTheSameBits) {
   Table table{{{"a", "m"}, {"b, \"odd\"", "-"}, {"c", ""}}, Matrix(2000, 3), {}};
   for (Eigen::Index i = 0; i < table.values.size(); ++i) {
     double value = kNaN;
-    while (!std::isfinite(value)) value = std::bit_cast<double>(static_cast<std::uint64_t>(random()));
+    while (!std::isfinite(value))
+      value = std::bit_cast<double>(static_cast<std::uint64_t>(random()));
     table.values.data()[i] = value;
   }
   table.values(0, 0) = -0.0;
@@ -162,10 +169,13 @@ TEST(WriteFile, ReplacesWholeAndLeavesNothingElse) {
 
 TEST(WriteFile, UnwritableIsBadInput) {
   const TemporaryFolder folder;
-  EXPECT_TRUE(holds(input_error_of([&] { write_file(folder / "none/a.txt", ""); }), "No such file or directory"));
-  EXPECT_TRUE(holds(input_error_of([&] { write_file(folder.path(), ""); }), "can't be written: it is a folder"));
+  EXPECT_TRUE(holds(input_error_of([&] { write_file(folder / "none/a.txt", ""); }),
+                    "No such file or directory"));
+  EXPECT_TRUE(holds(input_error_of([&] { write_file(folder.path(), ""); }),
+                    "can't be written: it is a folder"));
   if (std::filesystem::exists("/dev/full")) {
-    EXPECT_TRUE(holds(input_error_of([&] { write_file("/dev/full", "text"); }), "No space left on device"));
+    EXPECT_TRUE(
+        holds(input_error_of([&] { write_file("/dev/full", "text"); }), "No space left on device"));
   }
 }
 
@@ -176,7 +186,8 @@ TEST(Csv, AuthorsPlansAndLogsReadAsTheyAre) {
     if (entry.path().extension() != ".csv") continue;
     const Table table = read_csv(entry.path());
     const Vector time = quantity(table, "time", dimension::time, entry.path());
-    EXPECT_GE((time.tail(time.size() - 1) - time.head(time.size() - 1)).minCoeff(), 0.0) << entry.path();
+    EXPECT_GE((time.tail(time.size() - 1) - time.head(time.size() - 1)).minCoeff(), 0.0)
+        << entry.path();
     if (entry.path().parent_path().filename() != "plans") continue;
     ++plans;
     EXPECT_EQ(table.phase.front(), "1") << entry.path();
@@ -186,10 +197,12 @@ TEST(Csv, AuthorsPlansAndLogsReadAsTheyAre) {
   }
   EXPECT_EQ(plans, 8);
   const Table tailless = read_csv(data / "plans" / "notail_V7.csv");
-  const double duration = quantity(tailless, "time", dimension::time, "")[tailless.values.rows() - 1];
-  const double speed = quantity(tailless, "x_velocity", dimension::velocity, "")[tailless.values.rows() - 1];
+  const double duration =
+      quantity(tailless, "time", dimension::time, "")[tailless.values.rows() - 1];
+  const double speed =
+      quantity(tailless, "x_velocity", dimension::velocity, "")[tailless.values.rows() - 1];
   EXPECT_NEAR(speed / duration, 5.942, 5e-4);
 }
 
 }  // namespace
-}  // namespace jaculus
+}  // namespace jaculus::trajectory

@@ -8,7 +8,7 @@
 #include "jaculus/trajectory/dataset.h"
 #include "support/shared_data.h"
 
-namespace jaculus {
+namespace jaculus::trajectory {
 namespace {
 
 /// x of a body that rests until 0 and then accelerates by a, sampled.
@@ -21,7 +21,8 @@ TEST(LeapSpeed, OnAConstantAccelerationItsErrorIsThatOfAForwardDifference) {
   const Vector time = Vector::LinSpaced(241, -0.5, 0.5);
   const auto found = leap_speed(time, accelerated(time, a), Vector(), duration);
   ASSERT_TRUE(found);
-  // The last sample before the motion already has a third of the first step in its mean: a dt/6 = 0.0035 m/s, still rest.
+  // The last sample before the motion already has a third of the first step in its mean: a dt/6 =
+  // 0.0035 m/s, still rest.
   EXPECT_NEAR(found->start, -dt, 1e-9);
   // A forward difference is the speed half a sample later.
   EXPECT_NEAR(found->speed, a * (found->start + duration + 0.5 * dt), 1e-9);
@@ -45,22 +46,25 @@ TEST(LeapSpeed, TheAuthorsTrialsGiveTheKnownFigures) {
     double acceleration, tolerance;
   };
   // The figures known of these sets, rounded to 0.05 m/s^2.
-  for (const Case& c : {Case{"leap_tail_2019-06-21", 6.45, 0.05}, Case{"leap_tailless_2019-06-21", 5.8, 0.05},
-                        Case{"leap_inactive_tail_2019-07-17", 5.55, 0.05}}) {
+  for (const Case& c :
+       {Case{"leap_tail_2019-06-21", 6.45, 0.05}, Case{"leap_tailless_2019-06-21", 5.8, 0.05},
+        Case{"leap_inactive_tail_2019-07-17", 5.55, 0.05}}) {
     const Dataset dataset = read_dataset(data / "minitaur" / c.name);
     const Vector plan_time = dataset.plan->values.col(dataset.plan->column("time"));
     double sum = 0.0;
     for (const Trial& trial : dataset.trials) {
       const Stream& mocap = *trial.stream("mocap");
       const auto found = leap_speed(mocap.time, mocap.values.row(mocap.channel("x")).transpose(),
-                                    mocap.values.row(mocap.channel("y")).transpose(), plan_time[plan_time.size() - 1]);
+                                    mocap.values.row(mocap.channel("y")).transpose(),
+                                    plan_time[plan_time.size() - 1]);
       ASSERT_TRUE(found) << c.name << ' ' << trial.name;
       sum += found->acceleration;
       RecordProperty(c.name + trial.name, std::to_string(found->acceleration));
     }
-    EXPECT_NEAR(sum / static_cast<double>(dataset.trials.size()), c.acceleration, c.tolerance) << c.name;
+    EXPECT_NEAR(sum / static_cast<double>(dataset.trials.size()), c.acceleration, c.tolerance)
+        << c.name;
   }
 }
 
 }  // namespace
-}  // namespace jaculus
+}  // namespace jaculus::trajectory

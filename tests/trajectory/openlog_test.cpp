@@ -11,7 +11,7 @@
 
 #include "support/input_error.h"
 
-namespace jaculus {
+namespace jaculus::trajectory {
 namespace {
 
 using test::holds;
@@ -32,7 +32,9 @@ fields:
   - {name: mode, type: uint8}
 )";
 
-OpenLogFormat format_of(const std::string& text) { return read_openlog_format(yaml::Node::parse(text, "log.yaml")); }
+OpenLogFormat format_of(const std::string& text) {
+  return read_openlog_format(yaml::Node::parse(text, "log.yaml"));
+}
 
 void append(std::string& out, std::uint64_t bits, int bytes, bool big_endian = false) {
   for (int i = 0; i < bytes; ++i) {
@@ -41,7 +43,8 @@ void append(std::string& out, std::uint64_t bits, int bytes, bool big_endian = f
   }
 }
 
-std::string record(unsigned milliseconds, float left, int right, unsigned battery, bool big_endian = false) {
+std::string record(unsigned milliseconds, float left, int right, unsigned battery,
+                   bool big_endian = false) {
   std::string body;
   append(body, milliseconds & 0xFFFF, 2, big_endian);
   append(body, std::bit_cast<std::uint32_t>(left), 4, big_endian);
@@ -54,7 +57,8 @@ std::string record(unsigned milliseconds, float left, int right, unsigned batter
   return "\xAA\x55" + body + static_cast<char>(sum & 0xFF);
 }
 
-Stream log_of(const std::string& bytes, std::vector<std::string>& notes, const std::string& format = kFormat) {
+Stream log_of(const std::string& bytes, std::vector<std::string>& notes,
+              const std::string& format = kFormat) {
   std::istringstream stream(bytes);
   return read_openlog(stream, "log.bin", format_of(format), notes);
 }
@@ -67,8 +71,8 @@ bool any_holds(const std::vector<std::string>& notes, const std::string& part) {
 
 TEST(OpenLog, ReadsTypesScalesMeansAndAWrappingClock) {
   std::vector<std::string> notes;
-  const Stream stream =
-      log_of("two lines\nof text\n\n" + record(65530, 0.5f, -90, 158) + record(10, 0.25f, 45, 157), notes);
+  const Stream stream = log_of(
+      "two lines\nof text\n\n" + record(65530, 0.5f, -90, 158) + record(10, 0.25f, 45, 157), notes);
   ASSERT_EQ(stream.channels, (std::vector<std::string>{"front_a", "bus_voltage"}));
   EXPECT_EQ(stream.units, (std::vector<std::string>{"rad", "V"}));
   EXPECT_EQ(stream.rate_hz, 100.0);
@@ -86,11 +90,13 @@ TEST(OpenLog, PassesOverRubbishBadSumsAndATruncatedTail) {
   std::string bad = record(20, 0.0f, 0, 158);
   bad[6] ^= 1;
   std::vector<std::string> notes;
-  const Stream stream = log_of("\n\n" + record(10, 0.5f, 0, 158) + "rub\xAA" + record(15, 0.5f, 0, 158) + bad +
-                                   record(30, 0.5f, 0, 158) + record(40, 0.5f, 0, 158).substr(0, 9),
-                               notes);
+  const Stream stream =
+      log_of("\n\n" + record(10, 0.5f, 0, 158) + "rub\xAA" + record(15, 0.5f, 0, 158) + bad +
+                 record(30, 0.5f, 0, 158) + record(40, 0.5f, 0, 158).substr(0, 9),
+             notes);
   EXPECT_EQ(stream.time.size(), 3);
-  EXPECT_TRUE(any_holds(notes, "18 bytes belong to no record"));  // 4 of rubbish and the 14 of the bad record
+  // 4 of rubbish and the 14 of the bad record
+  EXPECT_TRUE(any_holds(notes, "18 bytes belong to no record"));
   EXPECT_TRUE(any_holds(notes, "1 records have a wrong checksum"));
   EXPECT_TRUE(any_holds(notes, "9 of 14 bytes"));
 }
@@ -112,7 +118,8 @@ TEST(OpenLog, WindowGivesWhatTheWholeLogGivesThere) {
   std::string log = "\n\n";
   constexpr int kRecords = 40000;  // the clock of 16 bit wraps on the way
   for (int k = 0; k < kRecords; ++k)
-    log += record(static_cast<unsigned>(10 * k), 0.001f * static_cast<float>(k % 100), 0, k == 31234 ? 200U : 150U);
+    log += record(static_cast<unsigned>(10 * k), 0.001f * static_cast<float>(k % 100), 0,
+                  k == 31234 ? 200U : 150U);
   std::vector<std::string> notes;
   const Stream whole = log_of(log, notes);
   ASSERT_EQ(whole.time.size(), kRecords);
@@ -140,11 +147,13 @@ TEST(OpenLog, WindowsThatHoldNothingAreSaid) {
   const auto fault = [&](const LogWindow& window) {
     std::istringstream stream(log);
     std::vector<std::string> notes;
-    return input_error_of([&] { (void)read_openlog(stream, "log.bin", format_of(kFormat), window, notes); });
+    return input_error_of(
+        [&] { (void)read_openlog(stream, "log.bin", format_of(kFormat), window, notes); });
   };
   EXPECT_TRUE(holds(fault({{}, "bus_voltage", 20.0, {}}), "log.bin: bus_voltage never passes 20"));
   EXPECT_TRUE(holds(fault({{}, "bus_voltag", 20.0, {}}), "did you mean 'bus_voltage'?"));
-  EXPECT_TRUE(holds(fault({{}, "", 0.0, {1.0, 2.0}}), "no sample lies within the cut, 1 to 2 s about 0.01 s"));
+  EXPECT_TRUE(holds(fault({{}, "", 0.0, {1.0, 2.0}}),
+                    "no sample lies within the cut, 1 to 2 s about 0.01 s"));
   EXPECT_TRUE(holds(fault({0.5, "", 0.0, {-0.1, 0.1}}), "no sample lies within the cut"));
 }
 
@@ -152,20 +161,25 @@ TEST(OpenLog, BadLogsAndDescriptionsAreSaid) {
   std::vector<std::string> notes;
   EXPECT_TRUE(holds(input_error_of([&] { (void)log_of("no end of the header", notes); }),
                     "log.bin: the bytes that end the header are nowhere in it"));
-  EXPECT_TRUE(holds(input_error_of([&] { (void)log_of("\n\n", notes); }), "log.bin: no record of 14 bytes"));
-  EXPECT_TRUE(holds(input_error_of([&] { (void)log_of("\n\n" + record(20, 0, 0, 1) + record(10, 0, 0, 1), notes); }),
+  EXPECT_TRUE(holds(input_error_of([&] { (void)log_of("\n\n", notes); }),
+                    "log.bin: no record of 14 bytes"));
+  EXPECT_TRUE(holds(input_error_of([&] {
+                      (void)log_of("\n\n" + record(20, 0, 0, 1) + record(10, 0, 0, 1), notes);
+                    }),
                     "log.bin: byte 16, record 2: time 0.01 s follows 0.02 s"));
   struct Case {
     std::string what, by, message;
   };
   const std::vector<Case> cases = {
-      {"float32", "float31", "log.yaml:9: fields[1].type: 'float31' given, did you mean 'float32'?"},
+      {"float32", "float31",
+       "log.yaml:9: fields[1].type: 'float31' given, did you mean 'float32'?"},
       {"0x55", "0x555", "log.yaml:5: sync[1]: 0x555 given; allowed: a byte"},
       {"unit: s,", "unit: m,", "log.yaml:8: column 'time [m]': allowed: a unit such as '[s]'"},
       {"unit: rad,", "", "log.yaml:9: column 'front_a' has no unit"},
       {"channel: time", "channel: x", "column 'x [s]': allowed: a unit such as '[m]'"},
       {"sum8", "crc", "checksum.kind: 'crc' given"},
-      {"rate_hz: 100", "record_bytes: 3", "the fields, sync and checksum take 14 bytes; record_bytes says 3"},
+      {"rate_hz: 100", "record_bytes: 3",
+       "the fields, sync and checksum take 14 bytes; record_bytes says 3"},
       {"scale: -1", "scale: 0", "fields[1].scale: 0 given"},
   };
   for (const Case& c : cases) {
@@ -176,4 +190,4 @@ TEST(OpenLog, BadLogsAndDescriptionsAreSaid) {
 }
 
 }  // namespace
-}  // namespace jaculus
+}  // namespace jaculus::trajectory

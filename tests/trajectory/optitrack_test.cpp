@@ -13,7 +13,7 @@
 
 #include "support/input_error.h"
 
-namespace jaculus {
+namespace jaculus::trajectory {
 namespace {
 
 using Eigen::AngleAxisd;
@@ -38,7 +38,8 @@ struct Truth {
   static Vector3d position(int k) { return {x(k) + 1.5, -0.7, z(k)}; }
   /// The body's axes on the robot are skewed, as they are after a rigid body is made from markers.
   static Quaterniond rotation(int k) {
-    return Quaterniond(AngleAxisd(pitch(k), Vector3d::UnitY()) * AngleAxisd(yaw(k), Vector3d::UnitZ()) *
+    return Quaterniond(AngleAxisd(pitch(k), Vector3d::UnitY()) *
+                       AngleAxisd(yaw(k), Vector3d::UnitZ()) *
                        AngleAxisd(roll(k), Vector3d::UnitX())) *
            Quaterniond(AngleAxisd(0.3, Vector3d(1.0, 2.0, 0.5).normalized()));
   }
@@ -71,9 +72,7 @@ std::string body_cells(const Style& style, int k) {
     const Quaterniond q(R);
     out = fmt::format(",{},{},{},{}", q.x(), q.y(), q.z(), q.w());
   } else {
-    const auto index = [&](int i) {
-      return static_cast<Eigen::Index>(style.rotation[static_cast<std::size_t>(i)] - 'X');
-    };
+    const auto index = [&](int i) { return (style.rotation[i] - 'X'); };
     const Vector3d turns = R.eulerAngles(index(0), index(1), index(2));
     Vector3d by_axis;
     for (int i = 0; i < 3; ++i) by_axis[index(i)] = turns[i] / kDegree;
@@ -94,7 +93,9 @@ std::string motive_file(const Style& style) {
       ids += fmt::format(",{}", b + 1);
       parents += ",";
       parts += i < turns ? ",Rotation" : i < turns + 3 ? ",Position" : ",Mean Marker Error";
-      axes += i < turns ? std::string(",") + "XYZW"[i] : i < turns + 3 ? std::string(",") + "XYZ"[i - turns] : ",";
+      axes += i < turns       ? std::string(",") + "XYZW"[i]
+              : i < turns + 3 ? std::string(",") + "XYZ"[i - turns]
+                              : ",";
     }
   }
   for (int i = 0; i < 3; ++i) {
@@ -106,11 +107,12 @@ std::string motive_file(const Style& style) {
     axes += std::string(",") + "XYZ"[i];
   }
   std::string out = fmt::format(
-      "Format Version,1.23,Take Name,Take 1,Take Notes,,Capture Frame Rate,120.000000,Export Frame Rate,120.000000,"
+      "Format Version,1.23,Take Name,Take 1,Take Notes,,Capture Frame Rate,120.000000,Export Frame "
+      "Rate,120.000000,"
       "Total Exported Frames,{},Rotation Type,{},Length Units,{},Coordinate Space,Global\r\n\r\n",
       kFrames, style.rotation, style.units);
-  out += kinds + "\r\n" + names + "\r\n" + ids + "\r\n" + (style.parent_row ? parents + "\r\n" : "") + parts + "\r\n" +
-         axes + "\r\n";
+  out += kinds + "\r\n" + names + "\r\n" + ids + "\r\n" +
+         (style.parent_row ? parents + "\r\n" : "") + parts + "\r\n" + axes + "\r\n";
   for (int k = 0; k < kFrames; ++k) {
     out += fmt::format("{},{:.6f}", k, Truth::time(k));
     for (int b = 0; b < bodies; ++b) out += body_cells(style, k);
@@ -127,7 +129,9 @@ MocapTake take_of(const std::string& text) {
 void expect_truth(const Stream& stream, const Style& style) {
   const double z0 = Truth::z(0);
   for (int k = 0; k < kFrames; ++k) {
-    const auto value = [&](const char* channel) { return stream.values(stream.channel(channel), k); };
+    const auto value = [&](const char* channel) {
+      return stream.values(stream.channel(channel), k);
+    };
     if (k == style.gap) {
       EXPECT_TRUE(std::isnan(value("x")) && std::isnan(value("pitch")));
       continue;
@@ -158,11 +162,12 @@ TEST(OptiTrack, EveryConventionGivesTheSameMotion) {
     ASSERT_EQ(take.bodies.size(), style.two_bodies ? 2u : 1u);
     std::vector<std::string> notes;
     MocapAxes axes;
-    axes.up = style.up;
+    axes.up = *mocap_ups().find(style.up);
     const Stream automatic = mocap_stream(take, axes, notes);
     expect_truth(automatic, style);
-    EXPECT_TRUE(holds(notes.front() + (notes.size() > 1 ? notes[1] : ""), "forward is taken as " + style.forward));
-    axes.forward = style.forward;
+    EXPECT_TRUE(holds(notes.front() + (notes.size() > 1 ? notes[1] : ""),
+                      "forward is taken as " + style.forward));
+    axes.forward = *mocap_forwards().find(style.forward);
     axes.body = "Robot";
     expect_truth(mocap_stream(take, axes, notes), style);
     EXPECT_EQ(automatic.channel("Tail_pitch") >= 0, style.two_bodies);
@@ -194,8 +199,8 @@ TEST(OptiTrack, ReadsVersion11) {
     if (k == 12) {
       text += fmt::format("frame,{},{:.6f},0,0\n", k, Truth::time(k));
     } else {
-      text += fmt::format("frame,{},{:.6f},1,7,{},{},{},{},{},{},{},0,0,0,0\n", k, Truth::time(k), p.x(), p.y(), p.z(),
-                          q.x(), q.y(), q.z(), q.w());
+      text += fmt::format("frame,{},{:.6f},1,7,{},{},{},{},{},{},{},0,0,0,0\n", k, Truth::time(k),
+                          p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w());
     }
   }
   std::vector<std::string> notes;
@@ -225,7 +230,8 @@ TEST(OptiTrack, BadFilesNameThePlace) {
       {with("Format Version,1.23", "Format Version,3"), "take.csv:1: Format Version '3' given"},
       {with("Length Units,Meters", "Length Units,Furlongs"),
        "take.csv:1: Length Units 'Furlongs' given; allowed: Meters"},
-      {with("Rotation Type,Quaternion", "Rotation Type,XXZ"), "take.csv:1: Rotation Type 'XXZ' given"},
+      {with("Rotation Type,Quaternion", "Rotation Type,XXZ"),
+       "take.csv:1: Rotation Type 'XXZ' given"},
       {with("Space,Global", "Space,Local"), "Coordinate Space 'Local' given"},
       {good.substr(0, good.find("Frame,Time")), "no line 'Frame,Time (Seconds),...' follows"},
       {good.substr(0, good.find("\n0,0.000000") + 1), "there is a header but no frame"},
@@ -235,16 +241,18 @@ TEST(OptiTrack, BadFilesNameThePlace) {
       {with("\n3,0.025000,", "\n3\n3,0.025000,"), "take.csv:11: the frame has fewer cells"},
       {with("Rotation,Rotation", "Rotation,Something"), "body 'Robot' lacks columns"},
   };
-  for (const Case& c : cases) EXPECT_TRUE(holds(input_error_of([&] { (void)take_of(c.text); }), c.message));
+  for (const Case& c : cases)
+    EXPECT_TRUE(holds(input_error_of([&] { (void)take_of(c.text); }), c.message));
   const MocapTake take = take_of(good);
   std::vector<std::string> notes;
   const auto fault = [&](const MocapAxes& axes) {
     return input_error_of([&] { (void)mocap_stream(take, axes, notes); });
   };
   EXPECT_TRUE(holds(fault({.body = "Robo"}), "body: 'Robo' given, did you mean 'Robot'?"));
-  EXPECT_TRUE(holds(fault({.forward = "+y"}), "forward: +y given while y is up"));
-  EXPECT_TRUE(holds(fault({.up = "x"}), "up: 'x' given; allowed: y, z"));
+  EXPECT_TRUE(holds(fault({.forward = MocapForward::plus_y}), "forward: +y given while y is up"));
+  EXPECT_TRUE(holds(fault({.up = MocapUp::z, .forward = MocapForward::minus_z}),
+                    "forward: -z given while z is up"));
 }
 
 }  // namespace
-}  // namespace jaculus
+}  // namespace jaculus::trajectory

@@ -5,10 +5,11 @@
 #include <string>
 #include <vector>
 
-namespace jaculus {
+namespace jaculus::trajectory {
 namespace {
 
-/// Three coordinates (one linear, one joint, one that is neither), two joints, one motor, one foot, two phases.
+/// Three coordinates (one linear, one joint, one that is neither), two joints, one motor, one foot,
+/// two phases.
 Trajectory example() {
   Trajectory t;
   t.coordinates = {"x", "tail", "leg_angle"};
@@ -77,9 +78,7 @@ TEST(Trajectory, PrismaticJointsAreInMetresAndNewtons) {
   Trajectory t = example();
   t.angular[1] = false;
   const Table table = to_table(t);
-  const auto unit = [&](const std::string& name) {
-    return table.columns[static_cast<std::size_t>(table.column(name))].unit;
-  };
+  const auto unit = [&](const std::string& name) { return table.columns[table.column(name)].unit; };
   EXPECT_EQ(unit("tail"), "m");
   EXPECT_EQ(unit("tail_velocity"), "m/s");
   EXPECT_EQ(unit("tail_torque"), "N");
@@ -95,4 +94,4 @@ TEST(Trajectory, PlanReadsBackTheSame) {
 }
 
 }  // namespace
-}  // namespace jaculus
+}  // namespace jaculus::trajectory

@@ -3,135 +3,116 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <map>
 #include <ostream>
 
 #include "jaculus/transcription/derivative_check.h"
-#include "transcription/programmes.h"
+#include "transcription/example_problems.h"
+#include "transcription/own_term.h"
 
-namespace jaculus {
+namespace jaculus::transcription {
 namespace {
 
 using test::extended_problem;
-using test::make_programme;
+using test::make_program;
 using test::on_grid;
 
 constexpr double kTolerance = 1e-6;
 
-/// Parameters of each type of term, such that its rows appear in the two phases of the leap.
-const std::map<std::string, std::string>& parameters() {
-  static const std::map<std::string, std::string> table = {
-      {"friction", "coefficient: 0.4"},
-      {"normal_force", "min: 8 N, max: 200 N, skip_last: 2"},
-      {"force_at_end", "phase: all_feet, foot: front_foot, normal: [0 N, 5 N]"},
-      {"swing_clearance", "min: 0.01 m, feet: [front_foot], phases: [rear_feet]"},
-      {"voltage", ""},
-      {"joint_range", ""},
-      {"touchdown_pitch", "height: 0.2 m, pitch: [-5 deg, 5 deg]"},
-      {"mean_acceleration", "of: com"},
-      {"final_velocity", "of: com, direction: z"},
-      {"distance", ""},
-      {"height", ""},
-      {"time", ""},
-      {"torque_squared", ""},
-      {"electrical_energy", ""},
-  };
-  return table;
+/// The library's terms, and one that only this test knows: whatever is in a catalogue is checked.
+const TermCatalogue& catalogue() {
+  static const TermCatalogue terms = test::catalogue_with_own_term();
+  return terms;
 }
 
 struct Case {
-  std::string type;
-  bool cost;
+  TermType type;
   Scheme scheme;
   InputHold inputs;
 };
 
-std::ostream& operator<<(std::ostream& out, const Case& c) { return out << c.type; }
+std::ostream& operator<<(std::ostream& out, const Case& c) { return out << c.type.name; }
 
 std::string case_name(const testing::TestParamInfo<Case>& info) {
-  return info.param.type + (info.param.scheme == Scheme::trapezoidal ? "_trapezoidal" : "_hermite_simpson") +
+  return info.param.type.name +
+         (info.param.scheme == Scheme::trapezoidal ? "_trapezoidal" : "_hermite_simpson") +
          (info.param.inputs == InputHold::linear ? "_linear" : "_held");
 }
 
 std::vector<Case> all_cases() {
   std::vector<Case> cases;
-  for (const TermEntry& entry : term_catalogue())
+  for (const TermType& type : catalogue())
     for (Scheme scheme : {Scheme::hermite_simpson, Scheme::trapezoidal})
       for (InputHold inputs : {InputHold::held, InputHold::linear})
-        cases.push_back({entry.type, entry.cost, scheme, inputs});
+        cases.push_back({type, scheme, inputs});
   return cases;
 }
 
-/// The leap with no term but the one under test.
+/// The leap with no term but the one under test, which has the keys of its example.
 Problem leap_with(const Case& c) {
-  const auto row = parameters().find(c.type);
-  if (row == parameters().end()) return {};
-  const std::string term =
-      "{type: " + c.type + ", name: under_test" + (row->second.empty() ? "" : ", " + row->second) + "}";
-  Problem problem = on_grid(
-      extended_problem("leap_tail", c.cost ? "objective: {minimise: [" + term + "]}" : "constraints: [" + term + "]"),
-      {3, 2});
+  const std::string term = c.type.in_file("under_test");
+  const std::string lines =
+      c.type.cost ? "objective: {minimise: [" + term + "]}" : "constraints: [" + term + "]";
+  Problem problem = on_grid(extended_problem("leap_tail", lines, catalogue()), {3, 2});
+
   const auto other = [](const TermSpec& spec) { return spec.name != "under_test"; };
   std::erase_if(problem.constraints, other);
   std::erase_if(problem.objective, other);
+
   problem.transcription.scheme = c.scheme;
   problem.transcription.inputs = c.inputs;
   problem.transcription.check_interval_end = true;
   return problem;
 }
 
-void expect_exact(Programme& programme, const Vector& x) {
-  const DerivativeReport report = check_derivatives(programme, x);
+void expect_exact(NonlinearProgram& program, const Vector& x) {
+  const DerivativeReport report = check_derivatives(program, x);
   ASSERT_TRUE(report.defined);
-  for (const auto& [what, error] : {std::pair("gradient", report.gradient), std::pair("Jacobian", report.jacobian),
-                                    std::pair("Hessian", report.hessian)}) {
-    EXPECT_LT(error.error, kTolerance) << what << ": " << error.row << " by " << error.column << ": " << error.analytic
-                                       << " where differences give " << error.difference;
+  for (const auto& [what, error] :
+       {std::pair("gradient", report.gradient), std::pair("Jacobian", report.jacobian),
+        std::pair("Hessian", report.hessian)}) {
+    EXPECT_LT(error.error, kTolerance)
+        << what << ": " << error.row << " by " << error.column << ": " << error.analytic
+        << " where differences give " << error.difference;
   }
 }
 
 class CatalogueTerm : public testing::TestWithParam<Case> {};
 
 TEST_P(CatalogueTerm, HasExactDerivatives) {
-  ASSERT_TRUE(parameters().count(GetParam().type)) << "add a row for this term to the table of this test";
   const Problem problem = leap_with(GetParam());
   ASSERT_EQ(problem.constraints.size() + problem.objective.size(), 1U);
-  PlanarModel model = test::model_of(problem);
+  model::PlanarModel model = test::model_of(problem);
   // This robot has no range on which joint_range makes rows; one on a motor's joint gives it some.
   model.joint_ranges.push_back({"front_a", model.body_of_joint("front_a"), {0.2, 3.0}});
-  Programme programme(problem, model);
+  NonlinearProgram program(problem, model);
+  const Vector guess = initial_guess(program, test::leap_guess(), 0);
+
   Problem without = problem;
   without.constraints.clear();
   without.objective.clear();
-  const Programme bare(without, model);
-  if (GetParam().cost) {
+  const NonlinearProgram bare(without, model);
+  if (GetParam().type.cost) {
     double value = 0.0;
-    ASSERT_TRUE(programme.objective(initial_guess(programme, test::leap_guess(), 0), value));
+    ASSERT_TRUE(program.objective(guess, value));
     EXPECT_NE(value, 0.0) << "the cost does nothing";
   } else {
-    EXPECT_GT(programme.rows(), bare.rows()) << "the constraint has no rows";
+    EXPECT_GT(program.rows(), bare.rows()) << "the constraint has no rows";
   }
-  expect_exact(programme, random_point(programme, initial_guess(programme, test::leap_guess(), 0), 0.05, 7));
+
+  expect_exact(program, random_point(program, guess, 0.05, 7));
 }
 
 INSTANTIATE_TEST_SUITE_P(All, CatalogueTerm, testing::ValuesIn(all_cases()), case_name);
-
-TEST(Catalogue, TableHasNoTermThatIsGone) {
-  for (const auto& [type, text] : parameters()) {
-    const auto& all = term_catalogue();
-    EXPECT_TRUE(std::any_of(all.begin(), all.end(), [&](const TermEntry& e) { return e.type == type; })) << type;
-  }
-}
 
 class WholeProblem : public testing::TestWithParam<std::pair<const char*, std::vector<int>>> {};
 
 TEST_P(WholeProblem, HasExactDerivatives) {
   const auto& [name, grid] = GetParam();
-  Programme programme = make_programme(on_grid(read_problem(test::problem_file(name)), grid));
+  NonlinearProgram program = make_program(on_grid(read_problem(test::problem_file(name)), grid));
   for (std::uint64_t seed : {1, 2}) {
     SCOPED_TRACE(seed);
-    const Vector guess = initial_guess(programme, programme.problem().guess, 0);
-    expect_exact(programme, random_point(programme, guess, 0.03, seed));
+    const Vector guess = initial_guess(program, program.problem().guess, 0);
+    expect_exact(program, random_point(program, guess, 0.03, seed));
   }
 }
 
@@ -146,12 +127,22 @@ INSTANTIATE_TEST_SUITE_P(All, WholeProblem,
 
 // ---- the checker
 
-/// A programme with one fault of its derivatives.
+/// A program with one fault of its derivatives.
 class Faulty : public Nlp {
  public:
-  enum class Fault { none, jacobian_entry, jacobian_pattern, hessian_pattern, gradient_entry, not_a_number };
-  Faulty(Programme& inner, Fault fault)
-      : inner_(inner), fault_(fault), jacobian_(inner.jacobian_sparsity()), hessian_(inner.hessian_sparsity()) {
+  enum class Fault {
+    none,
+    jacobian_entry,
+    jacobian_pattern,
+    hessian_pattern,
+    gradient_entry,
+    not_a_number
+  };
+  Faulty(NonlinearProgram& inner, Fault fault)
+      : inner_(inner),
+        fault_(fault),
+        jacobian_(inner.jacobian_sparsity()),
+        hessian_(inner.hessian_sparsity()) {
     if (fault == Fault::jacobian_pattern) cut(jacobian_, 0);
     if (fault == Fault::hessian_pattern) cut(hessian_, dropped_ = largest_hessian_entry());
   }
@@ -170,8 +161,12 @@ class Faulty : public Nlp {
   std::string row_unit(int row) const override { return inner_.row_unit(row); }
   const Sparsity& jacobian_sparsity() const override { return jacobian_; }
   const Sparsity& hessian_sparsity() const override { return hessian_; }
-  bool objective(const ConstVectorRef& x, double& value) override { return inner_.objective(x, value); }
-  bool constraints(const ConstVectorRef& x, VectorRef values) override { return inner_.constraints(x, values); }
+  bool objective(const ConstVectorRef& x, double& value) override {
+    return inner_.objective(x, value);
+  }
+  bool constraints(const ConstVectorRef& x, VectorRef values) override {
+    return inner_.constraints(x, values);
+  }
   bool gradient(const ConstVectorRef& x, VectorRef out) override {
     const bool defined = inner_.gradient(x, out);
     if (fault_ == Fault::gradient_entry) out[2] += 1e-3;
@@ -185,7 +180,8 @@ class Faulty : public Nlp {
     if (fault_ == Fault::not_a_number) out[5] = kNaN;
     return defined;
   }
-  bool hessian(const ConstVectorRef& x, double sigma, const ConstVectorRef& lambda, VectorRef out) override {
+  bool hessian(const ConstVectorRef& x, double sigma, const ConstVectorRef& lambda,
+               VectorRef out) override {
     Vector all(inner_.hessian_sparsity().size());
     const bool defined = inner_.hessian(x, sigma, lambda, all);
     if (fault_ == Fault::hessian_pattern) {
@@ -205,12 +201,13 @@ class Faulty : public Nlp {
   int largest_hessian_entry() {
     Vector values(hessian_.size());
     const Vector guess = initial_guess(inner_, inner_.problem().guess, 0);
-    EXPECT_TRUE(inner_.hessian(random_point(inner_, guess, 0.03, 1), 1.0, Vector::Ones(rows()), values));
+    EXPECT_TRUE(
+        inner_.hessian(random_point(inner_, guess, 0.03, 1), 1.0, Vector::Ones(rows()), values));
     int at = 0;
     values.cwiseAbs().maxCoeff(&at);
     return at;
   }
-  Programme& inner_;
+  NonlinearProgram& inner_;
   Fault fault_;
   Sparsity jacobian_, hessian_;
   int dropped_ = 0;
@@ -218,28 +215,31 @@ class Faulty : public Nlp {
 
 TEST(DerivativeCheck, FindsEachPlantedFault) {
   using Fault = Faulty::Fault;
-  Programme programme = make_programme(on_grid(read_problem(test::problem_file("pendulum_swing_up")), {4}));
-  const Vector x = random_point(programme, initial_guess(programme, programme.problem().guess, 0), 0.03, 1);
+  NonlinearProgram program =
+      make_program(on_grid(read_problem(test::problem_file("pendulum_swing_up")), {4}));
+  const Vector x =
+      random_point(program, initial_guess(program, program.problem().guess, 0), 0.03, 1);
   const auto report = [&](Fault fault) {
-    Faulty nlp(programme, fault);
+    Faulty nlp(program, fault);
     return check_derivatives(nlp, x);
   };
   const DerivativeReport sound = report(Fault::none);
   ASSERT_TRUE(sound.defined);
-  EXPECT_LT(std::max({sound.gradient.error, sound.jacobian.error, sound.hessian.error}), kTolerance);
+  EXPECT_LT(std::max({sound.gradient.error, sound.jacobian.error, sound.hessian.error}),
+            kTolerance);
 
   const DerivativeReport wrong = report(Fault::jacobian_entry);
   EXPECT_GT(wrong.jacobian.error, 1e-4);
-  EXPECT_EQ(wrong.jacobian.row, programme.row_name(programme.jacobian_sparsity().rows[5]));
-  EXPECT_EQ(wrong.jacobian.column, programme.variable_name(programme.jacobian_sparsity().columns[5]));
+  EXPECT_EQ(wrong.jacobian.row, program.row_name(program.jacobian_sparsity().rows[5]));
+  EXPECT_EQ(wrong.jacobian.column, program.variable_name(program.jacobian_sparsity().columns[5]));
   EXPECT_NEAR(wrong.jacobian.analytic - wrong.jacobian.difference, 1e-3, 1e-8);
 
   EXPECT_GT(report(Fault::jacobian_pattern).jacobian.error, 1e-3);
   EXPECT_GT(report(Fault::hessian_pattern).hessian.error, 1e-3);
   EXPECT_GT(report(Fault::gradient_entry).gradient.error, 1e-5);
-  EXPECT_EQ(report(Fault::gradient_entry).gradient.column, programme.variable_name(2));
+  EXPECT_EQ(report(Fault::gradient_entry).gradient.column, program.variable_name(2));
   EXPECT_EQ(report(Fault::not_a_number).jacobian.error, kInfinity);
 }
 
 }  // namespace
-}  // namespace jaculus
+}  // namespace jaculus::transcription

@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <numbers>
 #include <regex>
+#include <set>
 
+#include "jaculus/core/installation.h"
 #include "support/input_error.h"
 #include "support/temporary_folder.h"
 #include "transcription/problem_keys.h"
 
-namespace jaculus {
+namespace jaculus::transcription {
 namespace {
 
 using test::holds;
@@ -106,7 +108,8 @@ TEST_F(ProblemFile, MinimisedCostsAreSubtractedFromMaximisedOnes) {
 TEST_F(ProblemFile, ALockTakesWhatTheFileSaysOfThatCoordinate) {
   const Problem p = read(kBase);
   EXPECT_FALSE(p.position_bounds.contains("wing"));
-  EXPECT_TRUE(holds(error(changed("wing: 10 deg", "wing: 40 deg")), "problem.yaml:9: bounds.position.wing"));
+  EXPECT_TRUE(holds(error(changed("wing: 10 deg", "wing: 40 deg")),
+                    "problem.yaml:9: bounds.position.wing"));
 }
 
 TEST_F(ProblemFile, ExtendsMergesMapsAndTermsAndReplacesLists) {
@@ -137,7 +140,7 @@ reference: ~
   EXPECT_EQ(p.phases.size(), 1u);
   ASSERT_EQ(p.constraints.size(), 3u);
   EXPECT_EQ(p.constraints[0].type, "friction");
-  EXPECT_NEAR(p.constraints[1].node.at("pitch").number(dimension::angle), std::numbers::pi / 12, 1e-15);
+  EXPECT_NEAR(p.constraints[1].values.interval("pitch").lower, std::numbers::pi / 12, 1e-15);
   EXPECT_EQ(p.constraints[2].type, "voltage");
   EXPECT_EQ(p.guess.kind, "middle");
   EXPECT_TRUE(p.guess.durations.empty());
@@ -149,10 +152,12 @@ reference: ~
 TEST_F(ProblemFile, CyclicExtendsNamesBothPlaces) {
   folder.write("a.yaml", "format: jaculus-problem/1\nname: a\nextends: b.yaml\n");
   folder.write("b.yaml", "format: jaculus-problem/1\nextends: a.yaml\nname: b\n");
-  const std::string message = input_error_of([&] { static_cast<void>(read_problem(folder / "a.yaml")); });
+  const std::string message =
+      input_error_of([&] { static_cast<void>(read_problem(folder / "a.yaml")); });
   EXPECT_TRUE(holds(message, "b.yaml:2: extends"));
   EXPECT_TRUE(holds(message, "a.yaml:3"));
-  EXPECT_TRUE(holds(error("format: jaculus-problem/1\nname: p\nextends: problem.yaml\n"), "problem.yaml:3"));
+  EXPECT_TRUE(holds(error("format: jaculus-problem/1\nname: p\nextends: problem.yaml\n"),
+                    "problem.yaml:3"));
 }
 
 struct Bad {
@@ -183,8 +188,8 @@ TEST_F(ProblemFile, RefusesWhatCantBeMeant) {
       {"mesh: [1, 3]", "mesh: [1, 3, 1]", ":13: phases[1].mesh", "allowed: 2"},
       {"mesh: [1, 3]", "mesh: [1, -3]", ":13: phases[1].mesh", "positive"},
       {"position: {x: 0,", "position: {x: 3,", ":14: initial.position.x", "bounds.position.x"},
-      {"initial: {at_rest: true,", "initial: {at_rest: true, velocity: {tail: 1},", ":14: initial.velocity.tail",
-       "at_rest"},
+      {"initial: {at_rest: true,", "initial: {at_rest: true, velocity: {tail: 1},",
+       ":14: initial.velocity.tail", "at_rest"},
       {"{type: friction}", "friction", ":17: constraints[0]", "allowed: {type: ..., ...}"},
       {"{type: friction}", "{typ: friction}", ":17: constraints[0]", "'type' is missing"},
       {"{type: friction}", "{type: friction, phases: [stnd]}", ":17: constraints[0].phases[0]",
@@ -196,8 +201,10 @@ TEST_F(ProblemFile, RefusesWhatCantBeMeant) {
       {"kind: static, pose", "kind: middle, pose", ":23: guess.pose", "kind: static"},
       {"durations: [0.2, 0.1]", "durations: [0.2]", ":23: guess.durations", "one a phase"},
       {"durations: [0.2, 0.1]", "durations: [2.0, 0.1]", ":23: guess.durations", "stand"},
-      {"kind: static, pose: {x: 0.1 m}", "kind: file, file: no.json", ":23: guess.file", "not found"},
-      {"kind: static, pose: {x: 0.1 m}", "kind: line, poses: [{x: 0}]", ":23: guess.poses", "two poses"},
+      {"kind: static, pose: {x: 0.1 m}", "kind: file, file: no.json", ":23: guess.file",
+       "not found"},
+      {"kind: static, pose: {x: 0.1 m}", "kind: line, poses: [{x: 0}]", ":23: guess.poses",
+       "two poses"},
       {"tolerance: 1e-7", "tolerance: 0", ":24: solver.tolerance", "allowed"},
       {"duration_s: 0.2 s", "duraton_s: 0.2 s", ":26: reference", "did you mean 'duration_s'?"},
   };
@@ -211,13 +218,15 @@ TEST_F(ProblemFile, RefusesWhatCantBeMeant) {
 
 TEST_F(ProblemFile, NamesRequiredKeysThatNoFileGives) {
   EXPECT_TRUE(holds(error("format: jaculus-problem/1\nname: p\n"), "'robot' is missing"));
-  EXPECT_TRUE(holds(error("format: jaculus-problem/1\nname: p\nrobot: toy\n"), "'phases' is missing"));
-  EXPECT_TRUE(holds(error("format: jaculus-problem/1\nname: p\nrobot: toy\nphases: []\n"), "no phases given"));
+  EXPECT_TRUE(
+      holds(error("format: jaculus-problem/1\nname: p\nrobot: toy\n"), "'phases' is missing"));
+  EXPECT_TRUE(holds(error("format: jaculus-problem/1\nname: p\nrobot: toy\nphases: []\n"),
+                    "no phases given"));
 }
 
 /// One foot, a sliding base, a tail with a motor, a wing.
-PlanarModel toy() {
-  PlanarModel m;
+model::PlanarModel toy() {
+  model::PlanarModel m;
   m.base_free = {true, false, false};
   m.bodies.resize(3);
   m.bodies[1].joint = "tail";
@@ -229,7 +238,7 @@ PlanarModel toy() {
   m.joint_map(1, 1) = m.joint_map(2, 2) = 1.0;
   m.joint_offset = Vector::Zero(3);
   m.feet = {{"foot", 0, Vec2::Zero(), 1}};
-  PlanarMotor motor;
+  model::PlanarMotor motor;
   motor.joint = "tail";
   motor.body = 1;
   motor.voltage = 16.0;
@@ -241,17 +250,22 @@ PlanarModel toy() {
 TEST_F(ProblemFile, ChecksNamesUnitsAndLimitsAgainstTheRobot) {
   EXPECT_NO_THROW(check_problem(read(kBase), toy()));
   const Bad cases[] = {
-      {"contacts: [foot]", "contacts: [fooot]", ":12: phases[0].contacts[0]", "did you mean 'foot'?"},
-      {"x: [-1 m, 1 m], tail", "x: [-1 m, 1 m], tial", ":9: bounds.position.tial", "did you mean 'tail'?"},
+      {"contacts: [foot]", "contacts: [fooot]", ":12: phases[0].contacts[0]",
+       "did you mean 'foot'?"},
+      {"x: [-1 m, 1 m], tail", "x: [-1 m, 1 m], tial", ":9: bounds.position.tial",
+       "did you mean 'tail'?"},
       {"tail: [-10 deg, 30 deg]", "tail: [-0.1 m, 0.3 m]", ":14: initial.position.tail", "rad"},
       {"tail: 0}", "tayl: 0}", ":15: final.velocity.tayl", "allowed: x, tail, wing"},
       {"lock: {wing: 10 deg}", "lock: {wink: 10 deg}", ":6: lock.wink", "did you mean 'wing'?"},
-      {"{type: friction}", "{type: friction, feet: [hand]}", ":17: constraints[0].feet[0]", "allowed: foot"},
-      {"{type: friction}", "{type: voltage, motors: [wing]}", ":17: constraints[0].motors[0]", "allowed: tail"},
+      {"{type: friction}", "{type: friction, feet: [hand]}", ":17: constraints[0].feet[0]",
+       "allowed: foot"},
+      {"{type: friction}", "{type: voltage, motors: [wing]}", ":17: constraints[0].motors[0]",
+       "allowed: tail"},
       {"pose: {x: 0.1 m}", "pose: {y: 0.1}", ":23: guess.pose.y", "allowed: x, tail, wing"},
       {"voltage: 7 V", "voltage: 17 V", ":7: limits.voltage", "at most 16 V"},
       {"torque: 3 N m", "torque: 6 N m", ":7: limits.torque", "at most 5 N m"},
-      {"tail: [-90 deg, 90 deg]", "tail: [2.5, 3.0]", ":14: initial.position.tail", "bounds.position.tail"},
+      {"tail: [-90 deg, 90 deg]", "tail: [2.5, 3.0]", ":14: initial.position.tail",
+       "bounds.position.tail"},
   };
   for (const Bad& bad : cases) {
     SCOPED_TRACE(bad.to);
@@ -263,7 +277,7 @@ TEST_F(ProblemFile, ChecksNamesUnitsAndLimitsAgainstTheRobot) {
 }
 
 TEST_F(ProblemFile, PlanningModelTakesLimitsAndLocks) {
-  const PlanarModel model = planning_model(read(kBase), toy());
+  const model::PlanarModel model = planning_model(read(kBase), toy());
   EXPECT_EQ(model.motors.at(0).voltage, 7.0);
   EXPECT_EQ(model.motors.at(0).torque_limit, 3.0);
   EXPECT_EQ(model.coordinate_index("wing"), -1);
@@ -272,20 +286,35 @@ TEST_F(ProblemFile, PlanningModelTakesLimitsAndLocks) {
 
 TEST(ProblemKeys, AreAllExplainedOnce) {
   // Wrapped lines are joined again before they are searched.
-  std::string text = std::regex_replace(explain_problem(), std::regex("\\s+"), " ");
-  for (const problem_keys::Key& key : problem_keys::all()) {
-    EXPECT_NE(text.find(key.meaning), std::string::npos) << key.name;
-    const auto same = std::count_if(problem_keys::all().begin(), problem_keys::all().end(), [&](const auto& other) {
-      return other.section == key.section && other.name == key.name;
-    });
-    EXPECT_EQ(same, 1) << key.section << "." << key.name;
+  const std::string text = std::regex_replace(explain_problem(), std::regex("\\s+"), " ");
+  std::set<std::string> sections;
+  for (const problem_keys::Section& section : problem_keys::sections(term_catalogue())) {
+    EXPECT_TRUE(sections.insert(section.name).second) << section.name;
+    EXPECT_NE(text.find(section.meaning), std::string::npos) << section.name;
+    std::set<std::string> keys;
+    for (const Key& key : section.keys) {
+      EXPECT_TRUE(keys.insert(key.name).second) << section.name << "." << key.name;
+      EXPECT_FALSE(key.meaning.empty()) << section.name << "." << key.name;
+      EXPECT_NE(text.find(key.meaning), std::string::npos) << section.name << "." << key.name;
+    }
   }
+}
+
+TEST(ProblemKeys, TellWhatCountsWhereOneIsAbsent) {
+  const std::string text = std::regex_replace(explain_problem(), std::regex("\\s+"), " ");
+  EXPECT_NE(text.find("tolerance [-] of the scaled optimality error (else: 1e-06)"),
+            std::string::npos);
+  EXPECT_NE(text.find("scheme hermite_simpson (third-order defects, midpoints) or trapezoidal "
+                      "(else: hermite_simpson)"),
+            std::string::npos);
+  EXPECT_NE(text.find("foot the foot (required)"), std::string::npos);
+  EXPECT_NE(text.find("coefficient [-] of Coulomb friction (else: limits.friction)"),
+            std::string::npos);
 }
 
 TEST(ProblemFiles, EveryShippedProblemFitsItsRobot) {
   int problems = 0;
-  for (const auto& entry :
-       std::filesystem::directory_iterator(std::filesystem::path(JACULUS_SOURCE_DIR) / "problems")) {
+  for (const auto& entry : std::filesystem::directory_iterator(source_folder() / "problems")) {
     if (entry.path().extension() != ".yaml") continue;
     const yaml::Node node = yaml::Node::load(entry.path());
     if (node.find("format") && node.at("format").text() != "jaculus-problem/1") continue;
@@ -293,18 +322,19 @@ TEST(ProblemFiles, EveryShippedProblemFitsItsRobot) {
     ++problems;
     const Problem problem = read_problem(entry.path());
     EXPECT_EQ(problem.name, entry.path().stem().string());
-    EXPECT_NO_THROW(check_problem(problem, read_robot(problem.robot_folder, problem.overrides).planar));
+    EXPECT_NO_THROW(
+        check_problem(problem, model::read_robot(problem.robot_folder, problem.overrides).planar));
   }
   EXPECT_GE(problems, 16);
 }
 
 TEST(ProblemFiles, LeapVariantsDifferOnlyInTheirTail) {
   const auto read = [](const char* name) {
-    return read_problem(std::filesystem::path(JACULUS_SOURCE_DIR) / "problems" / (std::string(name) + ".yaml"));
+    return read_problem(source_folder() / "problems" / (std::string(name) + ".yaml"));
   };
   const auto pitch = [](const Problem& p) {
     for (const TermSpec& term : p.constraints) {
-      if (term.type == "touchdown_pitch") return term.node.at("pitch").number(dimension::angle);
+      if (term.type == "touchdown_pitch") return term.values.interval("pitch").lower;
     }
     return kNaN;
   };
@@ -322,4 +352,4 @@ TEST(ProblemFiles, LeapVariantsDifferOnlyInTheirTail) {
 }
 
 }  // namespace
-}  // namespace jaculus
+}  // namespace jaculus::transcription

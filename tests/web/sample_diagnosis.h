@@ -8,6 +8,6 @@
 namespace jaculus {
 
 /// `name` stands wherever a file could put a name.
-Diagnosis sample_diagnosis(const std::string& name);
+diagnosis::Diagnosis sample_diagnosis(const std::string& name);
 
 }  // namespace jaculus

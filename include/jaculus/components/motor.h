@@ -1,22 +1,25 @@
 #pragma once
-// Brushed-equivalent electric motor behind a gear: current, voltage and power as functions of joint torque and rate.
+// Brushed-equivalent electric motor behind a gear: current, voltage and power as functions of joint
+// torque and rate.
 //
-//   motor torque    tau_m = tau / (G eta)                                tau: joint torque [N m]
-//   current         i     = a tau_m + c tau_m^3                          a: saturation_linear, c: saturation_cubic
-//   voltage         V     = R i + k_t G omega                            omega: joint rate [rad/s]
+//   motor torque    tau_m = tau / (G eta)                 tau: joint torque [N m]
+//   current         i     = a tau_m + c tau_m^3           a: saturation_linear, c: saturation_cubic
+//   voltage         V     = R i + k_t G omega             omega: joint rate [rad/s]
 //   electric power  P     = V i
 //
-// Source: Norby et al. 2021, equations 5 to 7 (magnetic saturation as an odd cubic; V there is the battery's). The
-// gear's efficiency eta is not in these equations; it is the loss that a plan allows for.
+// Source: Norby et al. 2021, equations 5 to 7 (magnetic saturation as an odd cubic; V there is the
+// battery's). The gear's efficiency eta is not in these equations; it is the loss that a plan
+// allows for.
 //
-// Limits of validity: winding inductance, rotor inertia (part of the joint's inertia) and friction are not here.
-// Efficiency is applied as tau_m = tau / (G eta) in both directions of power flow, which is how limits are usually
-// posed: where the joint drives the motor a real gear would give tau_m = tau eta / G instead, so braking currents are
-// overstated by up to 1/eta^2. With eta = 1 there is no difference.
+// Limits of validity: winding inductance, rotor inertia (part of the joint's inertia) and friction
+// are not here. Efficiency is applied as tau_m = tau / (G eta) in both directions of power flow,
+// which is how limits are usually set: where the joint drives the motor a real gear would give
+// tau_m = tau eta / G instead, so braking currents are overstated by up to 1/eta^2. With eta = 1
+// there is no difference.
 
 #include "jaculus/model/planar.h"
 
-namespace jaculus {
+namespace jaculus::components {
 
 /// Current [A] with its derivatives by joint torque; it does not depend on the rate.
 struct MotorCurrent {
@@ -33,7 +36,8 @@ struct MotorVoltage {
   double d_torque2 = 0.0;  ///< [V/(N m)^2]
 };
 
-/// Electric power [W] drawn by one motor (negative where it feeds back) with derivatives; rate-rate is zero.
+/// Electric power [W] drawn by one motor (negative where it feeds back) with derivatives; rate-rate
+/// is zero.
 struct MotorPower {
   double value = 0.0;          ///< [W]
   double d_torque = 0.0;       ///< [W/(N m)]
@@ -52,26 +56,30 @@ struct LimitedTorque {
 };
 
 /// Current [A] of one motor at a joint torque [N m].
-double motor_current(const PlanarMotor& motor, double joint_torque);
-MotorCurrent motor_current_derivatives(const PlanarMotor& motor, double joint_torque);
+double motor_current(const model::PlanarMotor& motor, double joint_torque);
+MotorCurrent motor_current_derivatives(const model::PlanarMotor& motor, double joint_torque);
 
 /// Voltage [V] of one motor at a joint torque [N m] and joint rate [rad/s].
-MotorVoltage motor_voltage(const PlanarMotor& motor, double joint_torque, double joint_rate);
+MotorVoltage motor_voltage(const model::PlanarMotor& motor, double joint_torque, double joint_rate);
 
 /// Electric power [W] of one motor at a joint torque [N m] and joint rate [rad/s].
-MotorPower motor_power(const PlanarMotor& motor, double joint_torque, double joint_rate);
+MotorPower motor_power(const model::PlanarMotor& motor, double joint_torque, double joint_rate);
 
-/// The motor torque before the gear [N m] at a current [A]: the one real root of c t^3 + a t = i, in closed form
-/// (Cardano's hyperbolic form, free of cancellation). Needs a >= 0, c >= 0, not both zero.
+/// The motor torque before the gear [N m] at a current [A]: the one real root of c t^3 + a t = i,
+/// in closed form (Cardano's hyperbolic form, free of cancellation). Needs a >= 0, c >= 0, not both
+/// zero.
 double saturated_torque(double linear, double cubic, double current);
 
-/// The joint torque [N m] at a terminal voltage [V] and joint rate [rad/s], no limit applied. Inverse of motor_voltage.
-double joint_torque_at_voltage(const PlanarMotor& motor, double voltage, double joint_rate);
+/// The joint torque [N m] at a terminal voltage [V] and joint rate [rad/s], no limit applied.
+/// Inverse of motor_voltage.
+double joint_torque_at_voltage(const model::PlanarMotor& motor, double voltage, double joint_rate);
 
-/// The largest joint torque [N m] that current_limit and torque_limit allow, infinite where both are; and which binds.
-LimitedTorque largest_joint_torque(const PlanarMotor& motor);
+/// The largest joint torque [N m] that current_limit and torque_limit allow, infinite where both
+/// are; and which binds.
+LimitedTorque largest_joint_torque(const model::PlanarMotor& motor);
 
 /// joint_torque_at_voltage held within +- largest_joint_torque.
-LimitedTorque limited_joint_torque_at_voltage(const PlanarMotor& motor, double voltage, double joint_rate);
+LimitedTorque limited_joint_torque_at_voltage(const model::PlanarMotor& motor, double voltage,
+                                              double joint_rate);
 
-}  // namespace jaculus
+}  // namespace jaculus::components

@@ -1,9 +1,11 @@
 #pragma once
-// A polite end on SIGINT and SIGTERM: the handler only raises a flag, long work looks at it and keeps what is finished.
+// A polite end on SIGINT and SIGTERM: the handler only raises a flag, long work looks at it and
+// keeps what is finished.
 
 namespace jaculus {
 
-/// Installs the handler for SIGINT and SIGTERM; a second signal ends the program at once. For the command line only.
+/// Installs the handler for SIGINT and SIGTERM; a second signal ends the program at once. For the
+/// command line only.
 void install_interrupt_handler();
 
 /// True once a signal has come (or request_interrupt() was called).

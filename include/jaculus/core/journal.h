@@ -1,10 +1,12 @@
 #pragma once
-// A durable list of finished tasks. Every record is on the disk before append() returns, so that a run that is killed at
-// any moment goes on where it was. File, all integers little-endian as the machine writes them:
+// A durable list of finished tasks. Every record is on the disk before append() returns, so that a
+// run that is killed at any moment goes on where it was. File, all integers little-endian as the
+// machine writes them:
 //   "jaculus-journal/1\n"  key_length:u64  key  check:u64          the key names the list of tasks
-//   { index:u64  length:u64  payload  check:u64 } ...              one a finished task, in order of finishing
-// check is the FNV-1a hash of everything since the last one. A tail that is cut short or doesn't match its check is
-// what an interrupted write leaves; it is cut off on opening.
+//   { index:u64  length:u64  payload  check:u64 } ...
+//     one a finished task, in order of finishing
+// check is the FNV-1a hash of everything since the last one. A tail that is cut short or doesn't
+// match its check is what an interrupted write leaves; it is cut off on opening.
 
 #include <cstdint>
 #include <filesystem>
@@ -26,7 +28,8 @@ struct JournalContent {
   std::uint64_t torn_bytes = 0;         ///< length of the rest
 };
 
-/// Reads a journal; one that does not exist is empty. InputError on a file that is something else or can't be read.
+/// Reads a journal; one that does not exist is empty. InputError on a file that is something else
+/// or can't be read.
 JournalContent read_journal(const std::filesystem::path& file);
 
 /// An open journal, locked against other processes.

@@ -1,7 +1,8 @@
 #pragma once
-// Independent jobs on all cores, as a value: results come in task order whatever the number of workers and whatever was
-// resumed. Workers are oneTBB's. An isolated task runs in a forked child and hands its bytes back through a pipe: solvers
-// that keep global state (MUMPS) can then run side by side, and a crash is one task's failure, not the program's.
+// Independent jobs on all cores, as a value: results come in task order whatever the number of
+// workers and whatever was resumed. Workers are oneTBB's. An isolated task runs in a forked child
+// and hands its bytes back through a pipe: solvers that keep global state (MUMPS) can then run side
+// by side, and a crash is one task's failure, not the program's.
 
 #include <cstdint>
 #include <filesystem>
@@ -29,8 +30,9 @@ struct TaskResult {
 struct TaskProgress {
   int done = 0;  ///< finished, failed or resumed
   int total = 0;
-  double elapsed_s = 0.0;     ///< wall time of this run [s]
-  double remaining_s = kNaN;  ///< estimate from the mean of this run; NaN before its first task ends [s]
+  double elapsed_s = 0.0;  ///< wall time of this run [s]
+  /// estimate from the mean of this run; NaN before its first task ends [s]
+  double remaining_s = kNaN;
 };
 
 struct TaskOptions {
@@ -38,10 +40,11 @@ struct TaskOptions {
   bool isolate = true;              ///< a process of its own for each task
   double time_limit_s = kInfinity;  ///< of one isolated task, wall time [s]
 
-  /// Every task that is done goes here at once and durably, and is taken from here instead of being run again. Failed
-  /// and cancelled ones are tried again. Empty: none.
+  /// Every task that is done goes here at once and durably, and is taken from here instead of being
+  /// run again. Failed and cancelled ones are tried again. Empty: none.
   std::filesystem::path journal = {};
-  /// Everything the results depend on (inputs, version). A journal of another fingerprint or count is refused.
+  /// Everything the results depend on (inputs, version). A journal of another fingerprint or count
+  /// is refused.
   std::string fingerprint = {};
 
   /// Called after every task, one call at a time, from any worker.
@@ -50,9 +53,10 @@ struct TaskOptions {
   std::function<void(const std::string&)> notice = {};
 };
 
-/// Runs task(0) ... task(count - 1). An isolated task's side effects stay in its child, which must not rely on threads of
-/// the parent; tasks that are not isolated must be safe to run at once. Once interrupt_requested() no task is started,
-/// isolated ones are ended, and what is finished is returned. InputError for a journal that can't be used.
+/// Runs task(0) ... task(count - 1). An isolated task's side effects stay in its child, which must
+/// not rely on threads of the parent; tasks that are not isolated must be safe to run at once. Once
+/// interrupt_requested() no task is started, isolated ones are ended, and what is finished is
+/// returned. InputError for a journal that can't be used.
 std::vector<TaskResult> run_tasks(int count, const std::function<std::string(int)>& task,
                                   const TaskOptions& options = {});
 

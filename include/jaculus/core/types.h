@@ -11,6 +11,8 @@
 // torques, currents and voltages are those of one motor.
 
 #include <Eigen/Core>
+#include <algorithm>
+#include <cassert>
 #include <limits>
 
 namespace jaculus {
@@ -35,6 +37,21 @@ struct Bounds {
   [[nodiscard]] bool fixed() const { return lower == upper; }
   [[nodiscard]] bool contains(double v) const { return v >= lower && v <= upper; }
 };
+
+/// Number of elements of a container, string or Eigen vector, as the int that everything is indexed
+/// by here. Misuse: more elements than an int holds.
+template <class Container>
+[[nodiscard]] int count_of(const Container& container) {
+  assert(static_cast<std::size_t>(container.size()) <= std::numeric_limits<int>::max());
+  return static_cast<int>(container.size());
+}
+
+/// Position of the first element equal to `value`, -1 where there is none.
+template <class Container, class Value>
+[[nodiscard]] int index_of(const Container& container, const Value& value) {
+  const auto found = std::find(container.begin(), container.end(), value);
+  return found == container.end() ? -1 : static_cast<int>(found - container.begin());
+}
 
 /// Standard gravity [m/s^2].
 inline constexpr double kGravity = 9.81;

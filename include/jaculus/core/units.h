@@ -6,7 +6,8 @@
 
 namespace jaculus {
 
-/// Dimension as exponents of the SI base units that occur here, radians kept as a unit of their own.
+/// Dimension as exponents of the SI base units that occur here, radians kept as a unit of their
+/// own.
 struct Dimension {
   int metre = 0;
   int kilogram = 0;
@@ -43,8 +44,9 @@ inline constexpr Dimension angular_stiffness{2, 1, -2, 0, -1};  // N m/rad
 inline constexpr Dimension angular_damping{2, 1, -1, 0, -1};    // N m s/rad
 }  // namespace dimension
 
-/// Parses "16 V", "15 deg", "4 ms", "0.0954 N m/A": a number, then unit symbols with powers (m^2, s^-1) joined by
-/// spaces, '*' or '/'. Returns the value in SI. A unit of another dimension, or none, throws InputError (without location).
+/// Parses "16 V", "15 deg", "4 ms", "0.0954 N m/A": a number, then unit symbols with powers (m^2,
+/// s^-1) joined by spaces, '*' or '/'. Returns the value in SI. A unit of another dimension, or
+/// none, throws InputError (without location).
 double parse_quantity(std::string_view text, const Dimension& expected);
 
 /// The SI unit of a dimension as a user reads it: "N m", "rad/s", "-".

@@ -1,6 +1,7 @@
 #pragma once
-// Strict YAML reader: every key must be known, every value typed, dimensioned and in range. Nothing is ignored or defaulted
-// silently. Messages read "file:line: key: what was given; what is allowed", with the nearest valid name where there is one.
+// Strict YAML reader: every key must be known, every value typed, dimensioned and in range. Nothing
+// is ignored or defaulted silently. Messages read "file:line: key: what was given; what is
+// allowed", with the nearest valid name where there is one.
 
 #include <filesystem>
 #include <initializer_list>
@@ -17,12 +18,14 @@
 
 namespace jaculus::yaml {
 
-/// One node of a document with its place in the file: path "phases[0].duration" and line. Cheap to copy.
+/// One node of a document with its place in the file: path "phases[0].duration" and line. Cheap to
+/// copy.
 class Node {
  public:
   Node();  ///< an empty map without a file, for values built in code
 
-  /// Reads a file. Not found, not readable, not YAML, larger than 10 MB, duplicate keys, cyclic aliases: InputError.
+  /// Reads a file. Not found, not readable, not YAML, larger than 10 MB, duplicate keys, cyclic
+  /// aliases: InputError.
   static Node load(const std::filesystem::path& file);
   /// The same from text; `name` stands for the file in messages.
   static Node parse(const std::string& text, const std::string& name);
@@ -40,10 +43,12 @@ class Node {
   [[nodiscard]] Node at(std::string_view key) const;
   /// The value of a key that may be absent.
   [[nodiscard]] std::optional<Node> find(std::string_view key) const;
-  [[nodiscard]] std::vector<Node> items() const;                            ///< of a list, or InputError
-  [[nodiscard]] std::vector<std::pair<std::string, Node>> entries() const;  ///< of a map in file order, or InputError
+  [[nodiscard]] std::vector<Node> items() const;  ///< of a list, or InputError
+  /// of a map in file order, or InputError
+  [[nodiscard]] std::vector<std::pair<std::string, Node>> entries() const;
 
-  /// A number in SI: plain, or a string with its unit. NaN and infinity are refused; out of `allowed` is InputError.
+  /// A number in SI: plain, or a string with its unit. NaN and infinity are refused; out of
+  /// `allowed` is InputError.
   [[nodiscard]] double number(const Dimension& dimension, const Bounds& allowed = {}) const;
   /// A whole number in [lower, upper].
   [[nodiscard]] int integer(int lower, int upper) const;
@@ -71,7 +76,13 @@ class Node {
   std::shared_ptr<const Impl> impl_;
 };
 
+/// Refuses a file of another of our kinds by what its key `format` says ("a problem
+/// (jaculus-problem/1)"), before its other keys are called unknown. Says nothing about any other
+/// file.
+void refuse_other_kind(const Node& file, std::string_view wanted);
+
 /// The candidate nearest to `given` by edit distance, or nothing where none is near.
-std::optional<std::string> nearest_name(std::string_view given, const std::vector<std::string>& candidates);
+std::optional<std::string> nearest_name(std::string_view given,
+                                        const std::vector<std::string>& candidates);
 
 }  // namespace jaculus::yaml

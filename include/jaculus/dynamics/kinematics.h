@@ -1,16 +1,19 @@
 #pragma once
 // Planar kinematics in absolute coordinates.
 //
-// Absolute coordinates Y (size N): x, z of the base, the absolute angle phi_b of every body, the displacement l_j of every
-// prismatic joint. They depend on the generalised coordinates q (n) and the dependent joints d (nd) by a constant map:
+// Absolute coordinates Y (size N): x, z of the base, the absolute angle phi_b of every body, the
+// displacement l_j of every prismatic joint. They depend on the generalised coordinates q (n) and
+// the dependent joints d (nd) by a constant map:
 //     Y = P q + P_d d + Y_0.
-// In them a point is a sum of segments, so that every derivative of any order is a line of trigonometry:
+// In them a point is a sum of segments, so that every derivative of any order is a line of
+// trigonometry:
 //     p = (x, z) + sum_s R(phi_s) r_s  [+ l_j R(phi_s) e_j for a prismatic joint].
 //
 // Derivatives of p, with contraction by a weight w (2) and rates X, V (N), e' = dR/dphi e:
 //     J        = dp/dY                                       (2 x N)
 //     D(X)     = d(J X)/dY                                   (2 x N)
-//     E(V)     = d(V^T d2p V)/dY                             (2 x N)     so d(pdd)/dY = D(A) + E(V), d(pdd)/dV = 2 D(V)
+//     E(V)     = d(V^T d2p V)/dY                             (2 x N)
+//       so d(pdd)/dY = D(A) + E(V), d(pdd)/dV = 2 D(V)
 //     H(w)     = d2(w.p)/dY2                                 (N x N)
 //     T(w, X)  = d2(w.J X)/dY2                               (N x N)
 //     F(w, V)  = d2(w.V^T d2p V)/dY2                         (N x N)
@@ -20,7 +23,7 @@
 
 #include "jaculus/model/planar.h"
 
-namespace jaculus {
+namespace jaculus::dynamics {
 
 /// One term of a point's position: R(phi) vector, or l R(phi) vector where `slider` is set.
 struct Segment {
@@ -43,7 +46,7 @@ struct LoopPaths {
 
 /// The robot's tree unrolled into absolute coordinates. Immutable once built.
 struct AbsoluteTree {
-  explicit AbsoluteTree(const PlanarModel& model);
+  explicit AbsoluteTree(const model::PlanarModel& model);
 
   int n = 0;                    ///< generalised coordinates
   int N = 0;                    ///< absolute coordinates
@@ -57,9 +60,10 @@ struct AbsoluteTree {
   std::vector<Path> origin;     ///< of each body's frame
   std::vector<Path> feet;
   std::vector<LoopPaths> loops;
-  Matrix armature;            ///< n x n, reflected rotor inertia [kg m^2]
-  Matrix input_map;           ///< n x u: generalised force = input_map * joint torque of one motor
-  Matrix joint_row_q;         ///< bodies x n, joint values: theta = joint_row_q q + joint_row_d d + joint_0
+  Matrix armature;   ///< n x n, reflected rotor inertia [kg m^2]
+  Matrix input_map;  ///< n x u: generalised force = input_map * joint torque of one motor
+  /// bodies x n, joint values: theta = joint_row_q q + joint_row_d d + joint_0
+  Matrix joint_row_q;
   Matrix joint_row_d;         ///< bodies x nd
   Vector joint_0;             ///< bodies
   std::vector<int> cyclic;    ///< coordinates that enter no dynamics: x and z of a free base
@@ -67,7 +71,7 @@ struct AbsoluteTree {
   double total_mass = 0.0;    ///< [kg]
 
   [[nodiscard]] static int angle_index(int body) { return 2 + body; }
-  [[nodiscard]] Path path_to(const PlanarModel& model, int body, const Vec2& point) const;
+  [[nodiscard]] Path path_to(const model::PlanarModel& model, int body, const Vec2& point) const;
 };
 
 /// Largest number of columns a point may depend on: base translation, then at most two a segment.
@@ -86,8 +90,9 @@ struct PointColumns {
     z[count] = cz;
     ++count;
   }
-  [[nodiscard]] Vec2 times(const Vector& v) const;                      ///< sum of columns times v
-  void add_transposed(const Vec2& w, double scale, Vector& out) const;  ///< out += scale * columns^T w
+  [[nodiscard]] Vec2 times(const Vector& v) const;  ///< sum of columns times v
+  /// out += scale * columns^T w
+  void add_transposed(const Vec2& w, double scale, Vector& out) const;
 };
 
 /// Sines and cosines of all absolute angles at one configuration.
@@ -109,4 +114,4 @@ void add_H(const Path& path, const Pose& pose, const Vec2& w, Matrix& out);
 void add_T(const Path& path, const Pose& pose, const Vec2& w, const Vector& X, Matrix& out);
 void add_F(const Path& path, const Pose& pose, const Vec2& w, const Vector& V, Matrix& out);
 
-}  // namespace jaculus
+}  // namespace jaculus::dynamics

@@ -1,8 +1,9 @@
 #pragma once
 // Loops solved for their dependent joints, at the level of position, rate and acceleration.
 //
-// A loop is a dyad: the pin is the intersection of two circles about the roots of the two dependent links, on the branch that the
-// model states, so d(q) is in closed form and needs no iteration. With c = p_A - p_B and C = dc/dY (2 rows a loop):
+// A loop is a dyad: the pin is the intersection of two circles about the roots of the two dependent
+// links, on the branch that the model states, so d(q) is in closed form and needs no iteration.
+// With c = p_A - p_B and C = dc/dY (2 rows a loop):
 //     C_d = C P_d,  D = -C_d^-1 C P,  G = P + P_d D,  V = G v,
 //     A = G a + gamma,  gamma = -P_d C_d^-1 (V^T d2c V),
 //     X = dV/dq at fixed v = -P_d C_d^-1 dC(V)/dY G.
@@ -11,9 +12,10 @@
 
 #include "jaculus/dynamics/kinematics.h"
 
-namespace jaculus {
+namespace jaculus::dynamics {
 
-/// Configuration and rates of the robot in absolute coordinates. Scratch: sized once by the constructor, then reused.
+/// Configuration and rates of the robot in absolute coordinates. Scratch: sized once by the
+/// constructor, then reused.
 struct Motion {
   explicit Motion(const AbsoluteTree& tree);
 
@@ -37,13 +39,16 @@ bool set_configuration(const AbsoluteTree& tree, const Eigen::Ref<const Vector>&
 void set_rates(const AbsoluteTree& tree, const Eigen::Ref<const Vector>& v, Motion& motion);
 /// Sets X; the rates must be set.
 void set_rate_sensitivity(const AbsoluteTree& tree, Motion& motion);
-/// d(V^T d2c V + C A)/dY and /dV of the loops: (2 rows a loop) x N each; `at_rest` leaves V out, as an impact does.
-void loop_acceleration_derivatives(const AbsoluteTree& tree, Motion& motion, const Vector& A, bool at_rest, Matrix& dY,
-                                   Matrix& dV);
+/// d(V^T d2c V + C A)/dY and /dV of the loops: (2 rows a loop) x N each; `at_rest` leaves V out, as
+/// an impact does.
+void loop_acceleration_derivatives(const AbsoluteTree& tree, Motion& motion, const Vector& A,
+                                   bool at_rest, Matrix& dY, Matrix& dV);
 
 /// Absolute coordinates as joint values: all bodies' joints, the base's entry zero [rad or m].
-Vector joint_positions(const AbsoluteTree& tree, const Eigen::Ref<const Vector>& q, const Motion& motion);
+Vector joint_positions(const AbsoluteTree& tree, const Eigen::Ref<const Vector>& q,
+                       const Motion& motion);
 /// The joints' rates, all bodies [rad/s or m/s].
-Vector joint_velocities(const AbsoluteTree& tree, const Eigen::Ref<const Vector>& v, const Motion& motion);
+Vector joint_velocities(const AbsoluteTree& tree, const Eigen::Ref<const Vector>& v,
+                        const Motion& motion);
 
-}  // namespace jaculus
+}  // namespace jaculus::dynamics

@@ -6,9 +6,10 @@
 
 #include "jaculus/effects/effect.h"
 
-namespace jaculus {
+namespace jaculus::effects {
 
-/// An effect of the catalogue with values of its parameters, in its own terms (compliance, not stiffness).
+/// An effect of the catalogue with values of its parameters, in its own terms (compliance, not
+/// stiffness).
 struct EffectValue {
   const Effect* effect = nullptr;
   Vector theta;
@@ -21,18 +22,21 @@ struct ShownParameter {
   std::string unit;  ///< "N m/rad"
 };
 
-/// Reads "name:parameter=value,parameter=value"; a parameter by its own name or the shown one, the others nominal. Values are SI.
-/// InputError, opening with `place` ("--effect", "file:line: key"), where a name is unknown, a value is no number or lies
-/// outside the bounds, or this robot can't have the effect.
-EffectValue read_effect(const std::string& text, const PlanarModel& model, const std::string& place);
+/// Reads "name:parameter=value,parameter=value"; a parameter by its own name or the shown one, the
+/// others nominal. Values are SI. InputError, opening with `place` ("--effect", "file:line: key"),
+/// where a name is unknown, a value is no number or lies outside the bounds, or this robot can't
+/// have the effect.
+EffectValue read_effect(const std::string& text, const model::PlanarModel& model,
+                        const std::string& place);
 
 /// Sets several effects on a plant, in the order given.
-void apply_effects(const std::vector<EffectValue>& effects, Plant& plant);
+void apply_effects(const std::vector<EffectValue>& effects, simulation::Plant& plant);
 
-/// One parameter's value as users read it, and back. A reciprocal of 0 is infinite, and of infinity 0.
+/// One parameter's value as users read it, and back. A reciprocal of 0 is infinite, and of infinity
+/// 0.
 double shown_value(const EffectParameter& parameter, double value);
 double own_value(const EffectParameter& parameter, double shown);
 /// Every parameter of an effect at `theta`.
 std::vector<ShownParameter> shown_parameters(const Effect& effect, const Vector& theta);
 
-}  // namespace jaculus
+}  // namespace jaculus::effects

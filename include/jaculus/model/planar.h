@@ -1,11 +1,14 @@
 #pragma once
-// The sagittal-plane model: a tree of bodies on revolute or prismatic joints, closed by loops, on a floating, sliding or
-// fixed base. Left and right parts that move alike are lumped (masses and inertias added).
+// The sagittal-plane model: a tree of bodies on revolute or prismatic joints, closed by loops, on a
+// floating, sliding or fixed base. Left and right parts that move alike are lumped (masses and
+// inertias added).
 //
-// Absolute angle of body b with parent p:        phi_b = phi_p + offset_b + sign_b * theta_b   (revolute)
-//                                                phi_b = phi_p + offset_b                      (prismatic)
-// Position of its frame:                         p_b = p_p + R(phi_p) (origin_b + axis_b * theta_b)   (axis_b = 0 if revolute)
-// Joint values from generalised coordinates:     theta = joint_map * q + joint_offset,  dependent joints aside.
+// Absolute angle of body b with parent p:        phi_b = phi_p + offset_b + sign_b * theta_b
+//                                                (prismatic: phi_b = phi_p + offset_b)
+// Position of its frame:                         p_b = p_p + R(phi_p) (origin_b + axis_b * theta_b)
+//                                                (axis_b = 0 if revolute)
+// Joint values from generalised coordinates:     theta = joint_map * q + joint_offset,
+//                                                dependent joints aside.
 // Dependent joints follow from the loops: point_a on body_a coincides with point_b on body_b.
 
 #include <array>
@@ -14,7 +17,7 @@
 
 #include "jaculus/core/types.h"
 
-namespace jaculus {
+namespace jaculus::model {
 
 enum class JointKind { revolute, prismatic };
 
@@ -30,8 +33,9 @@ struct PlanarBody {
   Vec2 axis = Vec2::Zero();    ///< prismatic: unit direction in the parent's frame
   double mass = 0.0;           ///< sum over the lumped parts [kg]
   Vec2 com = Vec2::Zero();     ///< centre of mass in the body frame [m]
-  double inertia = 0.0;        ///< pitch inertia about the centre of mass, sum over the lumped parts [kg m^2]
-  int count = 1;               ///< how many spatial bodies it stands for
+  /// pitch inertia about the centre of mass, sum over the lumped parts [kg m^2]
+  double inertia = 0.0;
+  int count = 1;  ///< how many spatial bodies it stands for
 };
 
 /// A point fixed to a body: foot, tail tip, clearance point.
@@ -49,41 +53,45 @@ struct PlanarLoop {
   Vec2 point_a = Vec2::Zero();  ///< [m]
   int body_b = 0;               ///< carries the second dependent joint at its root
   Vec2 point_b = Vec2::Zero();  ///< [m]
-  /// The branch: sign of cross(anchor_b - anchor_a, pin - anchor_a), cross(u, v) = u_z v_x - u_x v_z, where anchor_a and
-  /// anchor_b are the origins of body_a and body_b; taken from the configuration of the URDF's zero or stated in robot.yaml.
+  /// The branch: sign of cross(anchor_b - anchor_a, pin - anchor_a), cross(u, v) = u_z v_x - u_x
+  /// v_z, where anchor_a and anchor_b are the origins of body_a and body_b; taken from the
+  /// configuration of the URDF's zero or stated in robot.yaml.
   double branch = 1.0;
 };
 
 /// One generalised coordinate.
 struct Coordinate {
-  std::string name;     ///< "x", "z", "pitch", a joint's name, or a name from robot.yaml's `coordinates`
+  /// "x", "z", "pitch", a joint's name, or a name from robot.yaml's `coordinates`
+  std::string name;
   bool angular = true;  ///< rad where true, m otherwise
   Bounds range;         ///< the joint's range as the robot has it [rad or m]
 };
 
-/// A motor at a joint; one of `count` alike. An ideal one is a torque (or force) without electrical data: torque_constant,
-/// resistance and saturation are 0, its voltage is infinite.
+/// A motor at a joint; one of `count` alike. An ideal one is a torque (or force) without electrical
+/// data: torque_constant, resistance and saturation are 0, its voltage is infinite.
 struct PlanarMotor {
-  std::string joint;                 ///< the joint it turns, also its name in every table
-  int body = 0;                      ///< body that the joint carries
-  int count = 1;                     ///< left and right: 2
-  double torque_constant = 0.0;      ///< k_t, before the gear [N m/A], equally V s/rad
-  double resistance = 0.0;           ///< winding R [ohm]
-  double saturation_linear = 0.0;    ///< i = linear * tau + cubic * tau^3, before the gear [A/(N m)]
-  double saturation_cubic = 0.0;     ///< [A/(N m)^3]
-  double voltage = 0.0;              ///< of the bus, as the robot has it [V]
+  std::string joint;               ///< the joint it turns, also its name in every table
+  int body = 0;                    ///< body that the joint carries
+  int count = 1;                   ///< left and right: 2
+  double torque_constant = 0.0;    ///< k_t, before the gear [N m/A], equally V s/rad
+  double resistance = 0.0;         ///< winding R [ohm]
+  double saturation_linear = 0.0;  ///< i = linear * tau + cubic * tau^3, before the gear [A/(N m)]
+  double saturation_cubic = 0.0;   ///< [A/(N m)^3]
+  double voltage = 0.0;            ///< of the bus, as the robot has it [V]
   double current_limit = kInfinity;  ///< of the driver [A]
   double torque_limit = kInfinity;   ///< before the gear [N m]
   double gear = 1.0;                 ///< G, motor turns a joint turn [-]
   double efficiency = 1.0;           ///< motor torque = joint torque / (G * efficiency) [-]
-  double rotor_inertia = 0.0;  ///< adds G^2 times it at the joint; zero where the link's inertia holds it [kg m^2]
+  /// adds G^2 times it at the joint; zero where the link's inertia holds it [kg m^2]
+  double rotor_inertia = 0.0;
 
   [[nodiscard]] bool ideal() const { return resistance == 0.0; }
 };
 
 enum class DragKind { none, distributed, point, rotation };
 
-/// Aerodynamic drag of a tail: a strip from `start` to `end` along `direction` of its body (equations 1, 2 and 8 of Norby et al. 2021).
+/// Aerodynamic drag of a tail: a strip from `start` to `end` along `direction` of its body
+/// (equations 1, 2 and 8 of Norby et al. 2021).
 struct PlanarDrag {
   std::string name;                 ///< path prefix in overrides: "tail" in tail.drag.coefficient
   int body = 0;                     ///< body that carries it; its frame's origin is the pivot
@@ -108,16 +116,21 @@ struct JointRange {
 
 /// The planar robot. A value; build it with read_robot (robot.h), change it with lock().
 struct PlanarModel {
-  std::array<bool, 3> base_free{true, true, true};      ///< whether x, z, pitch of the base are coordinates
-  Eigen::Vector3d base_pose = Eigen::Vector3d::Zero();  ///< x, z [m], pitch [rad] of the base where not free
+  /// whether x, z, pitch of the base are coordinates
+  std::array<bool, 3> base_free{true, true, true};
+  /// x, z [m], pitch [rad] of the base where not free
+  Eigen::Vector3d base_pose = Eigen::Vector3d::Zero();
   std::vector<PlanarBody> bodies;
   std::vector<PlanarLoop> loops;
-  std::vector<int> dependent;  ///< bodies whose joint follows from a loop: body_a, body_b of each loop in order
+  /// bodies whose joint follows from a loop: body_a, body_b of each loop in order
+  std::vector<int> dependent;
   std::vector<PlanarPoint> feet;
   std::vector<PlanarPoint> points;  ///< other named points
   std::vector<Coordinate>
-      coordinates;      ///< n generalised coordinates: free ones of x, z, pitch, then the independent ones
-  Matrix joint_map;     ///< bodies x n: theta = joint_map q + joint_offset; zero rows for base and dependent joints
+      /// n generalised coordinates: free ones of x, z, pitch, then the independent ones
+      coordinates;
+  /// bodies x n: theta = joint_map q + joint_offset; zero rows for base and dependent joints
+  Matrix joint_map;
   Vector joint_offset;  ///< bodies [rad or m]
   std::vector<PlanarMotor> motors;
   std::vector<PlanarDrag> drags;
@@ -125,7 +138,7 @@ struct PlanarModel {
   double gravity = kGravity;  ///< along -z [m/s^2]
   double friction = 0.0;      ///< Coulomb coefficient of feet on floor as the robot has it [-]
 
-  [[nodiscard]] int size() const { return static_cast<int>(coordinates.size()); }
+  [[nodiscard]] int size() const { return count_of(coordinates); }
   [[nodiscard]] int coordinate_index(const std::string& name) const;  ///< -1 where there is none
   [[nodiscard]] int body_of_joint(const std::string& joint) const;    ///< -1 where there is none
   [[nodiscard]] int foot_index(const std::string& name) const;        ///< -1 where there is none
@@ -133,7 +146,8 @@ struct PlanarModel {
   [[nodiscard]] double total_mass() const;                            ///< [kg]
 };
 
-/// The same robot with one coordinate held at `value` [rad or m]: it leaves the coordinates, its motor leaves the motors.
+/// The same robot with one coordinate held at `value` [rad or m]: it leaves the coordinates, its
+/// motor leaves the motors.
 PlanarModel lock(const PlanarModel& model, const std::string& coordinate, double value);
 
-}  // namespace jaculus
+}  // namespace jaculus::model

@@ -1,5 +1,6 @@
 #pragma once
-// The Robot value: URDF (bodies and joints in space) plus robot.yaml (what URDF can't say), reduced to the sagittal plane.
+// The Robot value: URDF (bodies and joints in space) plus robot.yaml (what URDF can't say), reduced
+// to the sagittal plane.
 
 #include <filesystem>
 #include <string>
@@ -7,35 +8,41 @@
 
 #include "jaculus/core/yaml.h"
 #include "jaculus/model/planar.h"
+#include "jaculus/model/tolerances.h"
 
-namespace jaculus {
+namespace jaculus::model {
 
 /// A robot as read from models/<name>/{robot.urdf,robot.yaml}.
 struct Robot {
   std::string name;
   std::filesystem::path folder;
   PlanarModel planar;
-  std::vector<std::string> notes;  ///< what was merged, dropped or assumed on the way, one sentence each
+  Tolerances tolerances;  ///< how far the real one may be from all this
+  /// what was merged, dropped or assumed on the way, one sentence each
+  std::vector<std::string> notes;
 };
 
-/// One override of a model value by its path, as in `override: {tail.drag.coefficient: 2.0}`. "*" in a path stands for any one
-/// part between dots (a path in full wins over it); a value "=path" copies another model value.
+/// One override of a model value by its path, as in `override: {tail.drag.coefficient: 2.0}`. "*"
+/// in a path stands for any one part between dots (a path in full wins over it); a value "=path"
+/// copies another model value.
 struct Override {
   std::string path;  ///< "tail.drag.coefficient", "motors.tail.resistance", "bodies.base.mass", ...
   yaml::Node value;  ///< read with the dimension of what it replaces
 };
 
-/// Finds a robot: a folder as given, relative to `relative_to` (the file that names it), or a name under models/ (looked up in
-/// JACULUS_MODELS, the source tree and the installed share folder). Throws InputError naming the known robots.
+/// Finds a robot: a folder as given, relative to `relative_to` (the file that names it), or a name
+/// under models/ (looked up in JACULUS_MODELS, the source tree and the installed share folder).
+/// Throws InputError naming the known robots.
 std::filesystem::path find_robot(const std::string& name, const std::filesystem::path& relative_to);
 
 /// Reads, checks and reduces a robot. Every fault of the files is an InputError with file:line.
 Robot read_robot(const std::filesystem::path& folder, const std::vector<Override>& overrides = {});
 
-/// Every path that an override may name, with its present value and unit ("tail.drag.coefficient = 2 [-]").
+/// Every path that an override may name, with its present value and unit ("tail.drag.coefficient =
+/// 2 [-]").
 std::vector<std::string> override_paths(const std::filesystem::path& folder);
 
 /// Every key of robot.yaml with its meaning and unit, as `jaculus check --explain` prints it.
 std::string explain_robot();
 
-}  // namespace jaculus
+}  // namespace jaculus::model

@@ -1,6 +1,7 @@
 #pragma once
-// A URDF file as a spatial tree, checked: every body physically possible, every joint in its place. Frames as in URDF: a link's
-// frame is that of the joint that carries it; x forward, y left, z up where the whole robot is at its zero.
+// A URDF file as a spatial tree, checked: every body physically possible, every joint in its place.
+// Frames as in URDF: a link's frame is that of the joint that carries it; x forward, y left, z up
+// where the whole robot is at its zero.
 
 #include <Eigen/Core>
 #include <filesystem>
@@ -9,7 +10,7 @@
 
 #include "jaculus/core/types.h"
 
-namespace jaculus {
+namespace jaculus::model {
 
 using Vec3 = Eigen::Vector3d;
 using Mat3 = Eigen::Matrix3d;
@@ -33,10 +34,10 @@ struct SpatialJoint {
   SpatialJointKind kind = SpatialJointKind::fixed;  ///< "continuous" is revolute without a range
   int parent = -1;                                  ///< index of the parent link
   int child = -1;                                   ///< index of the child link
-  Vec3 origin = Vec3::Zero();                       ///< child frame in the parent's frame at joint zero [m]
-  Mat3 rotation = Mat3::Identity();                 ///< child axes in the parent's frame at joint zero
-  Vec3 axis = Vec3::UnitX();                        ///< unit, in the child's frame
-  Bounds range;                                     ///< [rad or m]; infinite where continuous
+  Vec3 origin = Vec3::Zero();        ///< child frame in the parent's frame at joint zero [m]
+  Mat3 rotation = Mat3::Identity();  ///< child axes in the parent's frame at joint zero
+  Vec3 axis = Vec3::UnitX();         ///< unit, in the child's frame
+  Bounds range;                      ///< [rad or m]; infinite where continuous
 };
 
 struct SpatialTree {
@@ -51,13 +52,14 @@ struct SpatialTree {
   [[nodiscard]] int joint_index(const std::string& name) const;  ///< -1 where there is none
 };
 
-/// Reads a URDF file. Not XML, missing or unknown parts, NaN, duplicate names, no single tree, a mass or inertia that no body
-/// can have: InputError with file:line.
+/// Reads a URDF file. Not XML, missing or unknown parts, NaN, duplicate names, no single tree, a
+/// mass or inertia that no body can have: InputError with file:line.
 SpatialTree read_urdf(const std::filesystem::path& file);
 /// The same from text; `file` stands in messages.
 SpatialTree parse_urdf(const std::string& text, const std::filesystem::path& file);
 
-/// Sets R_BL and p_BL of every link from its joints; a link that the root does not reach is InputError.
+/// Sets R_BL and p_BL of every link from its joints; a link that the root does not reach is
+/// InputError.
 void place_links(SpatialTree& tree);
 
-}  // namespace jaculus
+}  // namespace jaculus::model

@@ -1,29 +1,20 @@
 #pragma once
-// The comparison of solved problems as text, JSON and CSV.
+// The report of several solved problems side by side, and what `jaculus compare` prints of them.
 
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
-#include "jaculus/report/summary.h"
-#include "jaculus/studies/compare.h"
+#include "jaculus/report/plan_report.h"
+#include "jaculus/report/report.h"
+#include "jaculus/studies/comparison.h"
 
-namespace jaculus {
+namespace jaculus::report {
 
-/// One solved problem in a comparison.
-struct ComparisonRow {
-  Summary summary;
-  TailKind kind = TailKind::none;
-  std::string conditions;  ///< jaculus::conditions() of its problem
-};
+/// `rows` are those of the comparison, one a plan.
+Report compare_report(const std::vector<PlanRecord>& plans,
+                      const std::vector<studies::ComparisonRow>& rows);
 
-std::vector<ComparedPlan> compared_plans(const std::vector<ComparisonRow>& rows);
+/// The comparison for people. `colour` allows terminal colours.
+std::string comparison_text(const std::vector<studies::ComparisonRow>& rows, bool colour);
 
-/// compare.json: `problems`, each with everything of its summary and its gains; `reference`; `drag_worth`.
-nlohmann::ordered_json comparison_json(const std::vector<ComparisonRow>& rows);
-/// compare.csv: one row a problem, units in the header, empty where there is no figure.
-std::string comparison_csv(const std::vector<ComparisonRow>& rows);
-/// The table that `jaculus compare` prints.
-std::string comparison_text(const std::vector<ComparisonRow>& rows, bool colour);
-
-}  // namespace jaculus
+}  // namespace jaculus::report

@@ -1,33 +1,33 @@
 #pragma once
-// The report of solved problems: the leaps side by side, velocity and acceleration, torque and voltage against their limits, the
-// authors' figures, verification, how the solver went.
+// The report of a solved problem: the leap, velocity and acceleration, torque and voltage against
+// their limits, the authors' figures, verification, how the solver went. And what `jaculus solve`
+// prints of it.
 
-#include <vector>
+#include <string>
 
-#include "jaculus/report/compare_report.h"
+#include "jaculus/model/planar.h"
 #include "jaculus/report/report.h"
-#include "jaculus/report/summary.h"
-#include "jaculus/solver/result.h"
-#include "jaculus/trajectory/csv.h"
+#include "jaculus/solver/plan_files.h"
+#include "jaculus/solver/summary.h"
+#include "jaculus/transcription/problem.h"
 
-namespace jaculus {
+namespace jaculus::report {
 
-/// A solved problem and what it wrote.
+/// A solved problem and what it left.
 struct PlanRecord {
-  Summary summary;
-  PlanarModel model;       ///< overrides applied, nothing locked
-  double friction = kNaN;  ///< that the plan may use [-]
-  Table plan;              ///< plan.csv; no columns where there is no plan
-  Table history;           ///< iterations.csv; no columns where there is none
+  solver::Summary summary;
+  model::PlanarModel model;   ///< overrides applied, nothing locked
+  double friction = kNaN;     ///< that the plan may use [-]
+  solver::PlanTables tables;  ///< its motion and its iterations
 };
 
-/// Report of one plan.
+/// `model` is the robot with the problem's overrides, nothing locked.
+PlanRecord plan_record(const transcription::Problem& problem, const model::PlanarModel& model,
+                       const solver::Summary& summary, const solver::PlanTables& tables);
+
 Report solve_report(const PlanRecord& plan);
 
-/// Report of several; `rows` are those of the comparison, one a plan.
-Report compare_report(const std::vector<PlanRecord>& plans, const std::vector<ComparisonRow>& rows);
+/// The summary for people. `colour` allows terminal colours.
+std::string summary_text(const solver::Summary& summary, bool colour);
 
-/// iterations.csv: one row an iteration, without times, so that every run writes the same.
-Table iteration_table(const std::vector<IterationInfo>& history);
-
-}  // namespace jaculus
+}  // namespace jaculus::report

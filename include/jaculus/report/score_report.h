@@ -1,11 +1,12 @@
 #pragma once
-// The report of a score on sealed cases: confusion, calibration, accuracy against strength and effect, baselines.
+// The report of a score on blinded cases: confusion, calibration, accuracy against strength and
+// effect, baselines.
 
 #include "jaculus/evaluation/score.h"
 #include "jaculus/report/report.h"
 
-namespace jaculus {
+namespace jaculus::report {
 
-Report score_report(const Score& score);
+Report score_report(const evaluation::Score& score);
 
-}  // namespace jaculus
+}  // namespace jaculus::report

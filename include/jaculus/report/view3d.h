@@ -4,12 +4,19 @@
 #include <string>
 
 #include "jaculus/model/robot.h"
-#include "jaculus/report/stick_figure.h"
+#include "jaculus/trajectory/csv.h"
+#include "jaculus/trajectory/dataset.h"
 
-namespace jaculus {
+namespace jaculus::report {
 
-/// The page. Joints of a pair (robot.yaml) move alike. InputError where nothing tells where the robot is, or where jaculus was built
-/// without its web assets.
-std::string view3d_html(const Robot& robot, const MotionChannels& channels, const std::string& title);
+/// The page of a plan, a table with the column `time`. Joints of a pair (robot.yaml) move alike.
+/// InputError where nothing tells where the robot is, or where jaculus was built without its web
+/// assets.
+std::string view3d_html(const model::Robot& robot, const trajectory::Table& plan,
+                        const std::string& title);
 
-}  // namespace jaculus
+/// The page of a trial, likewise.
+std::string view3d_html(const model::Robot& robot, const trajectory::Trial& trial,
+                        const std::string& title);
+
+}  // namespace jaculus::report

@@ -1,8 +1,10 @@
 #pragma once
-// The plant: a robot as a value that can be simulated. `nominal_plant` believes robot.yaml (rigid, frictionless joints, Coulomb
-// feet on rigid floor, ideal battery, no delay); effects (effects/effect.h) edit the value, nothing else knows of them.
+// The plant: a robot as a value that can be simulated. `nominal_plant` believes robot.yaml (rigid,
+// frictionless joints, Coulomb feet on rigid floor, ideal battery, no delay); effects
+// (effects/effect.h) edit the value, nothing else knows of them.
 //
-// Every component parameter below has a nominal value at which the plant does bit for bit what it does without the component.
+// Every component parameter below has a nominal value at which the plant does bit for bit what it
+// does without the component.
 
 #include <map>
 #include <string>
@@ -10,10 +12,11 @@
 
 #include "jaculus/model/planar.h"
 
-namespace jaculus {
+namespace jaculus::simulation {
 
 /// Friction torque at a joint, opposing its rate w [rad/s]:
-///   tau = -s(w) [coulomb + load |tau_motor| + (stribeck) exp(-(w/stribeck_rate)^2)] - viscous w,   s(w) = tanh(w/smoothing_rate).
+///   tau = -s(w) [coulomb + load |tau_motor| + (stribeck) exp(-(w/stribeck_rate)^2)] - viscous w,
+///     s(w) = tanh(w/smoothing_rate).
 /// Left and right of a pair: values of one joint, counted `count` times as its motor is.
 struct JointFriction {
   std::string joint;
@@ -25,11 +28,13 @@ struct JointFriction {
   double smoothing_rate = 0.1;  ///< [rad/s]
 };
 
-/// A compliant transmission behind a motor: the joint splits into the motor's side (keeps the coordinate's name, carries the
-/// reflected rotor inertia) and a hinge coordinate `<joint>_hinge` [rad] between it and the link, at which
-///   tau = -d(hinge)/compliance - damping d(hinge)',   d: the hinge angle beyond the dead band +-play/2 (smoothed).
-/// compliance 0 and play 0: no hinge is there. With play alone, the flanks have a stiffness that grows as 1/play, so that the
-/// influence of a small play is proportional to it.
+/// A compliant transmission behind a motor: the joint splits into the motor's side (keeps the
+/// coordinate's name, carries the reflected rotor inertia) and a hinge coordinate `<joint>_hinge`
+/// [rad] between it and the link, at which
+///   tau = -d(hinge)/compliance - damping d(hinge)',
+///     d: the hinge angle beyond the dead band +-play/2 (smoothed).
+/// compliance 0 and play 0: no hinge is there. With play alone, the flanks have a stiffness that
+/// grows as 1/play, so that the influence of a small play is proportional to it.
 struct Transmission {
   std::string joint;
   double compliance = 0.0;     ///< 1/stiffness [rad/(N m)]
@@ -37,12 +42,14 @@ struct Transmission {
   double play = 0.0;           ///< total dead band at the joint [rad]
 };
 
-/// Battery: V_bus = voltage(motor) - resistance * (sum of motor currents drawn), solved with the motors' currents.
+/// Battery: V_bus = voltage(motor) - resistance * (sum of motor currents drawn), solved with the
+/// motors' currents.
 struct Battery {
   double resistance = 0.0;  ///< internal [ohm]
 };
 
-/// Winding heat: T' = heat * i^2 R per motor (adiabatic within a leap); R = R_0 (1 + 0.0039 T), k_t = k_t0 (1 - 0.001 T).
+/// Winding heat: T' = heat * i^2 R per motor (adiabatic within a leap); R = R_0 (1 + 0.0039 T), k_t
+/// = k_t0 (1 - 0.001 T).
 struct Winding {
   double heat = 0.0;     ///< [K/J]
   double initial = 0.0;  ///< above the temperature of the stated resistance [K]
@@ -58,24 +65,29 @@ struct Actuation {
   std::map<std::string, double> torque_scale;  ///< by joint, on the torque that arrives there [-]
 };
 
-/// What sensors make of the motion. Offsets and scales by channel name ("x", "pitch", "front_a", ...).
+/// What sensors make of the motion. Offsets and scales by channel name ("x", "pitch", "front_a",
+/// ...).
 struct Sensing {
   std::map<std::string, double> latency;  ///< by stream, [s]
   std::map<std::string, double> scale;    ///< [-]
-  std::map<std::string, double> offset;   ///< SI; also seen by the controller where it reads the channel
+  /// SI; also seen by the controller where it reads the channel
+  std::map<std::string, double> offset;
 };
 
 /// Floor under every contact point. Rigid where compliance is 0; else a spring-damper pushing only:
-///   f_z = max(0, depth/compliance + 2 damping_ratio sqrt(m/compliance) depth'),   m: the robot's mass over its number of feet.
+///   f_z = max(0, depth/compliance + 2 damping_ratio sqrt(m/compliance) depth'),
+///     m: the robot's mass over its number of feet.
 struct Ground {
   double friction = 0.0;       ///< Coulomb coefficient [-]
   double compliance = 0.0;     ///< [m/N], one foot of a pair
   double damping_ratio = 0.0;  ///< of that mass on one foot's spring [-]
   double height = 0.0;         ///< of the floor [m]
-  double foot_radius = 0.0;    ///< feet roll on a circle of this radius about the model's toe point [m]
+  /// feet roll on a circle of this radius about the model's toe point [m]
+  double foot_radius = 0.0;
 };
 
-/// End of a joint's range, an impact of the two links with restitution. One whose joint is not listed has no stop.
+/// End of a joint's range, an impact of the two links with restitution. One whose joint is not
+/// listed has no stop.
 struct JointStop {
   std::string joint;
   Bounds range;              ///< [rad]
@@ -89,7 +101,8 @@ struct Push {
 };
 
 struct Plant {
-  PlanarModel model;  ///< masses, inertias, geometry, motors (k_t, R, saturation, voltage, limits), drag
+  /// masses, inertias, geometry, motors (k_t, R, saturation, voltage, limits), drag
+  model::PlanarModel model;
   std::vector<JointFriction> friction;
   std::vector<Transmission> transmissions;
   Battery battery;
@@ -98,12 +111,13 @@ struct Plant {
   Sensing sensing;
   Ground ground;
   std::vector<JointStop> stops;
-  std::vector<std::string> ground_points;  ///< points of the model that may hit the floor, besides its feet
+  /// points of the model that may hit the floor, besides its feet
+  std::vector<std::string> ground_points;
   std::vector<Push> pushes;
   double drag_smoothing = 0.02;  ///< eps of tail_drag.h [m/s]
 };
 
 /// The robot as robot.yaml has it.
-Plant nominal_plant(const PlanarModel& model);
+Plant nominal_plant(const model::PlanarModel& model);
 
-}  // namespace jaculus
+}  // namespace jaculus::simulation

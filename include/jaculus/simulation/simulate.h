@@ -1,6 +1,6 @@
 #pragma once
-// Forward simulation of a plant with hybrid contact: feet stick, slip (Coulomb), lift and land (plastic impact), joints meet
-// their stops; all found as events and never stepped over.
+// Forward simulation of a plant with hybrid contact: feet stick, slip (Coulomb), lift and land
+// (plastic impact), joints meet their stops; all found as events and never stepped over.
 
 #include <string>
 #include <vector>
@@ -8,7 +8,7 @@
 #include "jaculus/simulation/controller.h"
 #include "jaculus/simulation/plant.h"
 
-namespace jaculus {
+namespace jaculus::simulation {
 
 enum class ContactMode { open, stick, slip };
 enum class EventKind { lift, land, slip, stick, stop, release, limit };
@@ -22,7 +22,8 @@ struct Event {
 enum class SimulationStatus { done, diverged, event_cluster, singular, contact_unresolved };
 const char* status_name(SimulationStatus status);
 
-/// State at the start. Contacts follow from it: a point within `contact_tolerance` of the floor and not moving up is closed.
+/// State at the start. Contacts follow from it: a point within `contact_tolerance` of the floor and
+/// not moving up is closed.
 struct StartState {
   Vector q;  ///< coordinates of plant.model [rad or m]
   Vector v;  ///< rates
@@ -46,7 +47,8 @@ struct Simulation {
   std::string message;    ///< for users, where not done
   Vector time;            ///< [s]
   Matrix q, v;            ///< n x samples
-  Matrix motor_position;  ///< motors x samples: joint angle on the motor's side, what an encoder sees [rad]
+  /// motors x samples: joint angle on the motor's side, what an encoder sees [rad]
+  Matrix motor_position;
   Matrix motor_velocity;  ///< [rad/s]
   Matrix torque;          ///< motors x samples, one motor's at the joint [N m]
   Matrix current;         ///< [A]
@@ -57,17 +59,18 @@ struct Simulation {
   long evaluations = 0;  ///< of the equations
 };
 
-/// Simulates. Bad input is an InputError (a reference for another robot); everything numerical is a status.
+/// Simulates. Bad input is an InputError (a reference for another robot); everything numerical is a
+/// status.
 Simulation simulate(const Plant& plant, const Controller& controller, const StartState& start,
                     const SimulationOptions& options);
 
-/// Turns and lifts the base of a robot that stands on two feet until both touch; one whose feet are 10 mm or more apart in height, or
-/// above one another, stays as it is.
+/// Turns and lifts the base of a robot that stands on two feet until both touch; one whose feet are
+/// 10 mm or more apart in height, or above one another, stays as it is.
 void level_feet(const Plant& plant, Vector& q);
 
-/// The start of a reference: its initial coordinates, as the plant's encoders show them, at rest, lowered or raised so that the
-/// lowest feet touch the floor.
+/// The start of a reference: its initial coordinates, as the plant's encoders show them, at rest,
+/// lowered or raised so that the lowest feet touch the floor.
 /// A start whose feet are more than 50 mm above the floor is a drop, and stays there.
 StartState reference_start(const Plant& plant, const Reference& reference);
 
-}  // namespace jaculus
+}  // namespace jaculus::simulation

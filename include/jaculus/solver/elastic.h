@@ -1,19 +1,21 @@
 #pragma once
-// Which constraints can't hold together. Every row that may give way gets slacks p, n >= 0 [in the row's unit],
+// Which constraints can't hold together. Every row that may give way gets slacks p, n >= 0 [in the
+// row's unit],
 //   minimise  sum (p + n) / row_scale  +  proximity/2 sum ((x - x_ref) / variable_scale)^2
 //   subject to  row_lower <= g(x) - p + n <= row_upper,  x in its bounds,
-// the elastic mode of Gill, Murray, Saunders (SNOPT, SIAM Review 47, 2005) without the objective. The L1 sum
-// leaves most slacks at zero, so the rows with a slack are few; they and the limits that push against them are the conflict.
-// The answer is local and not unique: other rows may give way with the same sum. x_ref is the given start.
+// the elastic mode of Gill, Murray, Saunders (SNOPT, SIAM Review 47, 2005) without the objective.
+// The L1 sum leaves most slacks at zero, so the rows with a slack are few; they and the limits that
+// push against them are the conflict. The answer is local and not unique: other rows may give way
+// with the same sum. x_ref is the given start.
 
 #include <functional>
 #include <string>
 #include <vector>
 
 #include "jaculus/solver/ipopt.h"
-#include "jaculus/solver/prices.h"
+#include "jaculus/solver/sensitivities.h"
 
-namespace jaculus {
+namespace jaculus::solver {
 
 /// A row that has to give way, and by how much.
 struct Relaxation {
@@ -21,17 +23,21 @@ struct Relaxation {
   std::string name;
   std::string unit;
   double amount =
-      0.0;  ///< g(x) minus the bound it passes: positive above the upper one, negative below the lower one [unit]
+      /// g(x) minus the bound it passes: positive above the upper one, negative below the lower one
+      /// [unit]
+      0.0;
   double scaled = 0.0;  ///< |amount| over the row's scale [-]
 };
 
 struct Conflict {
-  Status status = Status::failed;   ///< of the elastic solve
-  bool feasible = false;            ///< it converged and nothing has to give way: start again from x
-  std::vector<Relaxation> relaxed;  ///< by falling scaled amount; may be empty only where feasible or not converged
-  std::vector<LimitPrice>
-      against;  ///< limits that the relaxed rows strain against, by weight; price: d scaled sum/d limit
-  Vector x;     ///< [n] the least infeasible point found
+  Status status = Status::failed;  ///< of the elastic solve
+  bool feasible = false;           ///< it converged and nothing has to give way: start again from x
+  /// by falling scaled amount; may be empty only where feasible or not converged
+  std::vector<Relaxation> relaxed;
+  std::vector<LimitSensitivity>
+      /// limits that the relaxed rows push against, by weight; rate: d scaled sum/d limit
+      against;
+  Vector x;  ///< [n] the least infeasible point found
   int iterations = 0;
   WallSeconds wall_seconds;
 };
@@ -39,30 +45,36 @@ struct Conflict {
 struct ElasticOptions {
   std::function<bool(int row)> may_relax = {};  ///< rows that may give way; empty: all of them
   double tolerance = 1e-5;                      ///< smallest scaled slack that counts [-]
-  double proximity = 1e-8;  ///< weight of staying near the start; only settles what the slacks leave open
-  int most = 20;            ///< longest list of `against`
+  /// weight of staying near the start; only settles what the slacks leave open
+  double proximity = 1e-8;
+  int most = 20;  ///< longest list of `against`
   SolverOptions solver = {};
 };
 
-/// How close a feasibility stage stays to its start: far enough from 0 that it does not wander, and small beside any slack that
-/// matters. Measured on the leaps: of 150 smooth random starts all converge after such a stage; without it 4 to 8 % of those with
-/// a tail end where no point nearby is feasible.
+/// How close a feasibility stage stays to its start: far enough from 0 that it does not wander, and
+/// small beside any slack that matters. Measured on the leaps: of 150 smooth random starts all
+/// converge after such a stage; without it 4 to 8 % of those with a tail end where no point nearby
+/// is feasible.
 inline constexpr double kStageProximity = 1e-2;
 
 /// Finds the conflict of a problem near x [n]. Bounds of variables never give way.
-Conflict find_conflict(Nlp& nlp, const Vector& x, const ElasticOptions& options = {});
+Conflict find_conflict(transcription::Nlp& nlp, const Vector& x,
+                       const ElasticOptions& options = {});
 
-/// The elastic problem itself; refers to `nlp`. Variables: x, then one slack for each finite side of each relaxed row.
-class ElasticNlp : public Nlp {
+/// The elastic problem itself; refers to `nlp`. Variables: x, then one slack for each finite side
+/// of each relaxed row.
+class ElasticNlp : public transcription::Nlp {
  public:
-  ElasticNlp(Nlp& nlp, Vector reference, const std::function<bool(int row)>& may_relax, double proximity);
+  ElasticNlp(transcription::Nlp& nlp, Vector reference,
+             const std::function<bool(int row)>& may_relax, double proximity);
 
-  /// Slacks that satisfy the rows at the reference, where the functions are defined there: [variables()].
+  /// Slacks that satisfy the rows at the reference, where the functions are defined there:
+  /// [variables()].
   [[nodiscard]] Vector start();
   /// Sum of p - n for each row of the original at a point of the elastic problem [rows()].
   [[nodiscard]] Vector excess(const Vector& point) const;
 
-  [[nodiscard]] int variables() const override { return static_cast<int>(lower_.size()); }
+  [[nodiscard]] int variables() const override { return count_of(lower_); }
   [[nodiscard]] int rows() const override { return nlp_.rows(); }
   [[nodiscard]] const Vector& variable_lower() const override { return lower_; }
   [[nodiscard]] const Vector& variable_upper() const override { return upper_; }
@@ -75,13 +87,18 @@ class ElasticNlp : public Nlp {
   [[nodiscard]] std::string row_name(int row) const override { return nlp_.row_name(row); }
   [[nodiscard]] std::string variable_unit(int column) const override;
   [[nodiscard]] std::string row_unit(int row) const override { return nlp_.row_unit(row); }
-  [[nodiscard]] const Sparsity& jacobian_sparsity() const override { return jacobian_; }
-  [[nodiscard]] const Sparsity& hessian_sparsity() const override { return hessian_; }
+  [[nodiscard]] const transcription::Sparsity& jacobian_sparsity() const override {
+    return jacobian_;
+  }
+  [[nodiscard]] const transcription::Sparsity& hessian_sparsity() const override {
+    return hessian_;
+  }
   bool objective(const ConstVectorRef& x, double& value) override;
   bool gradient(const ConstVectorRef& x, VectorRef gradient) override;
   bool constraints(const ConstVectorRef& x, VectorRef values) override;
   bool jacobian(const ConstVectorRef& x, VectorRef values) override;
-  bool hessian(const ConstVectorRef& x, double sigma, const ConstVectorRef& lambda, VectorRef values) override;
+  bool hessian(const ConstVectorRef& x, double sigma, const ConstVectorRef& lambda,
+               VectorRef values) override;
 
  private:
   /// One slack column: g + sign * slack enters the row.
@@ -89,13 +106,13 @@ class ElasticNlp : public Nlp {
     int row;
     double sign;
   };
-  Nlp& nlp_;
+  transcription::Nlp& nlp_;
   int n_;  ///< variables of the original
   Vector reference_;
   Vector pull_;  ///< proximity / variable_scale^2 [n]
   std::vector<Slack> slacks_;
   Vector lower_, upper_, scale_;
-  Sparsity jacobian_, hessian_;
+  transcription::Sparsity jacobian_, hessian_;
 };
 
-}  // namespace jaculus
+}  // namespace jaculus::solver

@@ -9,14 +9,17 @@
 #include "jaculus/core/tasks.h"
 #include "jaculus/solver/result.h"
 
-namespace jaculus {
+namespace jaculus::solver {
 
 struct MultiStartOptions {
   std::uint64_t seed = 0;
-  double tie = 1e-7;   ///< converged objectives this close, relative, are the same: the earliest start wins [-]
+  /// converged objectives this close, relative, are the same: the earliest start wins [-]
+  double tie = 1e-7;
   double near = 5e-3;  ///< what counts as close to the best, relative [-]
   TaskOptions tasks =
-      {};  ///< workers, journal, progress; `fingerprint` must cover problem and options, the seed is added
+      /// workers, journal, progress; `fingerprint` must cover problem and options, the seed is
+      /// added
+      {};
 };
 
 /// One start as it came out.
@@ -28,8 +31,10 @@ struct StartOutcome {
 
 struct MultiStart {
   std::vector<StartOutcome> starts;  ///< in start order
-  int best = -1;       ///< the converged start of lowest objective, ties to the earliest; -1: none converged
-  int least_bad = -1;  ///< the start of least scaled violation, to be diagnosed where none converged; -1: none ran
+  /// the converged start of lowest objective, ties to the earliest; -1: none converged
+  int best = -1;
+  /// the start of least scaled violation, to be diagnosed where none converged; -1: none ran
+  int least_bad = -1;
   int converged = 0;
   double converged_share = 0.0;  ///< of all starts [-]
   double near_share = 0.0;       ///< of all starts: converged and within `near` of the best [-]
@@ -38,9 +43,11 @@ struct MultiStart {
   [[nodiscard]] const NlpResult& best_result() const;
 };
 
-/// Runs solve(start, seed) for start = 0 ... count - 1, each in a process of its own; start 0 is by custom the given guess,
-/// the others draw theirs from their seed. Same seed, same outcome, whatever the number of workers.
-MultiStart multi_start(int count, const std::function<NlpResult(int start, std::uint64_t seed)>& solve,
+/// Runs solve(start, seed) for start = 0 ... count - 1, each in a process of its own; start 0 is by
+/// custom the given guess, the others draw theirs from their seed. Same seed, same outcome,
+/// whatever the number of workers.
+MultiStart multi_start(int count,
+                       const std::function<NlpResult(int start, std::uint64_t seed)>& solve,
                        const MultiStartOptions& options = {});
 
-}  // namespace jaculus
+}  // namespace jaculus::solver

@@ -1,5 +1,6 @@
 #pragma once
-// How a solve ended and what it left. The solution of a solve that did not converge can't be taken by accident:
+// How a solve ended and what it left. The solution of a solve that did not converge can't be taken
+// by accident:
 // x() refuses it, last_iterate() must be asked for by that name.
 
 #include <string>
@@ -8,13 +9,14 @@
 
 #include "jaculus/core/types.h"
 
-namespace jaculus {
+namespace jaculus::solver {
 
 enum class Status {
-  optimal,               ///< first-order conditions hold to the tolerance
-  acceptable,            ///< they hold to the looser acceptable tolerance, and progress has ended
-  infeasible,            ///< a local minimum of the constraint violation that is not zero
-  contradictory_bounds,  ///< some lower bound is above its upper one, or not a number; nothing was run
+  optimal,     ///< first-order conditions hold to the tolerance
+  acceptable,  ///< they hold to the looser acceptable tolerance, and progress has ended
+  infeasible,  ///< a local minimum of the constraint violation that is not zero
+  /// some lower bound is above its upper one, or not a number; nothing was run
+  contradictory_bounds,
   iteration_limit,
   time_limit,
   interrupted,        ///< by a signal
@@ -34,8 +36,9 @@ Status status_from_string(std::string_view text);
 /// One iteration as the progress callback sees it.
 struct IterationInfo {
   int iteration = 0;
-  double objective = 0.0;           ///< in its own unit
-  double infeasibility = 0.0;       ///< largest violation of a row, unscaled, rows of different units mixed
+  double objective = 0.0;  ///< in its own unit
+  /// largest violation of a row, unscaled, rows of different units mixed
+  double infeasibility = 0.0;
   double dual_infeasibility = 0.0;  ///< scaled [-]
   double barrier = 0.0;             ///< barrier parameter, scaled [-]
   bool restoration = false;         ///< the solver is looking for feasibility only
@@ -66,8 +69,10 @@ struct BoundConflict {
 };
 
 /// Result of one solve. n variables, m rows; multipliers belong to the unscaled problem, with
-///   grad f + J' row_multipliers - lower_multipliers + upper_multipliers = 0,   lower, upper multipliers >= 0.
-/// Those of variables with equal bounds are what makes this stationarity hold. For a square problem they mean nothing.
+///   grad f + J' row_multipliers - lower_multipliers + upper_multipliers = 0,
+///     lower, upper multipliers >= 0.
+/// Those of variables with equal bounds are what makes this stationarity hold. For a square problem
+/// they mean nothing.
 class NlpResult {
  public:
   Status status = Status::failed;
@@ -79,17 +84,21 @@ class NlpResult {
   double max_violation = kNaN;         ///< largest violation of rows and bounds, unscaled
   double max_scaled_violation = kNaN;  ///< the same, each divided by its scale [-]
   int iterations = 0;
-  int feasibility_iterations = 0;  ///< of `iterations`, those of a feasibility stage that came first
+  /// of `iterations`, those of a feasibility stage that came first
+  int feasibility_iterations = 0;
   EvaluationCounts evaluations;
   WallSeconds wall_seconds;
   std::vector<IterationInfo> history;
   std::vector<BoundConflict> conflicts;  ///< where status is contradictory_bounds
 
-  [[nodiscard]] bool converged() const { return status == Status::optimal || status == Status::acceptable; }
+  [[nodiscard]] bool converged() const {
+    return status == Status::optimal || status == Status::acceptable;
+  }
 
   /// The solution [n]. std::logic_error unless converged().
   [[nodiscard]] const Vector& x() const;
-  /// Where the solver stood when it ended [n], whatever that is worth; empty where it never started.
+  /// Where the solver stood when it ended [n], whatever that is worth; empty where it never
+  /// started.
   [[nodiscard]] const Vector& last_iterate() const { return x_; }
   void set_iterate(Vector x) { x_ = std::move(x); }
 
@@ -97,9 +106,10 @@ class NlpResult {
   Vector x_;
 };
 
-/// Everything of a result as bytes, doubles exact; for pipes and journals on one machine type, not an exchange format.
+/// Everything of a result as bytes, doubles exact; for pipes and journals on one machine type, not
+/// an exchange format.
 std::string serialise(const NlpResult& result);
 /// Its inverse; std::runtime_error on bytes that serialise() did not write.
 NlpResult deserialise_result(std::string_view bytes);
 
-}  // namespace jaculus
+}  // namespace jaculus::solver

@@ -1,8 +1,10 @@
 #pragma once
-// What can be physically different about the robot on the testbed. Every field is a change of the MuJoCo robot, its drives,
-// its floor or its sensors, made here and nowhere else; a default-built value is the robot that its files describe.
+// What can be physically different about the robot on the testbed. Every field is a change of the
+// MuJoCo robot, its drives, its floor or its sensors, made here and nowhere else; a default-built
+// value is the robot that its files describe.
 //
-// The testbed stands in for hardware: nothing here is shared with the plant, and no name here is known to the diagnosis.
+// The testbed stands in for hardware: nothing here is shared with the plant, and no name here is
+// known to the diagnosis.
 
 #include <map>
 #include <string>
@@ -11,8 +13,10 @@
 
 namespace jaculus::testbed {
 
-/// Friction in a joint, as MuJoCo's dry friction (a constraint that can stick) whose level is renewed every step:
-///   loss = coulomb + stribeck exp(-(w/stribeck_rate)^2) + load |motor torque at the joint|,  and viscous damping beside it.
+/// Friction in a joint, as MuJoCo's dry friction (a constraint that can stick) whose level is
+/// renewed every step:
+///   loss = coulomb + stribeck exp(-(w/stribeck_rate)^2) + load |motor torque at the joint|,
+///     and viscous damping beside it.
 struct DryFriction {
   double coulomb = 0.0;        ///< [N m]
   double viscous = 0.0;        ///< [N m s/rad]
@@ -24,44 +28,51 @@ struct DryFriction {
 /// A thing outside any catalogue: what it does is in src/testbed/disturbances.cpp.
 struct Disturbances {
   double tether_stiffness = 0.0;  ///< cable behind the robot pulls back once it is taut [N/m]
-  double tether_slack = 0.02;     ///< forward motion that the cable allows [m]
-  double ripple = 0.0;            ///< torque ripple of every leg motor, share of 1 N m, 14 waves a turn [N m]
-  double dropout = 0.0;           ///< for how long one front motor hears no commands [s]
+  double tether_slack = 0.0;      ///< forward motion that the cable allows [m]
+  double ripple = 0.0;            ///< torque ripple of every leg motor, 14 waves a turn [N m]
+  double dropout = 0.0;           ///< for how long one rear motor goes without torque [s]
   double dropout_start = 0.06;    ///< [s]
-  double adhesion = 0.0;          ///< the floor holds each rear foot down with up to this force, over 4 mm [N]
-  double tail_cable = 0.0;        ///< bent cable at the tail's root, a spring that hardens with the cube [N m/rad^3]
-  double derating = 0.0;          ///< share of its torque that a front left motor loses [-]
-  double derating_start = 0.1;    ///< from then on [s]
-  double belt_slip = kInfinity;   ///< a rear right motor slips above this torque [N m]
-  double loose_mass = 0.0;        ///< battery that slides in the body along x on a spring of 20 rad/s [kg]
-  double bent_link = 0.0;         ///< left rear lower links with toe longer by this [m]
-  double push = 0.0;              ///< hand on the base along +x for 20 ms from 0.08 s [N]
+  /// the floor holds each rear foot down with up to this force, over 4 mm [N]
+  double adhesion = 0.0;
+  /// bent cable at the tail's root, a spring that hardens with the cube [N m/rad^3]
+  double tail_cable = 0.0;
+  double derating = 0.0;         ///< share of its torque that a front left motor loses [-]
+  double derating_start = 0.1;   ///< from then on [s]
+  double belt_slip = kInfinity;  ///< a rear right motor slips above this torque [N m]
+  /// battery that slides in the body along x on a spring of 20 rad/s [kg]
+  double loose_mass = 0.0;
+  double bent_link = 0.0;  ///< left rear foot's toe reaches further by this [m]
+  double push = 0.0;       ///< hand on the base along +x for 20 ms from 0.08 s [N]
 };
 
 struct Changes {
   // Tail's shaft and gears
-  int shaft_segments = 0;        ///< joints along the flexible part of the shaft; 0: rigid
-  double shaft_stiffness = 0.0;  ///< force at the scoop's middle times its distance over the angle it yields [N m/rad]
+  int shaft_segments = 0;  ///< joints along the flexible part of the shaft; 0: rigid
+  /// force at the scoop's middle times its distance over the angle it yields [N m/rad]
+  double shaft_stiffness = 0.0;
   double shaft_damping_ratio = 0.05;  ///< of the first bending of the shaft [-]
   double tail_play = 0.0;             ///< dead band behind the tail's motor, whole width [rad]
-  double leg_play = 0.0;              ///< of every leg motor [rad]
+  double leg_play = 0.0;              ///< of every other motor [rad]
   // Joints
-  DryFriction tail_friction, leg_friction;
-  double tail_rotor_inertia = 0.0;             ///< added, before the gear [kg m^2]
-  double leg_rotor_inertia = 0.0;              ///< added [kg m^2]
-  std::map<std::string, double> joint_offset;  ///< planar joint: encoder reads the angle plus this [rad]
-  double stop_restitution = 0.0;               ///< of the tail's stop [-]
+  DryFriction tail_friction;
+  DryFriction leg_friction;         ///< of every motor's joint that is not the tail's
+  double tail_rotor_inertia = 0.0;  ///< added, before the gear [kg m^2]
+  double leg_rotor_inertia = 0.0;   ///< added to every other, before the gear [kg m^2]
+  /// planar joint: encoder reads the angle plus this [rad]
+  std::map<std::string, double> joint_offset;
+  double stop_restitution = 0.0;  ///< of the tail's stop [-]
   // Drives
-  double delay = 0.0;                          ///< from sample to torque [s]
-  double late_start = 0.0;                     ///< from the logs' zero to the plan's [s]
-  double battery_resistance = 0.0;             ///< [ohm]
-  double winding_rise = 0.0;                   ///< of every winding at the start [K]
-  double winding_heat = 0.0;                   ///< [K/J]
-  double torque_constant = 1.0;                ///< factor on torque a current and on back-EMF [-]
-  double voltage_limit = kInfinity;            ///< battery lower than believed [V]
-  double current_limit = kInfinity;            ///< driver limits earlier than believed [A]
-  double gain_p = 1.0, gain_d = 1.0;           ///< factors on the loop's gains [-]
-  std::map<std::string, double> torque_scale;  ///< planar joint: factor on the torque that arrives [-]
+  double delay = 0.0;                 ///< from sample to torque [s]
+  double late_start = 0.0;            ///< from the logs' zero to the plan's [s]
+  double battery_resistance = 0.0;    ///< [ohm]
+  double winding_rise = 0.0;          ///< of every winding at the start [K]
+  double winding_heat = 0.0;          ///< [K/J]
+  double torque_constant = 1.0;       ///< factor on torque a current and on back-EMF [-]
+  double voltage_limit = kInfinity;   ///< battery lower than believed [V]
+  double current_limit = kInfinity;   ///< driver limits earlier than believed [A]
+  double gain_p = 1.0, gain_d = 1.0;  ///< factors on the loop's gains [-]
+  /// planar joint: factor on the torque that arrives [-]
+  std::map<std::string, double> torque_scale;
   // Air
   double drag_coefficient = 1.0;          ///< factor [-]
   bool drag_ignores_translation = false;  ///< a couple by the tail's rotation alone (equation 2)
@@ -76,9 +87,10 @@ struct Changes {
   Vec2 payload_place = Vec2(0.1, 0.05);  ///< in the base's frame [m]
   Vec2 com_shift = Vec2::Zero();         ///< of the base [m]
   double base_inertia = 1.0;             ///< factor on the base's pitch inertia [-]
-  double tail_mass = 1.0;                ///< factor on mass and inertia of the tail's moving parts [-]
-  double tail_inertia = 1.0;             ///< factor on the tail's inertia about its centre of mass alone [-]
-  double leg_inertia = 1.0;              ///< factor on the inertia of all leg links about their centres of mass [-]
+  double tail_mass = 1.0;     ///< factor on mass and inertia of the tail's moving parts [-]
+  double tail_inertia = 1.0;  ///< factor on the tail's inertia about its centre of mass alone [-]
+  /// factor on the inertia of all leg links about their centres of mass [-]
+  double leg_inertia = 1.0;
   // Sensors
   std::map<std::string, double> latency;  ///< by stream [s]
   std::map<std::string, double> scale;    ///< by channel [-]

@@ -1,58 +1,41 @@
 #pragma once
-// Plays commands on the MuJoCo robot: a sampled loop with zero-order hold, motors with winding, back-EMF and limits, a battery,
-// air, and whatever was changed about the robot.
+// Plays commands on the MuJoCo robot: a sampled loop with zero-order hold, motors with winding,
+// back-EMF and limits, a battery, air, and whatever was changed about the robot.
 //
-//   command  = feed-forward(t_k) + kp (reference - encoder) + kd (reference rate - tachometer),   t_k = k/rate; motor shaft angles
+//   command  = feed-forward(t_k) + kp (reference - encoder) + kd (reference rate - tachometer),
+//     t_k = k/rate; motor shaft angles
 //   Before the first command arrives the robot stands still, held as whoever placed it holds it.
-//   torque:  the driver asks for the current i = a tau + c tau^3 (as it believes) and gets what battery and limits leave
+//   torque:  the driver asks for the current i = a tau + c tau^3 (as it believes) and gets what
+//            battery and limits leave
 //   duty:    V = duty V_bus;   voltage: V, at most V_bus
-//   current  i = (V - k_t w)/R within +-limit;  torque before the gear: the root of a tau + c tau^3 = i, within its limit
+//   current  i = (V - k_t w)/R within +-limit;
+//     torque before the gear: the root of a tau + c tau^3 = i, within its limit
 //   battery  V_bus = V_0 - R_b sum(V i)/V_bus over all motors (a driver draws the motor's power)
 //   winding  T' = heat i^2 R,  R = R_0 (1 + 0.0039 T),  k_t = k_t0 (1 - 0.001 T)
-// Motors and air after Norby et al. 2021, equations 1 and 5 to 8; temperature coefficients of copper and of NdFeB magnets.
+// Motors and air after Norby et al. 2021, equations 1 and 5 to 8; temperature coefficients of
+// copper and of NdFeB magnets.
 
-#include <cstdint>
 #include <map>
 #include <string>
 #include <vector>
 
 #include "jaculus/core/types.h"
 #include "jaculus/testbed/changes.h"
+#include "jaculus/testbed/motor_commands.h"
 
 namespace jaculus::testbed {
 
 struct RobotFiles;
 struct Numerics;
 
-/// What the robot is told to do. Joints by their planar names, one row a motor; left and right hear the same.
-struct Commands {
-  std::string quantity = "torque";  ///< "torque" [N m] before the gear, "duty" [-], "voltage" [V]
-  double rate_hz = 1000.0;
-  std::vector<std::string> motors;
-  Vector time;                ///< of the reference, never falling [s]
-  Matrix position, velocity;  ///< motors x samples [rad], [rad/s] at the joint; empty: no reference, no feedback
-  Matrix feedforward;         ///< motors x samples, in the quantity, held from its sample on
-  bool linear = false;        ///< feed-forward is straight between samples instead
-  std::map<std::string, double> kp, kd;  ///< quantity a rad, a rad/s of the motor's shaft; missing: 0
-  bool relax_after_end = false;   ///< no commands from the last sample on; else its pose is held without feed-forward
-  bool repeat_after_end = false;  ///< or with the last feed-forward
-};
-
-/// Encoders as the loop reads them.
-struct LoopSensors {
-  double resolution = 0.0;      ///< of an encoder, at the motor's shaft [rad]; 0: exact
-  double position_noise = 0.0;  ///< [rad]
-  double rate_noise = 0.0;      ///< of the tachometer [rad/s]
-  std::uint64_t seed = 0;
-};
-
 struct PlayOptions {
   double duration = 0.0;  ///< [s]
   bool floor = true;
   bool base_fixed = false;
-  bool stops = false;                   ///< whether joints' ranges are stops that they meet
-  std::map<std::string, double> start;  ///< x, z, pitch, joints [m, rad]; without z the feet stand on the floor
-  bool level = false;                   ///< turns the base until front and rear feet stand
+  bool stops = false;  ///< whether joints' ranges are stops that they meet
+  /// x, z, pitch, joints [m, rad]; without z the feet stand on the floor
+  std::map<std::string, double> start;
+  bool level = false;  ///< turns the base until front and rear feet stand
   LoopSensors sensors;
 };
 
@@ -72,10 +55,11 @@ struct Recording {
 };
 
 /// Plays. A robot that MuJoCo loses (not finite) ends the recording and is marked.
-Recording play(const RobotFiles& files, const Changes& changes, const Commands& commands, const PlayOptions& options,
-               const Numerics& numerics);
+Recording play(const RobotFiles& files, const Changes& changes, const Commands& commands,
+               const PlayOptions& options, const Numerics& numerics);
 
-/// Rows of a recording at given times: cubic Hermite of value and rate, held before the start [unit of `value`].
+/// Rows of a recording at given times: cubic Hermite of value and rate, held before the start [unit
+/// of `value`].
 Vector sample(const Vector& time, const Vector& value, const Vector& rate, const Vector& at);
 /// Linear, for quantities without a rate.
 Vector sample(const Vector& time, const Vector& value, const Vector& at);

@@ -1,22 +1,34 @@
 #pragma once
-// Trials on the MuJoCo robot, as a dataset: what a real robot's motion capture and logs would hold, and nothing else.
+// Trials on the MuJoCo robot, as a dataset: what a real robot's motion capture and logs would hold,
+// and nothing else.
 //
-// A dataset without trials says what is to be done: robot, plan or script, controller, initial pose. Motion capture sees the
-// base's origin, x and pitch relative to rest; joint channels are the mean of the left and the right encoder. White noise, rounding
-// of encoders, unknown shifts of clocks, lost samples.
+// A dataset without trials says what is to be done: robot, plan or script, controller, initial
+// pose. Motion capture sees the base's origin, x and pitch relative to rest; joint channels are the
+// mean of the left and the right encoder. White noise, rounding of encoders, unknown shifts of
+// clocks, lost samples.
 
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 
 #include "jaculus/testbed/changes.h"
+#include "jaculus/testbed/lost.h"
 #include "jaculus/trajectory/dataset.h"
 
 namespace jaculus::testbed {
 
-/// Whether this build has MuJoCo. Without it everything that plays throws InputError saying what to install.
+/// Whether this build has MuJoCo. Without it everything that plays throws InputError saying what to
+/// install.
 bool available();
+
+/// How noise differs from white and normal (sensor_noise.h). Default-built: it doesn't.
+struct NoiseShape {
+  double coloured = 0.0;           ///< share of the variance that is correlated in time [-]
+  double correlation_time = 0.02;  ///< of that share [s]
+  double tails = 0.0;              ///< degrees of freedom of Student's t, above 2; 0: normal [-]
+};
 
 struct SensorSpec {
   bool mocap = true;
@@ -36,42 +48,51 @@ struct SensorSpec {
   bool imu = false;                ///< imu_pitch and its rate, beside the joints
   double imu_angle = 3e-3;         ///< noise [rad]
   double imu_rate = 0.02;          ///< noise [rad/s]
+  NoiseShape shape;                ///< of every noise above
+  double joints_lost = 0.0;        ///< share of the joints' samples that are lost [-]
+  double clock_drift = 0.0;        ///< of each stream's rate, standard deviation [-]
+  double ammeter_step = 0.0;       ///< of the current's converter [A]
+  double ammeter_filter = 0.0;     ///< time constant of the current's low pass [s]
+  bool torque = false;             ///< whether each motor's torque is logged, as from its current
+  double torque_noise = 0.0;       ///< of it, share of the largest torque logged [-]
+  double torque_step = 0.0;        ///< of its converter, share of the largest torque logged [-]
 };
 
 struct TrialSpec {
   int trials = 6;
   std::uint64_t seed = 1;
-  bool exact = false;                          ///< no noise, scatter or rounding: for measurements on the robot itself
-  double after = 0.08;                         ///< recorded beyond the commands' end [s]
-  double pose_scatter = 2e-3;                  ///< of every joint at the start [rad]
-  double clock_scatter = 2e-3;                 ///< of each stream's zero [s]
-  std::map<std::string, double> start_offset;  ///< of joints at the start, by their planar names [rad]
+  bool exact = false;   ///< no noise, scatter or rounding: for measurements on the robot itself
+  double after = 0.08;  ///< recorded beyond the commands' end [s]
+  double pose_scatter = 2e-3;   ///< of every joint at the start [rad]
+  double clock_scatter = 2e-3;  ///< of each stream's zero [s]
+  /// of joints at the start, by their planar names [rad]
+  std::map<std::string, double> start_offset;
+  /// The robot is off its files by a draw from its tolerances (a robot of its own for each seed);
+  /// nothing: it is what its files say.
+  std::optional<std::uint64_t> clutter_seed;
   SensorSpec sensors;
 };
 
-/// Plays the trials of `asked` (its own are replaced). Streams are cut to the experiment's duration. InputError for a robot or
-/// commands that do not fit; std::runtime_error where the simulation is lost. `legs_apart`, if asked for: by how much the left and the
-/// right motor of a pair part at most until the commands end [rad]; nothing couples them but base and floor.
-Dataset run_trials(const Dataset& asked, const Changes& changes, const TrialSpec& spec, double* legs_apart = nullptr);
+/// Plays the trials of `asked` (its own are replaced). Streams are cut to the experiment's
+/// duration. InputError for a robot or commands that do not fit, UnreachablePose among
+/// them; LostRobot where the simulation is lost. `legs_apart`, if asked for: by how much the left
+/// and the right motor of a pair part at most until the commands end [rad]; nothing couples them
+/// but base and floor.
+trajectory::Dataset run_trials(const trajectory::Dataset& asked, const Changes& changes,
+                               const TrialSpec& spec, double* legs_apart = nullptr);
 
-/// A leap: a plan of the robot, replayed with feed-forward and PD. `quantity` torque or duty; for duty the plan's torques and
-/// rates are turned into fractions of the robot's bus voltage by the motors as believed, whatever its duty columns say.
-Dataset leap(const std::filesystem::path& robot_folder, const std::filesystem::path& plan, const std::string& quantity);
-/// Self-righting: falls from 1 m with the tail at full voltage from its lower stop, the legs held by their motors.
-Dataset self_righting(const std::filesystem::path& robot_folder);
-/// The tail on the bench: the base held, steps of voltage on the tail.
-Dataset tail_bench(const std::filesystem::path& robot_folder);
-/// A pendulum: torque steps on the one motor of a robot on a fixed base.
-Dataset pendulum(const std::filesystem::path& robot_folder);
-
-/// Standard deviation of a channel's noise; NaN for currents and the like, which drive the motion rather than show it.
-double channel_floor(const std::string& channel, const std::string& unit, const SensorSpec& sensors);
-
-/// |y[k+1] - 2 y[k] + y[k-1]|, the most at every sample or its two neighbours: where a run jumps (a stop, a foot that lands), by how much.
-Vector bends(const Vector& y);
-
-/// Root-mean-square difference of two noise-free datasets of one spec, every channel over its noise floor (more beside jumps, where
-/// samples tell a time), root mean square over channels of all streams; scatter of the start pose is not part of the floor [-].
-double gap(const Dataset& a, const Dataset& b, const SensorSpec& sensors);
+/// A leap: a plan of the robot, replayed with feed-forward and PD. `quantity` torque or duty; for
+/// duty the plan's torques and rates are turned into fractions of the robot's bus voltage by the
+/// motors as believed, whatever its duty columns say.
+trajectory::Dataset leap(const std::filesystem::path& robot_folder,
+                         const std::filesystem::path& plan, trajectory::Quantity quantity);
+/// Self-righting: falls from 1 m with the tail at full voltage from its lower stop, the other
+/// motors holding the rest pose. InputError for a robot without a tail whose joint has stops.
+trajectory::Dataset self_righting(const std::filesystem::path& robot_folder);
+/// The tail on the bench: the base held, steps of half the bus voltage on the tail. InputError for
+/// a robot without a tail.
+trajectory::Dataset tail_bench(const std::filesystem::path& robot_folder);
+/// A pendulum: torque steps, up to half its limit, on the one motor of a robot on a fixed base.
+trajectory::Dataset pendulum(const std::filesystem::path& robot_folder);
 
 }  // namespace jaculus::testbed

@@ -10,7 +10,7 @@
 //   gaps: ["nan", "NaN"]             # texts that mean a gap, besides an empty cell
 //   channels:
 //     time: {column: "t (us)", unit: us}
-//     front_a: {columns: [q0, q4], unit: deg, scale: -1, offset: 90}     # SI of scale * mean + offset
+//     front_a: {columns: [q0, q4], unit: deg, scale: -1, offset: 90} # SI of scale * mean + offset
 //
 // Columns that are not named are passed over. Line by line, one pass.
 
@@ -22,7 +22,7 @@
 #include "jaculus/core/yaml.h"
 #include "jaculus/trajectory/dataset.h"
 
-namespace jaculus {
+namespace jaculus::trajectory {
 
 struct MappedChannel {
   std::string channel;
@@ -33,7 +33,7 @@ struct MappedChannel {
 };
 
 struct ColumnMap {
-  std::string stream = "joints";
+  std::string stream = kJointStream;
   double rate_hz = kNaN;
   char separator = ',';
   int skip_lines = 0;
@@ -45,10 +45,12 @@ struct ColumnMap {
 /// Checks a map. Faults: InputError with the node's place.
 ColumnMap read_column_map(const yaml::Node& description);
 
-/// Reads a log in one pass. A column that is not there, a cell that is no number, time that does not rise, a short row: InputError with
-/// file:line. A last row that is cut short is dropped, with a note.
+/// Reads a log in one pass. A column that is not there, a cell that is no number, time that does
+/// not rise, a short row: InputError with file:line. A last row that is cut short is dropped, with
+/// a note.
 Stream read_mapped_csv(std::istream& stream, const std::string& name, const ColumnMap& map,
                        std::vector<std::string>& notes);
-Stream read_mapped_csv(const std::filesystem::path& file, const ColumnMap& map, std::vector<std::string>& notes);
+Stream read_mapped_csv(const std::filesystem::path& file, const ColumnMap& map,
+                       std::vector<std::string>& notes);
 
-}  // namespace jaculus
+}  // namespace jaculus::trajectory

@@ -6,17 +6,20 @@
 
 #include "jaculus/trajectory/dataset.h"
 
-namespace jaculus {
+namespace jaculus::trajectory {
 
 struct ImportSetup {
-  std::string experiment = "leap";
+  ExperimentKind experiment = ExperimentKind::leap;
   std::string robot;
   std::filesystem::path plan;  ///< what was commanded; empty: none
   std::string
-      controller;  ///< as in dataset.yaml, YAML; empty: feed-forward and PD of unknown gains where there is a plan
+      /// as in dataset.yaml, YAML; empty: feed-forward and PD of unknown gains where there is a
+      /// plan
+      controller;
 };
 
-/// A dataset without trials; its notes say what was assumed. InputError where plan or controller are faulty or neither is given.
+/// A dataset without trials; its notes say what was assumed. InputError where plan or controller
+/// are faulty or neither is given.
 Dataset begin_dataset(const ImportSetup& setup);
 
-}  // namespace jaculus
+}  // namespace jaculus::trajectory

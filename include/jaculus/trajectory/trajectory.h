@@ -1,6 +1,7 @@
 #pragma once
-// A motion of a robot over time: a plan or a simulated run. Samples are columns; at the border of two phases the same instant
-// stands twice, once as the end of the one and once as the start of the other.
+// A motion of a robot over time: a plan or a simulated run. Samples are columns; at the border of
+// two phases the same instant stands twice, once as the end of the one and once as the start of the
+// other.
 
 #include <string>
 #include <vector>
@@ -8,7 +9,7 @@
 #include "jaculus/core/types.h"
 #include "jaculus/trajectory/csv.h"
 
-namespace jaculus {
+namespace jaculus::trajectory {
 
 /// A phase and the samples that belong to it.
 struct PhaseSpan {
@@ -25,7 +26,8 @@ struct Trajectory {
   std::vector<std::string> motors;       ///< joints that have a motor, u of them
   std::vector<std::string> feet;         ///< f
   std::vector<PhaseSpan> phases;
-  std::string input_hold;           ///< "held": an input counts from its sample to the next interval; "linear"
+  /// "held": an input counts from its sample to the next interval; "linear"
+  std::string input_hold;
   std::vector<int> interval_start;  ///< samples at which an input interval begins
 
   Vector time;              ///< [s], never falling
@@ -40,12 +42,13 @@ struct Trajectory {
   Matrix voltage;           ///< u x samples, one motor's [V]
   Matrix force_x, force_z;  ///< f x samples, left and right summed [N]
 
-  [[nodiscard]] int samples() const { return static_cast<int>(time.size()); }
+  [[nodiscard]] int samples() const { return count_of(time); }
 };
 
-/// The columns of plan.csv, by quantity: time, phase; positions, then velocities, of the coordinates that are no joints and of all
-/// joints; accelerations of the coordinates; torque, motor torque, current, voltage of the motors; foot forces. A quantity whose
-/// matrix has no rows is left out.
+/// The columns of plan.csv, by quantity: time, phase; positions, then velocities, of the
+/// coordinates that are no joints and of all joints; accelerations of the coordinates; torque,
+/// motor torque, current, voltage of the motors; foot forces. A quantity whose matrix has no rows
+/// is left out.
 Table to_table(const Trajectory& trajectory);
 
-}  // namespace jaculus
+}  // namespace jaculus::trajectory

@@ -1,12 +1,14 @@
 #pragma once
-// Where every variable of the programme stands: the sole owner of column indices.
+// Where every variable of the nonlinear program stands: the sole owner of column indices.
 //
 // Order of the columns (n coordinates, n_u inputs):
-//   phase by phase, along time:  node [q (n), v (n)], interval's input [u (n_u)], node, input, ..., node
-//   (inputs linear over an interval: a phase's node k is followed by its input u_k, the last node too)
-//   then the durations of the phases, then the extra variables that terms asked for (a time of flight, an impulse).
-// A phase begins with the last node of the phase before it, unless a foot touches down there: then it has a node of its own
-// and the impact joins the two.
+//   phase by phase, along time:  node [q (n), v (n)], interval's input [u (n_u)], node, input,
+//                                ..., node
+//   (inputs linear over an interval: a phase's node k is followed by its input u_k, the last node
+//   too), then the durations of the phases, then the extra variables that terms asked for (a time
+//   of flight, an impulse).
+// A phase begins with the last node of the phase before it, unless a foot touches down there: then
+// it has a node of its own and the impact joins the two.
 
 #include <string>
 #include <vector>
@@ -14,7 +16,7 @@
 #include "jaculus/components/equations.h"
 #include "jaculus/transcription/problem.h"
 
-namespace jaculus {
+namespace jaculus::transcription {
 
 struct NodeBlock {
   int phase = 0;   ///< phase in which it was made (a shared node belongs to the earlier one)
@@ -49,7 +51,8 @@ struct ExtraVariable {
   double guess = 0.0;
 };
 
-/// Bounds, scale and name of one column are filled by make_layout; terms may tighten bounds and add extra variables.
+/// Bounds, scale and name of one column are filled by make_layout; terms may tighten bounds and add
+/// extra variables.
 struct Layout {
   int n = 0;    ///< coordinates
   int n_u = 0;  ///< inputs
@@ -63,16 +66,17 @@ struct Layout {
   std::vector<std::string> names, units;
   std::vector<double> extra_guess;
 
-  [[nodiscard]] int columns() const { return static_cast<int>(lower.size()); }
+  [[nodiscard]] int columns() const { return count_of(lower); }
   /// Appends a variable; returns its column.
   int add_variable(const ExtraVariable& variable);
 };
 
-/// Lays out the variables of a problem. Bounds of positions, velocities, inputs and durations come from the problem where it
-/// states them, else from the robot. Contradictions are InputErrors at the problem's place.
-Layout make_layout(const Problem& problem, const Equations& equations);
+/// Lays out the variables of a problem. Bounds of positions, velocities, inputs and durations come
+/// from the problem where it states them, else from the robot. Contradictions are InputErrors at
+/// the problem's place.
+Layout make_layout(const Problem& problem, const components::Equations& equations);
 
 /// Largest joint torque a plan may use of a motor: the tighter of torque and current limits [N m].
-double usable_torque(const Problem& problem, const PlanarMotor& motor);
+double usable_torque(const Problem& problem, const model::PlanarMotor& motor);
 
-}  // namespace jaculus
+}  // namespace jaculus::transcription

@@ -1,5 +1,5 @@
 #pragma once
-// A sparse nonlinear programme with exact first and second derivatives:
+// A sparse nonlinear program with exact first and second derivatives:
 //   minimise f(x)  subject to  x_lower <= x <= x_upper,  row_lower <= g(x) <= row_upper.
 // The solver knows nothing else of a problem; the transcription knows nothing of the solver.
 
@@ -8,13 +8,13 @@
 
 #include "jaculus/core/types.h"
 
-namespace jaculus {
+namespace jaculus::transcription {
 
 /// Positions of the entries of a sparse matrix; duplicates are summed.
 struct Sparsity {
   std::vector<int> rows;
   std::vector<int> columns;
-  [[nodiscard]] int size() const { return static_cast<int>(rows.size()); }
+  [[nodiscard]] int size() const { return count_of(rows); }
 };
 
 class Nlp {
@@ -28,7 +28,8 @@ class Nlp {
   [[nodiscard]] virtual const Vector& row_lower() const = 0;
   [[nodiscard]] virtual const Vector& row_upper() const = 0;
 
-  /// Typical size of each variable, row and of the objective, from bounds and physics; all positive. The solver divides by them.
+  /// Typical size of each variable, row and of the objective, from bounds and physics; all
+  /// positive. The solver divides by them.
   [[nodiscard]] virtual const Vector& variable_scale() const = 0;
   [[nodiscard]] virtual const Vector& row_scale() const = 0;
   [[nodiscard]] virtual double objective_scale() const = 0;
@@ -43,14 +44,16 @@ class Nlp {
   [[nodiscard]] virtual const Sparsity& hessian_sparsity()
       const = 0;  ///< lower triangle of the Hessian of the Lagrangian
 
-  // Evaluations. Not const: they share scratch space, so one Nlp serves one thread. They return false where the functions
-  // are not defined at x (a loop that can't close); outputs are then unspecified. None of them allocates once running.
+  // Evaluations. Not const: they share scratch space, so one Nlp serves one thread. They return
+  // false where the functions are not defined at x (a loop that can't close); outputs are then
+  // unspecified. None of them allocates once running.
   virtual bool objective(const ConstVectorRef& x, double& value) = 0;
   virtual bool gradient(const ConstVectorRef& x, VectorRef gradient) = 0;
   virtual bool constraints(const ConstVectorRef& x, VectorRef values) = 0;
   virtual bool jacobian(const ConstVectorRef& x, VectorRef values) = 0;
   /// sigma * Hessian of f + sum of lambda_i * Hessian of g_i, in the order of hessian_sparsity().
-  virtual bool hessian(const ConstVectorRef& x, double sigma, const ConstVectorRef& lambda, VectorRef values) = 0;
+  virtual bool hessian(const ConstVectorRef& x, double sigma, const ConstVectorRef& lambda,
+                       VectorRef values) = 0;
 };
 
-}  // namespace jaculus
+}  // namespace jaculus::transcription

@@ -1,16 +1,19 @@
 #pragma once
-// A problem as the user wrote it: user input only, validated once against the robot into the executable form (layout.h, nlp.h).
+// A problem as the user wrote it: user input only, validated once against the robot into the
+// executable form (layout.h, nlp.h).
 
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "jaculus/core/yaml.h"
 #include "jaculus/model/robot.h"
+#include "jaculus/transcription/key.h"
 
-namespace jaculus {
+namespace jaculus::transcription {
 
 /// One phase of the contact schedule.
 struct PhaseSpec {
@@ -19,11 +22,12 @@ struct PhaseSpec {
   int intervals = 0;                  ///< collocation intervals
   Bounds duration;                    ///< [s], both positive; equal where fixed
   std::vector<double> mesh;           ///< relative lengths of the intervals; empty: uniform
-  std::vector<double> stated_mesh;    ///< those of the file where `mesh` is a refined one; else empty
-  yaml::Node node;                    ///< its place in the file
+  std::vector<double> stated_mesh;  ///< those of the file where `mesh` is a refined one; else empty
+  yaml::Node node;                  ///< its place in the file
 };
 
-/// Bounds at one end of the plan, by coordinate or joint name: position [rad or m] and velocity [rad/s or m/s].
+/// Bounds at one end of the plan, by coordinate or joint name: position [rad or m] and velocity
+/// [rad/s or m/s].
 struct BoundarySpec {
   std::map<std::string, Bounds> position;
   std::map<std::string, Bounds> velocity;
@@ -31,11 +35,20 @@ struct BoundarySpec {
   yaml::Node node;
 };
 
-/// A constraint or cost by its type; the factory in transcription/terms/ reads the rest of the node.
+struct TermType;
+/// The kinds of terms that a problem file may name (term.h).
+using TermCatalogue = std::vector<TermType>;
+const TermCatalogue& term_catalogue();
+
+/// A constraint or cost of a problem.
 struct TermSpec {
   std::string type;
-  std::string name;  ///< unique in the problem: the node's `name`, else its type; an extending problem replaces by it
-  double weight = 1.0;  ///< costs only; negative where the file minimises the term within a maximised sum
+  /// unique in the problem: the node's `name`, else its type; an extending problem replaces by it
+  std::string name;
+  /// costs only; negative where the file minimises the term within a maximised sum
+  double weight = 1.0;
+  std::shared_ptr<const TermType> declared;  ///< of the catalogue that the file was read with
+  KeyValues values;                          ///< of the keys that the type declares
   yaml::Node node;
 };
 
@@ -45,17 +58,20 @@ enum class InputHold { held, linear };
 struct TranscriptionSpec {
   Scheme scheme = Scheme::hermite_simpson;
   InputHold inputs = InputHold::held;
-  bool check_interval_end = true;  ///< path constraints also at the end of every interval with that interval's input
-                                   ///< (false: at its start and middle only, as the authors' tool does)
+  /// path constraints also at the end of every interval with that interval's input (false: at its
+  /// start and middle only, as the authors' tool does)
+  bool check_interval_end = true;
 };
 
 /// What the initial guess is made of.
 struct GuessSpec {
-  std::string kind = "static";                       ///< middle | static | random | line | file
-  std::filesystem::path file;                        ///< solution.json of an earlier solve, for `file`
-  std::vector<std::map<std::string, double>> poses;  ///< coordinate or joint values along the plan, for `line`
-  std::map<std::string, double> pose;  ///< values that replace the middle of the bounds in a static posture
-  std::vector<double> durations;       ///< of the phases [s]; empty: the middle of their bounds
+  std::string kind = "static";  ///< middle | static | random | line | file
+  std::filesystem::path file;   ///< solution.json of an earlier solve, for `file`
+  /// coordinate or joint values along the plan, for `line`
+  std::vector<std::map<std::string, double>> poses;
+  /// values that replace the middle of the bounds in a static posture
+  std::map<std::string, double> pose;
+  std::vector<double> durations;  ///< of the phases [s]; empty: the middle of their bounds
   yaml::Node node;
 };
 
@@ -69,8 +85,9 @@ struct SolverSpec {
 
 /// Mesh refinement on request: intervals are split where the local error exceeds the tolerance.
 struct RefinementSpec {
-  int max_rounds = 0;       ///< 0: none
-  double tolerance = 1e-4;  ///< of the local error relative to each state's scale [-]; 0: every interval is halved
+  int max_rounds = 0;  ///< 0: none
+  /// of the local error relative to each state's scale [-]; 0: every interval is halved
+  double tolerance = 1e-4;
 };
 
 struct Problem {
@@ -79,7 +96,7 @@ struct Problem {
   std::filesystem::path file;
   std::string robot;                   ///< as written
   std::filesystem::path robot_folder;  ///< found
-  std::vector<Override> overrides;
+  std::vector<model::Override> overrides;
   std::vector<std::pair<std::string, double>> locks;  ///< coordinates held fixed [rad or m]
   // What a plan may use of the robot; where absent the robot's own value counts.
   std::optional<double> voltage;                  ///< [V]
@@ -98,26 +115,33 @@ struct Problem {
   GuessSpec guess;
   SolverSpec solver;
   RefinementSpec refinement;
-  std::map<std::string, double> reference;  ///< published figures to print beside the result, by summary key
-  /// Where each named value stands, for messages: "bounds.position.x", "initial.velocity.tail", "lock.tail", "guess.pose.x".
+  /// published figures to print beside the result, by summary key
+  std::map<std::string, double> reference;
+  /// Where each named value stands, for messages: "bounds.position.x", "initial.velocity.tail",
+  /// "lock.tail", "guess.pose.x".
   std::map<std::string, yaml::Node> places;
   yaml::Node node;
 };
 
-/// Reads and checks a problem file as far as that is possible without the robot; InputError with file:line otherwise.
-/// A file that `extends` another starts from what that one says: maps are merged key by key (a null drops the key), terms
-/// replace those of the same name, other lists replace the base's. What concerns a locked coordinate is checked and left out.
-Problem read_problem(const std::filesystem::path& file);
-Problem read_problem(const yaml::Node& node);
+/// Reads and checks a problem file as far as that is possible without the robot; InputError with
+/// file:line otherwise. A file that `extends` another starts from what that one says: maps are
+/// merged key by key (a null drops the key), terms replace those of the same name, other lists
+/// replace the base's. What concerns a locked coordinate is checked and left out. Terms are those
+/// of the catalogue.
+Problem read_problem(const std::filesystem::path& file,
+                     const TermCatalogue& catalogue = term_catalogue());
+Problem read_problem(const yaml::Node& node, const TermCatalogue& catalogue = term_catalogue());
 
-/// What read_problem could not know: that every foot, coordinate, joint, motor and phase that the problem names exists in
-/// `model` (overrides applied, nothing locked yet), that units fit, and that bounds leave something. InputError with file:line.
-void check_problem(const Problem& problem, const PlanarModel& model);
+/// What read_problem could not know: that every foot, coordinate, joint, motor and phase that the
+/// problem names exists in `model` (overrides applied, nothing locked yet), that units fit, and
+/// that bounds leave something. InputError with file:line.
+void check_problem(const Problem& problem, const model::PlanarModel& model);
 
 /// The model that a problem plans with: overrides applied (read_robot), its limits, then its locks.
-PlanarModel planning_model(const Problem& problem, const PlanarModel& model);
+model::PlanarModel planning_model(const Problem& problem, const model::PlanarModel& model);
 
-/// Every key of a problem file with its meaning, unit and default, as `jaculus check --explain` prints it.
-std::string explain_problem();
+/// Every key of a problem file with its meaning, unit and default, as `jaculus check --explain`
+/// prints it.
+std::string explain_problem(const TermCatalogue& catalogue = term_catalogue());
 
-}  // namespace jaculus
+}  // namespace jaculus::transcription

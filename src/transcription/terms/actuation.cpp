@@ -3,26 +3,28 @@
 #include <fmt/format.h>
 
 #include "jaculus/components/motor.h"
-#include "transcription/terms/factories.h"
+#include "transcription/terms/common.h"
 
-namespace jaculus::terms {
+namespace jaculus::transcription::terms {
 
 namespace {
 
-bool electrical(const PlanarMotor& motor) { return motor.resistance > 0.0 || motor.torque_constant > 0.0; }
+bool electrical(const model::PlanarMotor& motor) {
+  return motor.resistance > 0.0 || motor.torque_constant > 0.0;
+}
 
 /// Voltage of one motor: R i(tau) + k_t G omega, omega the joint's rate, linear in v.
-PathTerm motor_voltage_term(const PlanarModel& model, int m, double limit) {
-  const PlanarMotor motor = model.motors[static_cast<size_t>(m)];
+PathTerm motor_voltage_term(const model::PlanarModel& model, int m, double limit) {
+  const model::PlanarMotor motor = model.motors[m];
   const Vector rate = model.joint_map.row(motor.body).transpose();
   PathTerm term;
   term.name = motor.joint + " voltage";
   term.rows.push_back({term.name, "V", {-limit, limit}, limit});
-  term.kind = LimitKind::voltage;
   term.reads.velocity = term.reads.input = true;
   term.evaluate = [motor, rate, m](const PointView& view, VectorRef values, Matrix* J,
                                    const ConstVectorRef* multipliers, Matrix* H) {
-    const MotorVoltage voltage = motor_voltage(motor, view.u[m], rate.dot(view.point.v));
+    const components::MotorVoltage voltage =
+        components::motor_voltage(motor, view.u[m], rate.dot(view.point.v));
     values[0] = voltage.value;
     if (J) {
       J->row(0).segment(view.v_at(), view.n) += voltage.d_rate * rate.transpose();
@@ -30,96 +32,103 @@ PathTerm motor_voltage_term(const PlanarModel& model, int m, double limit) {
     }
     if (H) (*H)(view.u_at() + m, view.u_at() + m) += (*multipliers)[0] * voltage.d_torque2;
   };
+  term.sensitivity = {"voltage", "V",
+                      [](int, double multiplier, const auto*) { return std::abs(multiplier); }};
+
   return term;
 }
 
-}  // namespace
-
-void voltage(const TermSpec& spec, TermContext& context) {
-  spec.node.only({"type", "name", "motors", "phases"});
-  std::vector<std::string> names, chosen;
-  for (const PlanarMotor& motor : context.model().motors) names.push_back(motor.joint);
-  if (const auto list = spec.node.find("motors")) {
-    for (const yaml::Node& item : list->items()) chosen.push_back(item.choice(names));
-  } else {
-    for (const PlanarMotor& motor : context.model().motors)
-      if (electrical(motor)) chosen.push_back(motor.joint);
-  }
+void add_voltage(const TermSpec& spec, TermContext& context) {
+  std::vector<int> chosen = all_named(spec, "motors", context);
+  const auto ideal = [&](int m) { return !electrical(context.model().motors[m]); };
+  if (!spec.values.has("motors")) std::erase_if(chosen, ideal);
   if (chosen.empty()) throw spec.node.error("voltage: no motor of this robot has electrical data");
-  for (const std::string& joint : chosen) {
-    const int m = context.model().motor_index(joint);
-    const PlanarMotor& motor = context.model().motors[static_cast<size_t>(m)];
+
+  for (const int m : chosen) {
+    const model::PlanarMotor& motor = context.model().motors[m];
     const double limit = context.problem.voltage.value_or(motor.voltage);
     if (!electrical(motor) || !(limit > 0.0))
       throw spec.node.error(
-          fmt::format("voltage: {} has no electrical data or no voltage; give them in robot.yaml", joint));
-    for (int p : chosen_phases(spec.node, context))
-      context.path[static_cast<size_t>(p)].push_back(motor_voltage_term(context.model(), m, limit));
+          fmt::format("voltage: {} has no electrical data or no voltage; give them in robot.yaml",
+                      motor.joint));
+    for (int p : all_named(spec, "phases", context))
+      context.path[p].push_back(motor_voltage_term(context.model(), m, limit));
   }
 }
 
-void joint_range(const TermSpec& spec, TermContext& context) {
-  spec.node.only({"type", "name", "phases"});
+void add_joint_range(const TermSpec& spec, TermContext& context) {
   bool any = false;
-  for (const JointRange& range : context.model().joint_ranges) {
-    // Ranges on dependent joints are checked after the solve; the dyad's closed form keeps them on their branch.
+  for (const model::JointRange& range : context.model().joint_ranges) {
+    // Ranges on dependent joints are checked after the solve; the dyad's closed form keeps them on
+    // their branch.
     const Vector row = context.model().joint_map.row(range.body).transpose();
     if (row.isZero()) continue;
     any = true;
+
     const double offset = context.model().joint_offset[range.body];
     PathTerm term;
     term.name = range.joint + " range";
-    term.rows.push_back({range.joint, "rad", {range.range.lower - offset, range.range.upper - offset}, 1.0});
+    term.rows.push_back(
+        {range.joint, "rad", {range.range.lower - offset, range.range.upper - offset}, 1.0});
     term.reads.position = true;
-    term.evaluate = [row](const PointView& view, VectorRef values, Matrix* J, const ConstVectorRef*, Matrix*) {
+    term.evaluate = [row](const PointView& view, VectorRef values, Matrix* J, const ConstVectorRef*,
+                          Matrix*) {
       values[0] = row.dot(view.point.q);
       if (J) J->row(0).head(view.n) = row.transpose();
     };
-    for (int p : chosen_phases(spec.node, context)) context.path[static_cast<size_t>(p)].push_back(term);
+    for (int p : all_named(spec, "phases", context)) context.path[p].push_back(term);
   }
+
   if (!any)
-    context.notes.push_back("joint_range adds no rows: this robot gives no range to a joint that is no coordinate");
+    context.notes.push_back(
+        "joint_range adds no rows: this robot gives no range to a joint that is no coordinate");
 }
 
-void torque_squared(const TermSpec& spec, TermContext& context) {
-  spec.node.only({"type", "name", "weight"});
+void add_torque_squared(const TermSpec& spec, TermContext& context) {
   PathTerm term;
   term.name = "torque squared";
   term.rows.push_back({"sum of squared motor torques, before the gear", "N^2 m^2", {}, 1.0});
   term.reads.input = true;
+
   Vector factor(context.layout.n_u);
   for (int m = 0; m < context.layout.n_u; ++m) {
-    const PlanarMotor& motor = context.model().motors[static_cast<size_t>(m)];
+    const model::PlanarMotor& motor = context.model().motors[m];
     const double ratio = motor.gear * motor.efficiency;
     factor[m] = motor.count / (ratio * ratio);
   }
-  term.evaluate = [factor](const PointView& view, VectorRef values, Matrix* J, const ConstVectorRef* multipliers,
-                           Matrix* H) {
+
+  term.evaluate = [factor](const PointView& view, VectorRef values, Matrix* J,
+                           const ConstVectorRef* multipliers, Matrix* H) {
     values[0] = factor.dot(view.u.cwiseAbs2());
-    if (J) J->row(0).segment(view.u_at(), view.n_u) = (2.0 * factor.cwiseProduct(view.u)).transpose();
+    if (J)
+      J->row(0).segment(view.u_at(), view.n_u) = (2.0 * factor.cwiseProduct(view.u)).transpose();
     if (H) H->diagonal().segment(view.u_at(), view.n_u) += 2.0 * (*multipliers)[0] * factor;
   };
+
   context.integral_costs.emplace_back(term, spec.weight);
 }
 
-void electrical_energy(const TermSpec& spec, TermContext& context) {
-  spec.node.only({"type", "name", "weight"});
-  const PlanarModel& model = context.model();
+void add_electrical_energy(const TermSpec& spec, TermContext& context) {
+  const model::PlanarModel& model = context.model();
   PathTerm term;
   term.name = "electrical energy";
   term.rows.push_back({"electrical power of all motors", "W", {}, 1.0});
   term.reads.input = term.reads.velocity = true;
-  const std::vector<PlanarMotor> motors = model.motors;
+
+  const std::vector<model::PlanarMotor> motors = model.motors;
   Matrix rates(context.layout.n_u, model.size());
-  for (int m = 0; m < context.layout.n_u; ++m) rates.row(m) = model.joint_map.row(motors[static_cast<size_t>(m)].body);
-  term.evaluate = [motors, rates](const PointView& view, VectorRef values, Matrix* J, const ConstVectorRef* multipliers,
-                                  Matrix* H) {
+  for (int m = 0; m < context.layout.n_u; ++m) rates.row(m) = model.joint_map.row(motors[m].body);
+
+  term.evaluate = [motors, rates](const PointView& view, VectorRef values, Matrix* J,
+                                  const ConstVectorRef* multipliers, Matrix* H) {
     values[0] = 0.0;
     for (int m = 0; m < view.n_u; ++m) {
-      const PlanarMotor& motor = motors[static_cast<size_t>(m)];
-      const MotorPower power = motor_power(motor, view.u[m], rates.row(m).dot(view.point.v));
+      const model::PlanarMotor& motor = motors[m];
+      const components::MotorPower power =
+          components::motor_power(motor, view.u[m], rates.row(m).dot(view.point.v));
       const double count = motor.count;
       values[0] += count * power.value;
+
       const int u = view.u_at() + m, v = view.v_at();
       if (J) {
         J->row(0).segment(v, view.n) += count * power.d_rate * rates.row(m);
@@ -133,7 +142,44 @@ void electrical_energy(const TermSpec& spec, TermContext& context) {
       }
     }
   };
+
   context.integral_costs.emplace_back(term, spec.weight);
 }
 
-}  // namespace jaculus::terms
+}  // namespace
+
+TermType voltage() {
+  return {.name = "voltage",
+          .meaning = "motor voltages within the bus voltage",
+          .keys = {{"motors",
+                    key::Names{key::Of::motor},
+                    "list of motors",
+                    {.words = "all electric ones"}},
+                   phases_key()},
+          .make = add_voltage};
+}
+
+TermType joint_range() {
+  return {.name = "joint_range",
+          .meaning = "joints that are no coordinates within their ranges",
+          .keys = {phases_key()},
+          .make = add_joint_range};
+}
+
+TermType torque_squared() {
+  return {.name = "torque_squared",
+          .meaning = "integral of the squared motor torques before the gear, summed over motors",
+          .cost = true,
+          .unit = "N^2 m^2 s",
+          .make = add_torque_squared};
+}
+
+TermType electrical_energy() {
+  return {.name = "electrical_energy",
+          .meaning = "integral of voltage times current, summed over motors",
+          .cost = true,
+          .unit = "J",
+          .make = add_electrical_energy};
+}
+
+}  // namespace jaculus::transcription::terms

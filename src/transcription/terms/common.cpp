@@ -1,66 +1,71 @@
+#include "transcription/terms/common.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <numeric>
 
-#include "transcription/terms/factories.h"
-
-namespace jaculus::terms {
+namespace jaculus::transcription {
 
 namespace {
 
-std::vector<std::string> phase_names(const TermContext& context) {
+/// The names among which a key's names are looked up, by their index.
+std::vector<std::string> names_of(key::Of of, const TermContext& context) {
   std::vector<std::string> names;
-  for (const PhaseBlock& phase : context.layout.phases) names.push_back(phase.name);
+  if (of == key::Of::phase)
+    for (const PhaseBlock& phase : context.layout.phases) names.push_back(phase.name);
+  if (of == key::Of::foot)
+    for (const model::PlanarPoint& foot : context.model().feet) names.push_back(foot.name);
+  if (of == key::Of::motor)
+    for (const model::PlanarMotor& motor : context.model().motors) names.push_back(motor.joint);
   return names;
-}
-
-std::vector<std::string> foot_names(const TermContext& context) {
-  std::vector<std::string> names;
-  for (const PlanarPoint& foot : context.model().feet) names.push_back(foot.name);
-  return names;
-}
-
-int index_of(const yaml::Node& node, const std::vector<std::string>& names) {
-  const std::string chosen = node.choice(names);
-  return static_cast<int>(std::find(names.begin(), names.end(), chosen) - names.begin());
-}
-
-std::vector<int> chosen(const yaml::Node& node, const char* key, const std::vector<std::string>& names) {
-  std::vector<int> result;
-  if (const auto list = node.find(key)) {
-    for (const yaml::Node& item : list->items()) result.push_back(index_of(item, names));
-  } else {
-    result.resize(names.size());
-    std::iota(result.begin(), result.end(), 0);
-  }
-  return result;
 }
 
 }  // namespace
 
-std::vector<int> chosen_phases(const yaml::Node& node, const TermContext& context) {
-  return chosen(node, "phases", phase_names(context));
+int named(const TermSpec& spec, std::string_view key, const TermContext& context) {
+  const auto [of, name] = spec.values.name(key);
+  return index_of_name(name, of, names_of(of, context));
 }
 
-std::vector<int> chosen_feet(const yaml::Node& node, const TermContext& context) {
-  return chosen(node, "feet", foot_names(context));
+std::vector<int> all_named(const TermSpec& spec, std::string_view key, const TermContext& context) {
+  const auto [of, list] = spec.values.names(key);
+  const std::vector<std::string> names = names_of(of, context);
+
+  std::vector<int> indices;
+  for (const yaml::Node& name : list) indices.push_back(index_of_name(name, of, names));
+  if (spec.values.has(key)) return indices;
+
+  indices.resize(names.size());
+  std::iota(indices.begin(), indices.end(), 0);
+  return indices;
 }
 
-int phase_index(const yaml::Node& node, const TermContext& context) { return index_of(node, phase_names(context)); }
+namespace terms {
 
-int foot_index(const yaml::Node& node, const TermContext& context) { return index_of(node, foot_names(context)); }
+Key phases_key() {
+  return {"phases", key::Names{key::Of::phase}, "list of phases", {.words = "all"}};
+}
+
+Key feet_key() { return {"feet", key::Names{key::Of::foot}, "list of feet", {.words = "all"}}; }
+
+Key of_key() {
+  return {"of", key::Choice{{"base", "com"}}, "base or com: whose velocity", {.value = "base"}};
+}
+
+Key direction_key() { return {"direction", key::Choice{{"x", "z"}}, "x or z", {.value = "x"}}; }
 
 int needed_coordinate(const char* name, const TermSpec& spec, const TermContext& context) {
   const int index = context.model().coordinate_index(name);
   if (index < 0)
-    throw spec.node.error(fmt::format("{} needs the coordinate {}, which this robot's base has not", spec.type, name));
+    throw spec.node.error(fmt::format("{} needs the coordinate {}, which this robot's base has not",
+                                      spec.type, name));
   return index;
 }
 
 bool leave_out(int first, int last, const PhaseSpec& phase, Scheme scheme, PathTerm& term) {
   std::vector<double> mesh = phase.stated_mesh.empty() ? phase.mesh : phase.stated_mesh;
-  if (mesh.empty()) mesh.assign(static_cast<size_t>(phase.intervals), 1.0);
+  if (mesh.empty()) mesh.assign(phase.intervals, 1.0);
   const double whole = std::accumulate(mesh.begin(), mesh.end(), 0.0);
   std::vector<double> points = {0.0};  // fractions of the duration
   double end = 0.0;
@@ -69,16 +74,16 @@ bool leave_out(int first, int last, const PhaseSpec& phase, Scheme scheme, PathT
     end += length;
     points.push_back(end / whole);
   }
-  const int count = static_cast<int>(points.size());
+  const int count = count_of(points);
   if (first + last >= count) return false;
-  if (first > 0) term.after = std::max(term.after, points[static_cast<size_t>(first - 1)]);
-  if (last > 0) term.before = std::min(term.before, points[static_cast<size_t>(count - last)]);
+  if (first > 0) term.after = std::max(term.after, points[first - 1]);
+  if (last > 0) term.before = std::min(term.before, points[count - last]);
   return true;
 }
 
 std::vector<int> node_columns(const TermContext& context, int node) {
-  std::vector<int> columns(static_cast<size_t>(2 * context.layout.n));
-  std::iota(columns.begin(), columns.end(), context.layout.nodes[static_cast<size_t>(node)].q);
+  std::vector<int> columns(2 * context.layout.n);
+  std::iota(columns.begin(), columns.end(), context.layout.nodes[node].q);
   return columns;
 }
 
@@ -87,4 +92,6 @@ double weight_scale(const TermContext& context) {
   return weight > 0.0 ? weight : 1.0;
 }
 
-}  // namespace jaculus::terms
+}  // namespace terms
+
+}  // namespace jaculus::transcription

@@ -1,0 +1,87 @@
+#pragma once
+// What a diagnosis says, as values.
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "jaculus/core/types.h"
+#include "jaculus/diagnosis/held_out.h"
+#include "jaculus/diagnosis/localisation.h"
+#include "jaculus/diagnosis/settings.h"
+#include "jaculus/diagnosis/verdict.h"
+
+namespace jaculus::diagnosis {
+
+struct Problem;     // data, hypotheses and forward model (src/diagnosis/forward/problem.h)
+struct NoiseModel;  // src/diagnosis/noise/noise_model.h
+
+/// A parameter as users read it.
+struct FoundParameter {
+  std::string name, unit;
+  double value = 0.0;
+  Bounds ci95;
+};
+
+struct FoundEffect {
+  std::string name, caption;
+  double probability = 0.0;
+  std::vector<FoundParameter> parameters;
+  std::vector<std::string> indistinguishable;  ///< effects that these data can't tell from it
+};
+
+/// One row of the ranking: an effect or a set of them, "none" or "unexplained".
+struct Ranked {
+  std::string effect;            ///< "a", "a + b"
+  double log_evidence = kNaN;    ///< relative to none
+  double held_out_error = kNaN;  ///< [noise floors]
+  double probability = 0.0;
+  std::vector<std::string> members{};  ///< names of its effects; empty for none and unexplained
+};
+
+/// A disturbance of one segment alone.
+struct OneOff {
+  int dataset = 0, segment = 0;
+  std::string trial;
+  double onset = 0.0;  ///< [s]
+  double excess =
+      0.0;  ///< rms about the other segments' mean over the usual scatter from there on [-]
+  std::string channel;  ///< where it shows most
+};
+
+/// An experiment that would separate the rivals of an ambiguous verdict.
+struct NextExperiment {
+  std::string experiment;
+  double log_bayes_factor = kNaN;  ///< expected
+};
+
+/// A set of effects as it was fitted.
+struct FittedModel {
+  std::vector<int> candidates;  ///< indices in the problem's hypotheses
+  Vector p;                     ///< all parameters
+};
+
+struct Diagnosis {
+  Verdict verdict = Verdict::insufficient;
+  std::string rule;  ///< of verdict/rules.h that decided; empty where the data stopped it
+  std::vector<std::string> reasons;  ///< why this verdict, or what to record next time
+  std::vector<std::string> notes;    ///< what was left out or assumed
+  std::vector<FoundEffect> effects;  ///< most probable first; empty where the verdict names none
+  std::vector<Ranked> ranking;
+  std::vector<OneOff> disturbances;
+  HeldOut gap;  ///< of `model` against `none`
+  std::optional<Localisation> where;
+  std::optional<NextExperiment> next;
+  std::vector<FittedModel> rivals;  ///< of an ambiguous verdict: its two most probable models
+  FittedModel none;                 ///< nominal, nuisances of whole datasets fitted
+  FittedModel model;  ///< whose gap is stated: what the verdict names, else the most evident one
+  long predictions = 0;
+  Settings settings;
+  /// As diagnosed; null where nothing could be.
+  std::shared_ptr<const Problem> problem;
+  /// By which the gap was judged; null where nothing was fitted.
+  std::shared_ptr<const NoiseModel> noise;
+};
+
+}  // namespace jaculus::diagnosis

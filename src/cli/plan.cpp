@@ -1,0 +1,47 @@
+#include "cli/plan.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cstdio>
+#include <memory>
+
+#include "cli/reporting.h"
+#include "jaculus/solver/plan.h"
+
+namespace jaculus::cli {
+namespace {
+
+using Progress = std::function<void(const solver::IterationInfo&)>;
+
+Progress progress_line(const Common& common, const std::string& name) {
+  if (!shows_progress(common)) return {};
+  const auto start = std::chrono::steady_clock::now();
+  const auto last = std::make_shared<std::chrono::steady_clock::time_point>();
+
+  return [name, start, last](const solver::IterationInfo& info) {
+    constexpr std::chrono::milliseconds kPause(50);  // a terminal can't show more
+    const auto now = std::chrono::steady_clock::now();
+    if (info.iteration > 0 && now - *last < kPause) return;
+    *last = now;
+    fmt::print(
+        stderr, "\r\x1b[K{}: iteration {}, objective {:.6g}, infeasibility {:.1e}{}, {:.1f} s",
+        name, info.iteration, info.objective, info.infeasibility,
+        info.restoration ? " (restoring)" : "", std::chrono::duration<double>(now - start).count());
+    std::fflush(stderr);
+  };
+}
+
+}  // namespace
+
+solver::SolvedPlan solve_loaded(const Loaded& loaded, const Common& common) {
+  solver::PlanOptions options;
+  options.jobs = common.jobs;
+  options.progress = progress_line(common, loaded.problem.name);
+  options.starts_progress = progress_bar(common, loaded.problem.name + ", starts");
+
+  const solver::Plan plan = solver::make_plan(loaded.problem, loaded.robot.planar, options);
+  return solver::solved_plan(plan, loaded.problem);
+}
+
+}  // namespace jaculus::cli

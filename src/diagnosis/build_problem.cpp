@@ -1,0 +1,181 @@
+#include "diagnosis/build_problem.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "diagnosis/noise/contradictions.h"
+#include "diagnosis/noise/one_off.h"
+#include "jaculus/simulation/experiment.h"
+
+namespace jaculus::diagnosis {
+namespace {
+
+using effects::Effect;
+
+/// Channels without any scatter: they were computed, not measured, or a sensor froze.
+std::vector<ChannelPlace> silent_channels(const Problem& problem, const NoiseModel& noise,
+                                          std::vector<std::string>& notes) {
+  std::vector<ChannelPlace> silent;
+  for (int d = 0; d < count_of(noise.datasets); ++d) {
+    const ObservedDataset& observed = problem.observations.datasets[d];
+    for (int c = 0; c < count_of(observed.channels); ++c) {
+      double size = 0.0;
+      for (const Segment& segment : observed.segments)
+        if (segment.value[c].size() > 0)
+          size = std::max(size, segment.value[c].cwiseAbs().maxCoeff());
+      const double floor = noise.datasets[d].channels[c].noise_floor;
+      if (floor > problem.settings.no_scatter * size && floor > 0.0) continue;
+
+      notes.push_back(fmt::format("{} has no scatter at all, so it is no measurement: left out",
+                                  observed.channels[c].name));
+      silent.push_back({d, c});
+    }
+  }
+  return silent;
+}
+
+std::string note_of(const OneOff& one) {
+  return fmt::format(
+      "{} left the other trials at {:.3f} s (most in {}, {:.1f} times their scatter): a one-off "
+      "disturbance, its data from there on are cut out, not explained",
+      one.trial, one.onset, one.channel, one.excess);
+}
+
+/// Stamps of all streams that lie on one side of the commands: as a late start would have it, but
+/// also clocks that were set so.
+void note_late_stamps(const Problem& problem, const NoiseModel& noise,
+                      std::vector<std::string>& notes) {
+  for (int d = 0; d < count_of(noise.alignments); ++d) {
+    const ObservedDataset& observed = problem.observations.datasets[d];
+    if (observed.measured_input) continue;
+    const std::vector<SegmentAlignment>& segments = noise.alignments[d].segments;
+    double least = kInfinity, most = -kInfinity;
+    for (int s = 0; s < count_of(observed.streams); ++s) {
+      double mean = 0.0;
+      for (const SegmentAlignment& segment : segments)
+        mean += segment.shift[s] / static_cast<double>(segments.size());
+      least = std::min(least, mean);
+      most = std::max(most, mean);
+    }
+
+    const double noted = problem.settings.late_stamps_noted;
+    if (least < noted && most > -noted) continue;
+    notes.push_back(fmt::format(
+        "the motion comes {:.1f} ms {} than the stamps say, in every stream: clocks, a late start "
+        "and a "
+        "common latency of the sensors look alike, so it is aligned and not counted as a gap",
+        1e3 * std::abs(0.5 * (least + most)), least > 0.0 ? "later" : "sooner"));
+  }
+}
+
+std::vector<model::PlanarModel> robots_of(const std::vector<trajectory::Dataset>& datasets) {
+  std::vector<model::PlanarModel> models;
+  for (const trajectory::Dataset& dataset : datasets)
+    models.push_back(simulation::dataset_robot(dataset).planar);
+  return models;
+}
+
+std::vector<SegmentTail> tails_of(const std::vector<OneOff>& disturbances) {
+  std::vector<SegmentTail> tails;
+  for (const OneOff& one : disturbances) tails.push_back({one.dataset, one.segment, one.onset});
+  return tails;
+}
+
+}  // namespace
+
+ProblemBuilder builder_of(const DiagnoseOptions& options) {
+  std::vector<const Effect*> list = options.effects;
+  if (list.empty())
+    for (const Effect& effect : effects::effect_catalogue()) list.push_back(&effect);
+
+  return [list, settings = options.settings](Observations observations) {
+    PlantForward forward = plant_forward(observations, list, settings);
+    return BuiltProblem{
+        std::make_shared<const Problem>(
+            Problem{std::move(observations), forward.hypotheses, forward.predict, settings}),
+        forward};
+  };
+}
+
+ProblemBuilder builder_like(const Problem& problem) {
+  return [problem](Observations observations) {
+    Problem changed = problem;
+    changed.observations = std::move(observations);
+    return BuiltProblem{std::make_shared<const Problem>(std::move(changed)), {}};
+  };
+}
+
+BuiltProblem build_problem(const std::vector<trajectory::Dataset>& datasets,
+                           const DiagnoseOptions& options) {
+  Observations observations = observe(datasets, robots_of(datasets), options.settings);
+  if (!observations.datasets.empty() && observations.insufficient.empty())
+    return builder_of(options)(std::move(observations));
+  return {
+      std::make_shared<const Problem>(Problem{std::move(observations), {}, {}, options.settings}),
+      {}};
+}
+
+Prepared prepare(BuiltProblem built, const ProblemBuilder& rebuild) {
+  Prepared out{std::move(built), {}, {}, {}, {}};
+  const Vector nominal = out.built.problem->hypotheses.nominal();
+  out.noise = estimate_noise(*out.built.problem, nominal);
+  if (!out.noise.valid()) {
+    out.reasons.push_back("the nominal model can't be simulated through this experiment: " +
+                          out.noise.at_p.message);
+    return out;
+  }
+  out.reasons = contradictions(*out.built.problem, out.noise);
+  if (!out.reasons.empty()) return out;
+
+  const auto silent = silent_channels(*out.built.problem, out.noise, out.notes);
+  out.disturbances = one_off_disturbances(*out.built.problem, out.noise, silent);
+  for (const OneOff& one : out.disturbances) out.notes.push_back(note_of(one));
+  if (!silent.empty() || !out.disturbances.empty()) {
+    const std::size_t before = out.built.problem->observations.datasets.size();
+    Observations kept = without_channels(
+        without_tails(out.built.problem->observations, tails_of(out.disturbances)), silent);
+    if (kept.datasets.empty()) {
+      out.reasons.emplace_back("no channel has any scatter, so nothing tells the noise");
+      return out;
+    }
+    const bool same = kept.datasets.size() == before;
+    out.built = rebuild(std::move(kept));
+    out.noise = estimate_noise(*out.built.problem, nominal,
+                               same ? out.noise.alignments : std::vector<Alignment>{});
+  }
+  note_late_stamps(*out.built.problem, out.noise, out.notes);
+  return out;
+}
+
+Comparison first_comparison(const Problem& problem, NoiseModel noise) {
+  Comparison comparison = comparison_about(problem, with_discrepancy(problem, std::move(noise)));
+  if (problem.hypotheses.nuisances.empty()) return comparison;
+
+  for (int round = 0; round < 2; ++round) {
+    const Fit none = fit_model(problem, comparison.whitening, problem.hypotheses.nuisances,
+                               {comparison.noise.p});
+    if (!none.valid) break;
+    NoiseModel again = estimate_noise(problem, none.p, comparison.noise.alignments);
+    if (!again.valid()) break;
+    comparison = comparison_about(problem, with_discrepancy(problem, std::move(again)));
+  }
+  return comparison;
+}
+
+Fit fit_members(const Problem& problem, const Whitening& whitening, const Vector& p,
+                const std::vector<int>& members) {
+  Fit model = fit_model(problem, whitening, problem.hypotheses.nuisances, {p});
+  for (int k = 0; k < count_of(members) && model.valid; ++k) {
+    const Probe probe =
+        probe_candidate(problem, whitening, model, members[k], Screening::line_search);
+    const std::vector<int> joined(members.begin(), members.begin() + k + 1);
+    model = fit_model(problem, whitening, problem.hypotheses.freed_by(joined),
+                      fit_starts(problem, model.p, members[k], probe));
+    if (k == 0) model = fit_around(problem, whitening, model);
+  }
+  return model;
+}
+
+}  // namespace jaculus::diagnosis

@@ -1,0 +1,53 @@
+#pragma once
+// From datasets to a problem in which models can be compared, and fits of given sets of effects in
+// it.
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "diagnosis/forward/plant_forward.h"
+#include "diagnosis/selection/search.h"
+#include "jaculus/diagnosis/diagnosis.h"
+#include "jaculus/diagnosis/options.h"
+
+namespace jaculus::diagnosis {
+
+/// A problem, and its plant where it has one.
+struct BuiltProblem {
+  std::shared_ptr<const Problem> problem;
+  std::optional<PlantForward> forward;
+};
+
+/// Datasets as a problem over options.effects (none named: the catalogue). Without a forward model
+/// where the observations are insufficient.
+BuiltProblem build_problem(const std::vector<trajectory::Dataset>& datasets,
+                           const DiagnoseOptions& options);
+
+/// Makes a problem of observations: a plant's forward model depends on them.
+using ProblemBuilder = std::function<BuiltProblem(Observations)>;
+ProblemBuilder builder_of(const DiagnoseOptions& options);
+/// For models that are no plant: the same hypotheses and forward model about other observations.
+ProblemBuilder builder_like(const Problem& problem);
+
+/// A problem whose data can be judged: aligned, noise known, one-off disturbances left out.
+struct Prepared {
+  BuiltProblem built;
+  NoiseModel noise;  ///< about nominal
+  std::vector<OneOff> disturbances;
+  std::vector<std::string> notes;    ///< what was left out
+  std::vector<std::string> reasons;  ///< why the data can't go on; empty where they can
+};
+Prepared prepare(BuiltProblem built, const ProblemBuilder& rebuild);
+
+/// The space in which models are compared first: nuisances of whole datasets are fitted, and
+/// everything is about them.
+Comparison first_comparison(const Problem& problem, NoiseModel noise);
+
+/// All of some candidates fitted, one joining the others after another; p: where the rest stays.
+Fit fit_members(const Problem& problem, const Whitening& whitening, const Vector& p,
+                const std::vector<int>& members);
+
+}  // namespace jaculus::diagnosis

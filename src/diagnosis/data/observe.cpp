@@ -1,0 +1,278 @@
+// Selects the channels that count as evidence and cuts them to what the plan, the script or the
+// logged input covers.
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <set>
+
+#include "diagnosis/data/evidence_channels.h"
+#include "diagnosis/data/observations.h"
+
+namespace jaculus::diagnosis {
+namespace {
+
+using model::PlanarModel;
+using trajectory::Dataset;
+using trajectory::Stream;
+using trajectory::Trial;
+
+struct Samples {
+  Vector time, value;
+  int block = 1;
+  double spacing = 0.0;
+};
+
+/// Samples of one channel within [from, to], gaps left out, averaged in blocks so that at most
+/// `most` remain. A block never spans a gap: an average over one would stand at no instant.
+Samples cut(const Stream& stream, int channel, double from, double to, int most) {
+  std::vector<Eigen::Index> kept;
+  for (Eigen::Index i = 0; i < stream.time.size(); ++i) {
+    if (stream.time[i] < from || stream.time[i] > to || !std::isfinite(stream.values(channel, i)))
+      continue;
+    kept.push_back(i);
+  }
+
+  const std::size_t block = std::max<std::size_t>(
+      1, (kept.size() + most - 1) / static_cast<std::size_t>(std::max(1, most)));
+  std::vector<double> times, values;
+  for (std::size_t i = 0; i + block <= kept.size(); i += block) {
+    if (kept[i + block - 1] - kept[i] != static_cast<Eigen::Index>(block) - 1) continue;
+    const auto n = static_cast<Eigen::Index>(block);
+    times.push_back(stream.time.segment(kept[i], n).mean());
+    values.push_back(stream.values.row(channel).segment(kept[i], n).mean());
+  }
+
+  const double spacing = kept.size() > 1 ? (stream.time[kept.back()] - stream.time[kept.front()]) /
+                                               static_cast<double>(kept.back() - kept.front())
+                                         : 0.0;
+  return {Eigen::Map<Vector>(times.data(), count_of(times)),
+          Eigen::Map<Vector>(values.data(), count_of(values)), static_cast<int>(block), spacing};
+}
+
+/// Latest time at which any stream of the data has a sample.
+double data_end(const Dataset& dataset) {
+  double end = 0.0;
+  for (const Trial& trial : dataset.trials)
+    for (const Stream& stream : trial.streams)
+      if (stream.time.size() > 0) end = std::max(end, stream.time[stream.time.size() - 1]);
+  return end;
+}
+
+void set_window(ObservedDataset& observed, const Settings& settings) {
+  const Dataset& dataset = observed.dataset;
+  double end = data_end(dataset);
+  if (dataset.plan) {
+    const int column = dataset.plan->column("time");
+    if (column >= 0 && dataset.plan->values.rows() > 0)
+      end = std::min(end, dataset.plan->values.col(column).maxCoeff());
+  }
+  observed.window_start = -settings.rest_used;
+  observed.window_end = end;
+}
+
+/// Adds the samples of every channel within [from, to].
+void add_channels(const ObservedDataset& observed, const Trial& trial, double from, double to,
+                  const Settings& settings, Segment& segment) {
+  for (const Channel& channel : observed.channels) {
+    const Stream* stream = trial.stream(channel.stream);
+    const int index = stream != nullptr ? stream->channel(channel.name) : -1;
+    Samples samples;
+    const double begin = channel.zero_order_hold && !observed.measured_input
+                             ? std::max(from, settings.command_settles)
+                             : from;
+    if (index >= 0) samples = cut(*stream, index, begin, to, settings.samples);
+    if (samples.time.size() < settings.fewest_samples) samples = {};
+    segment.time.push_back(samples.time);
+    segment.value.push_back(samples.value);
+    segment.block.push_back(samples.block);
+    segment.spacing.push_back(samples.spacing);
+  }
+
+  const double first = observed.measured_input ? segment.start : 0.0;
+  const double last = observed.measured_input ? segment.end() : observed.window_end;
+  segment.prefix_end = first + settings.prefix_share * (last - first);
+}
+
+/// Least-squares parabola through samples about t: value and slope there; NaN where fewer than
+/// settings.window_start_samples are near.
+Vec2 local_fit(const Stream& stream, int channel, double t, const Settings& settings) {
+  const double half_width = settings.window_start_half_width;
+  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d right = Eigen::Vector3d::Zero();
+  int count = 0;
+  for (Eigen::Index i = 0; i < stream.time.size(); ++i) {
+    const double dt = stream.time[i] - t;
+    if (std::abs(dt) > half_width || !std::isfinite(stream.values(channel, i))) continue;
+    const Eigen::Vector3d row(1.0, dt / half_width, dt * dt / (half_width * half_width));
+    normal += row * row.transpose();
+    right += row * stream.values(channel, i);
+    ++count;
+  }
+  if (count < settings.window_start_samples) return Vec2::Constant(kNaN);
+  const Eigen::Vector3d fit = normal.ldlt().solve(right);
+  return {fit[0], fit[1] / half_width};
+}
+
+/// Initial coordinates of a window from the joints' own channels; false where one is missing.
+bool measured_start(const ObservedDataset& observed, const Trial& trial, double t,
+                    const Settings& settings, Segment& segment) {
+  const int n = observed.model.size();
+  segment.start_q = Vector::Zero(n);
+  segment.start_v = Vector::Zero(n);
+
+  for (int i = 0; i < n; ++i) {
+    bool found = false;
+    for (const Stream& stream : trial.streams) {
+      const int channel = stream.channel(observed.model.coordinates[i].name);
+      if (channel < 0) continue;
+      const Vec2 fit = local_fit(stream, channel, t, settings);
+      if (!fit.allFinite()) continue;
+      segment.start_q[i] = fit[0];
+      segment.start_v[i] = fit[1];
+      found = true;
+    }
+    if (!found) return false;
+  }
+
+  return true;
+}
+
+void cut_windows(ObservedDataset& observed, int trial_index, const Settings& settings) {
+  const Trial& trial = observed.dataset.trials[trial_index];
+  double end = 0.0;
+  for (const Stream& stream : trial.streams)
+    if (stream.time.size() > 0) end = std::max(end, stream.time[stream.time.size() - 1]);
+  const int possible = std::max(1, static_cast<int>(std::floor(end / settings.window_length)));
+  const int count = std::min(possible, settings.windows);
+  for (int w = 0; w < count; ++w) {
+    const double from =
+        settings.window_length * std::floor(static_cast<double>(w) * possible / count);
+    const double to = std::min(end, from + settings.window_length);
+    Segment segment;
+    segment.trial = trial_index;
+    segment.start = from;
+    if (!measured_start(observed, trial, from, settings, segment)) continue;
+    add_channels(observed, trial, from, to, settings, segment);
+    observed.segments.push_back(std::move(segment));
+  }
+}
+
+bool has_data(const Segment& segment) {
+  return std::any_of(segment.time.begin(), segment.time.end(),
+                     [](const Vector& t) { return t.size() > 0; });
+}
+
+/// Drops channels without samples, and constant ones: a dead sensor agrees with nothing and proves
+/// nothing.
+void drop_dead_channels(ObservedDataset& observed, const std::string& label,
+                        std::vector<std::string>& notes) {
+  for (std::size_t c = observed.channels.size(); c-- > 0;) {
+    double least = kInfinity, most = -kInfinity;
+    for (const Segment& segment : observed.segments) {
+      if (segment.value[c].size() == 0) continue;
+      least = std::min(least, segment.value[c].minCoeff());
+      most = std::max(most, segment.value[c].maxCoeff());
+    }
+    if (most > least) continue;
+    const std::string& name = observed.channels[c].name;
+    notes.push_back(
+        most < least
+            ? fmt::format("{}: {} has too few samples in the window, or none but NaN: left out",
+                          label, name)
+            : fmt::format("{}: {} is constant (a dead sensor?): left out", label, name));
+    observed = without_channel(std::move(observed), static_cast<int>(c));
+  }
+}
+
+void find_copies(const ObservedDataset& observed, const std::string& label,
+                 std::vector<std::string>& reasons) {
+  if (observed.measured_input) return;
+  for (std::size_t a = 0; a < observed.segments.size(); ++a) {
+    for (std::size_t b = a + 1; b < observed.segments.size(); ++b) {
+      bool same = has_data(observed.segments[a]);
+      for (std::size_t c = 0; c < observed.channels.size() && same; ++c) {
+        const Vector& u = observed.segments[a].value[c];
+        const Vector& v = observed.segments[b].value[c];
+        same = u.size() == v.size() && (u.size() == 0 || u == v);
+      }
+      if (!same) continue;
+      const auto& trials = observed.dataset.trials;
+      reasons.push_back(fmt::format(
+          "{}: {} and {} are copies of one another, so nothing tells the noise", label,
+          trials[observed.segments[a].trial].name, trials[observed.segments[b].trial].name));
+      return;
+    }
+  }
+}
+
+void set_spacing(ObservedDataset& observed) {
+  for (std::size_t c = 0; c < observed.channels.size(); ++c) {
+    std::vector<double> gaps;
+    for (const Segment& segment : observed.segments)
+      for (Eigen::Index i = 1; i < segment.time[c].size(); ++i)
+        gaps.push_back(segment.time[c][i] - segment.time[c][i - 1]);
+    if (gaps.empty()) continue;
+    const auto middle = gaps.begin() + (gaps.size() / 2);
+    std::nth_element(gaps.begin(), middle, gaps.end());
+    observed.channels[c].spacing = *middle;
+  }
+}
+
+ObservedDataset cut_dataset(const Dataset& dataset, const PlanarModel& model,
+                            const Settings& settings, Observations& out) {
+  ObservedDataset observed;
+  observed.dataset = dataset;
+  observed.model = model;
+  observed.measured_input = dataset.controller.kind == trajectory::ControllerKind::measured;
+  const std::string label = observed.name();
+  select_channels(observed, label, out.notes);
+  set_window(observed, settings);
+
+  for (int t = 0; t < count_of(dataset.trials); ++t) {
+    if (observed.measured_input) {
+      cut_windows(observed, t, settings);
+      continue;
+    }
+    Segment segment;
+    segment.trial = t;
+    add_channels(observed, dataset.trials[t], observed.window_start, observed.window_end, settings,
+                 segment);
+    observed.segments.push_back(std::move(segment));
+  }
+
+  std::erase_if(observed.segments, [](const Segment& segment) { return !has_data(segment); });
+  drop_dead_channels(observed, label, out.notes);
+  std::erase_if(observed.segments, [](const Segment& segment) { return !has_data(segment); });
+  set_spacing(observed);
+  std::set<int> trials;
+  for (const Segment& segment : observed.segments) trials.insert(segment.trial);
+  observed.trials = count_of(trials);
+  if (observed.segments.empty()) {
+    out.insufficient.push_back(fmt::format(
+        "{}: no channel has {} or more samples between {:.3g} s and {:.3g} s that the plant "
+        "predicts",
+        label, settings.fewest_samples, observed.window_start, observed.window_end));
+  }
+
+  find_copies(observed, label, out.insufficient);
+  return observed;
+}
+
+}  // namespace
+
+Observations observe(const std::vector<Dataset>& datasets, const std::vector<PlanarModel>& models,
+                     const Settings& settings) {
+  Observations out;
+  for (std::size_t i = 0; i < datasets.size(); ++i) {
+    ObservedDataset observed = cut_dataset(datasets[i], models[i], settings, out);
+    if (!observed.segments.empty()) out.datasets.push_back(std::move(observed));
+  }
+  return out;
+}
+
+}  // namespace jaculus::diagnosis

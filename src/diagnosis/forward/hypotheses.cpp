@@ -1,0 +1,57 @@
+// The flat list of parameters: effects of the catalogue, unknown gains, start offsets.
+
+#include "diagnosis/forward/hypotheses.h"
+
+#include <algorithm>
+#include <cstddef>
+
+namespace jaculus::diagnosis {
+
+Vector Candidate::theta(const Vector& p) const {
+  Vector own(count_of(parameters));
+  for (std::size_t k = 0; k < parameters.size(); ++k) own[k] = p[parameters[k]];
+  return own;
+}
+
+Vector Hypotheses::nominal() const {
+  Vector p(count_of(parameters));
+  for (std::size_t i = 0; i < parameters.size(); ++i) p[i] = parameters[i].nominal;
+  return p;
+}
+
+Vector Hypotheses::scaled(const std::vector<int>& free, const Vector& p) const {
+  Vector u(count_of(free));
+  for (std::size_t i = 0; i < free.size(); ++i) {
+    const FreeParameter& own = parameters[free[i]];
+    u[i] = std::clamp((p[free[i]] - own.nominal) / own.scale,
+                      (own.bounds.lower - own.nominal) / own.scale,
+                      (own.bounds.upper - own.nominal) / own.scale);
+  }
+  return u;
+}
+
+Vector Hypotheses::unscaled(const std::vector<int>& free, const Vector& u, Vector p) const {
+  for (std::size_t i = 0; i < free.size(); ++i) {
+    const FreeParameter& own = parameters[free[i]];
+    p[free[i]] = std::clamp(own.nominal + own.scale * u[i], own.bounds.lower, own.bounds.upper);
+  }
+  return p;
+}
+
+std::vector<int> Hypotheses::freed_by(const std::vector<int>& members) const {
+  std::vector<int> free;
+  for (const int c : members) {
+    const std::vector<int>& own = candidates[c].parameters;
+    free.insert(free.end(), own.begin(), own.end());
+  }
+  free.insert(free.end(), nuisances.begin(), nuisances.end());
+  return free;
+}
+
+int Hypotheses::candidate(const std::string& name) const {
+  for (int i = 0; i < count_of(candidates); ++i)
+    if (candidates[i].name == name) return i;
+  return -1;
+}
+
+}  // namespace jaculus::diagnosis

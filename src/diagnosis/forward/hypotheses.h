@@ -1,0 +1,62 @@
+#pragma once
+// The parameters that a diagnosis may move, as a flat vector, and the candidates that free some of
+// them. The statistics know nothing of robots: they see this list and a forward model (forward.h).
+//
+//   p = [effects' parameters | dataset-wide nuisances (unknown gains, feed-forward scale) |
+//        start offsets]
+// Effects' parameters are zero-cost at nominal. Nuisances with wide priors are fitted along with
+// every candidate. Start offsets are free in every segment and enter through their sensitivities at
+// nominal.
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "jaculus/core/types.h"
+#include "jaculus/effects/effect.h"
+
+namespace jaculus::diagnosis {
+
+struct FreeParameter {
+  std::string owner;  ///< effect, or "nuisance", "start"
+  std::string name;
+  std::string unit;
+  double nominal = 0.0;
+  double scale = 1.0;  ///< standard deviation of the normal prior about nominal
+  Bounds bounds;
+  double probe = kNaN;  ///< signed step from nominal whose influence is plain; NaN: one scale
+
+  [[nodiscard]] double usual_step() const { return std::isnan(probe) ? scale : probe; }
+  /// Nominal is an end of the range, so that the prior is the half of a normal one.
+  [[nodiscard]] bool one_sided() const {
+    return nominal <= bounds.lower || nominal >= bounds.upper;
+  }
+};
+
+struct Candidate {
+  std::string name;
+  effects::Component where = effects::Component::body;
+  std::vector<int> parameters;              ///< indices of its parameters
+  const effects::Effect* effect = nullptr;  ///< null for models that are no plant
+
+  /// Its own parameters out of all, in its effect's order.
+  [[nodiscard]] Vector theta(const Vector& p) const;
+};
+
+struct Hypotheses {
+  std::vector<FreeParameter> parameters;
+  std::vector<Candidate> candidates;
+  std::vector<int> nuisances;  ///< indices
+  std::vector<int> starts;     ///< indices; free in every segment
+
+  [[nodiscard]] Vector nominal() const;
+  /// u = (p - nominal)/scale of the parameters `free`, within their bounds.
+  [[nodiscard]] Vector scaled(const std::vector<int>& free, const Vector& p) const;
+  /// p with the parameters `free` set from u, within their bounds.
+  [[nodiscard]] Vector unscaled(const std::vector<int>& free, const Vector& u, Vector p) const;
+  /// Indices of the parameters that a model of some candidates frees: theirs, then the nuisances.
+  [[nodiscard]] std::vector<int> freed_by(const std::vector<int>& members) const;
+  [[nodiscard]] int candidate(const std::string& name) const;  ///< index, -1 where there is none
+};
+
+}  // namespace jaculus::diagnosis

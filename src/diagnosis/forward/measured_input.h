@@ -1,0 +1,15 @@
+#pragma once
+// A logged input as the command of a segment.
+
+#include "diagnosis/data/observations.h"
+#include "jaculus/simulation/controller.h"
+
+namespace jaculus::diagnosis {
+
+/// The logs of every motor that has one (controller.input of the dataset) as one script from the
+/// start of `segment` on, linear between samples. Motors whose logs have other stamps are
+/// interpolated onto the union of all stamps; before its first and after its last sample a log
+/// keeps its end value.
+simulation::Controller measured_controller(const ObservedDataset& observed, const Segment& segment);
+
+}  // namespace jaculus::diagnosis

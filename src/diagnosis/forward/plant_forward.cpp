@@ -1,0 +1,268 @@
+// Hypotheses and forward model of observations: parameters onto plant, controller and start;
+// simulation; channels.
+
+#include "diagnosis/forward/plant_forward.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "diagnosis/forward/grid_simulation.h"
+#include "diagnosis/forward/measured_input.h"
+#include "diagnosis/forward/start_directions.h"
+#include "diagnosis/forward/unknown_gains.h"
+#include "jaculus/simulation/experiment.h"
+
+namespace jaculus::diagnosis {
+namespace {
+
+using effects::Effect;
+using effects::EffectParameter;
+using model::PlanarModel;
+using simulation::Controller;
+using simulation::Plant;
+using simulation::Reference;
+using simulation::Simulation;
+using simulation::StartState;
+
+/// What of a dataset doesn't depend on the parameters.
+struct Base {
+  Plant plant;
+  std::vector<Controller> controllers;  ///< a segment each for measured input, else one
+  StartState start;
+  std::vector<StartDirection> directions;
+  std::vector<GainFactor> factors;
+};
+
+struct Model {
+  Observations observations;
+  Settings settings;
+  Hypotheses hypotheses;
+  std::vector<Base> bases;
+  std::vector<const Effect*> effects;
+};
+
+Base base_of(const ObservedDataset& observed, const Settings& settings) {
+  Base base;
+  base.plant = simulation::dataset_plant(observed.dataset, observed.model);
+  if (observed.measured_input) {
+    for (const Segment& segment : observed.segments)
+      base.controllers.push_back(measured_controller(observed, segment));
+    base.start = {observed.segments.front().start_q, observed.segments.front().start_v};
+  } else {
+    base.controllers.push_back(simulation::stated_controller(observed.dataset, observed.model,
+                                                             first_gains(observed, settings)));
+    base.start = reference_start(base.plant, base.controllers.front().reference);
+  }
+
+  base.directions = start_directions(observed, base.start, settings);
+  return base;
+}
+
+void add_effects(Model& model) {
+  Hypotheses& h = model.hypotheses;
+  for (const Effect* effect : model.effects) {
+    Candidate candidate{effect->name, effect->where.front(), {}, effect};
+    for (const EffectParameter& p : effect->parameters) {
+      candidate.parameters.push_back(count_of(h.parameters));
+      FreeParameter free{effect->name, p.name, p.unit, p.nominal, p.scale, p.bounds};
+      free.probe = p.probed() - p.nominal;
+      h.parameters.push_back(free);
+    }
+    h.candidates.push_back(candidate);
+  }
+}
+
+void add_starts(Model& model) {
+  Hypotheses& h = model.hypotheses;
+  for (Base& base : model.bases) {
+    for (const StartDirection& d : base.directions) {
+      const auto same = std::find_if(h.starts.begin(), h.starts.end(),
+                                     [&](int i) { return h.parameters[i].name == d.name; });
+      if (same != h.starts.end()) continue;
+      h.starts.push_back(count_of(h.parameters));
+      h.parameters.push_back({"start", d.name, d.unit, 0.0, d.scale, {}});
+    }
+  }
+}
+
+void apply_candidates(const Model& model, const PlanarModel& robot, const Vector& p, Plant& plant) {
+  for (const Candidate& candidate : model.hypotheses.candidates) {
+    const Vector theta = candidate.theta(p);
+    if (theta != candidate.effect->nominal() && candidate.effect->applies(robot))
+      candidate.effect->apply(theta, plant);
+  }
+}
+
+void apply_starts(const Model& model, const Base& base, const Vector& p, const Plant& plant,
+                  StartState& start) {
+  bool stands = false;
+  for (const StartDirection& d : base.directions) {
+    for (const int i : model.hypotheses.starts) {
+      if (model.hypotheses.parameters[i].name != d.name || p[i] == 0.0) continue;
+      start.q += p[i] * d.q;
+      start.v += p[i] * d.v;
+      stands = stands || d.stands;
+    }
+  }
+  if (stands) level_feet(plant, start.q);
+}
+
+/// Whether a robot stands otherwise than the nominal one does.
+bool moves_start(const Plant& plant) {
+  return plant.ground.foot_radius != 0.0 || plant.ground.compliance != 0.0 ||
+         !plant.sensing.offset.empty() || !plant.sensing.scale.empty();
+}
+
+/// Sample times of a segment: its duration and a little more. The grid goes with the loop's steps,
+/// so that a late command is the same motion later and not another rounding of it.
+Vector sample_times(const ObservedDataset& observed, const Segment& segment, const Plant& plant,
+                    const Settings& settings) {
+  const double end = observed.measured_input ? segment.end() - segment.start : observed.window_end;
+  const double late =
+      observed.measured_input ? 0.0 : plant.actuation.late_start + plant.actuation.delay;
+  const double first = std::fmod(late, settings.grid);
+
+  const double steps = std::ceil((end + settings.simulated_beyond + late) / settings.grid);
+  return Vector::LinSpaced(static_cast<Eigen::Index>(steps) + 1, first,
+                           first + settings.grid * steps);
+}
+
+SimulationSetup setup_of(const Model& model, int dataset, int index, const Vector& p) {
+  const ObservedDataset& observed = model.observations.datasets[dataset];
+  const Segment& segment = observed.segments[index];
+  const Base& base = model.bases[dataset];
+  SimulationSetup setup{
+      base.plant, base.controllers[observed.measured_input ? index : 0], base.start, {}};
+
+  apply_candidates(model, observed.model, p, setup.plant);
+  apply_factors(base.factors, p, setup.plant, setup.controller);
+  if (observed.measured_input)
+    setup.start = {segment.start_q, segment.start_v};
+  else if (moves_start(setup.plant))
+    setup.start = reference_start(setup.plant, setup.controller.reference);
+  apply_starts(model, base, p, setup.plant, setup.start);
+
+  setup.options.sample_times = sample_times(observed, segment, setup.plant, model.settings);
+  setup.options.duration = setup.options.sample_times[setup.options.sample_times.size() - 1];
+  return setup;
+}
+
+/// A first parameter that adds a stiff hinge or floor (a little play or compliance), below the
+/// least value worth simulating.
+struct Stiff {
+  int parameter = -1;
+  double share = 0.0;  ///< of the way from nominal to that least value
+  double least = 0.0;
+};
+
+/// Those that p has. Influence is proportional to play and compliance near zero while the
+/// stiffness, and the cost, grow.
+std::vector<Stiff> stiff_parameters(const Model& model, const PlanarModel& robot, const Vector& p) {
+  std::vector<Stiff> found;
+  for (const Candidate& candidate : model.hypotheses.candidates) {
+    const int i = candidate.parameters.front();
+    const FreeParameter& own = model.hypotheses.parameters[i];
+    const double least = own.nominal + model.settings.least_hinge * own.scale;
+    if (p[i] <= own.nominal || p[i] >= least || !own.one_sided() ||
+        !candidate.effect->applies(robot))
+      continue;
+    Plant plant = simulation::nominal_plant(robot);
+    candidate.effect->apply(candidate.effect->probed(), plant);
+    if (plant.transmissions.empty() && plant.ground.compliance <= 0.0) continue;
+    found.push_back({i, (p[i] - own.nominal) / (least - own.nominal), least});
+  }
+  return found;
+}
+
+/// When a script's steps, and the end of any command, arrive at the motors.
+std::vector<double> command_steps(const SimulationSetup& setup) {
+  std::vector<double> steps;
+  const Reference& reference = setup.controller.reference;
+  const double late = setup.plant.actuation.late_start + setup.plant.actuation.delay;
+  steps.push_back(reference.duration + late);
+  if (reference.linear || reference.position.size() > 0) return steps;
+  for (Eigen::Index k = 1; k < reference.time.size(); ++k)
+    if (reference.feedforward.col(k) != reference.feedforward.col(k - 1))
+      steps.push_back(reference.time[k] + late);
+  return steps;
+}
+
+Prediction simulate_segment(const Model& model, int dataset, int segment, const Vector& p) {
+  const SimulationSetup setup = setup_of(model, dataset, segment, p);
+  const Simulation simulation =
+      simulate_on_grid(setup.plant, setup.controller, setup.start, setup.options);
+  Prediction prediction;
+  prediction.message = simulation.message;
+  if (simulation.status != simulation::SimulationStatus::done ||
+      simulation.time.size() != setup.options.sample_times.size())
+    return prediction;
+
+  prediction = prediction_of(model.observations.datasets[dataset], setup.plant, simulation);
+  for (const simulation::Event& event : simulation.events) {
+    const bool impact =
+        event.kind == simulation::EventKind::stop || event.kind == simulation::EventKind::land;
+    if (event.time > 0.0 && impact) prediction.impacts.push_back(event.time);
+  }
+  prediction.steps = command_steps(setup);
+
+  prediction.valid = prediction.values.allFinite();
+  if (!prediction.valid) prediction.message = "the simulation gave values that are not finite";
+  return prediction;
+}
+
+/// Simulated without what is stiff, and the share of each one's influence added.
+Prediction predict_segment(const Model& model, int dataset, int segment, const Vector& p) {
+  const std::vector<Stiff> stiff =
+      stiff_parameters(model, model.observations.datasets[dataset].model, p);
+  Vector base = p;
+  for (const Stiff& own : stiff)
+    base[own.parameter] = model.hypotheses.parameters[own.parameter].nominal;
+  const Prediction without = simulate_segment(model, dataset, segment, base);
+  if (!without.valid) return without;
+
+  Prediction sum = without;
+  for (const Stiff& own : stiff) {
+    Vector there = base;
+    there[own.parameter] = own.least;
+    const Prediction with = simulate_segment(model, dataset, segment, there);
+    if (!with.valid) return with;
+    sum.values += own.share * (with.values - without.values);
+  }
+
+  return sum;
+}
+
+}  // namespace
+
+PlantForward plant_forward(const Observations& observations,
+                           const std::vector<const Effect*>& effects, const Settings& settings) {
+  auto model = std::make_shared<Model>();
+  model->observations = observations;
+  model->settings = settings;
+
+  const std::vector<ObservedDataset>& datasets = observations.datasets;
+  for (const Effect* effect : effects) {
+    const auto applies = [&](const ObservedDataset& d) { return effect->applies(d.model); };
+    if (std::any_of(datasets.begin(), datasets.end(), applies)) model->effects.push_back(effect);
+  }
+  add_effects(*model);
+  for (int d = 0; d < count_of(datasets); ++d) {
+    Base base = base_of(datasets[d], settings);
+    const std::string suffix = datasets.size() > 1 ? "_" + std::to_string(d + 1) : "";
+    base.factors = add_gain_factors(datasets[d], base.controllers.front(), suffix, settings,
+                                    model->hypotheses);
+    model->bases.push_back(std::move(base));
+  }
+  add_starts(*model);
+
+  return {model->hypotheses,
+          [model](int dataset, int segment, const Vector& p) {
+            return predict_segment(*model, dataset, segment, p);
+          },
+          [model](int dataset, int segment, const Vector& p) {
+            return setup_of(*model, dataset, segment, p);
+          }};
+}
+
+}  // namespace jaculus::diagnosis

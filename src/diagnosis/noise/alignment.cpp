@@ -1,0 +1,144 @@
+#include "diagnosis/noise/alignment.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "diagnosis/noise/nuisances.h"
+
+namespace jaculus::diagnosis {
+namespace {
+
+constexpr double kLeastMisfit = 1e-12;  // that divides
+
+/// Residual of a span and minus its slope in time, both less their means where the channel is
+/// relative to rest.
+struct SpanSystem {
+  Vector residual, slope;
+};
+
+SpanSystem span_system(const ObservedDataset& observed, const RowSpan& span,
+                       const Prediction& prediction, double shift) {
+  const Segment& segment = observed.segments[span.segment];
+  const Vector& time = segment.time[span.channel];
+  const double h = prediction.step;
+  SpanSystem system{Vector(span.count), Vector(span.count)};
+
+  for (int i = 0; i < span.count; ++i) {
+    const double t = time[i] - segment.start - shift;
+    const double after = prediction.at(span.channel, t + h),
+                 before = prediction.at(span.channel, t - h);
+    system.residual[i] = segment.value[span.channel][i] - prediction.row(segment, span.channel, t);
+    system.slope[i] = -(after - before) / (2.0 * h);
+  }
+
+  if (relative_to_rest(observed, observed.channels[span.channel])) {
+    system.residual.array() -= system.residual.mean();
+    system.slope.array() -= system.slope.mean();
+  }
+  return system;
+}
+
+/// Misfit of every channel over all segments as they are aligned: the unit in which alignment
+/// weighs it.
+Vector misfits(const ObservedDataset& observed, const std::vector<const Prediction*>& predictions,
+               const Alignment& alignment) {
+  Vector squares = Vector::Zero(count_of(observed.channels)), counts = squares;
+  for (const RowSpan& span : row_spans(observed)) {
+    const double shift = alignment.segments[span.segment].shift[observed.stream_of(span.channel)];
+    squares[span.channel] +=
+        span_system(observed, span, *predictions[span.segment], shift).residual.squaredNorm();
+    counts[span.channel] += span.count;
+  }
+  return (squares.array() / counts.array().max(1.0)).sqrt().max(kLeastMisfit);
+}
+
+/// One stream of one segment, whose shift is sought.
+struct ShiftSearch {
+  const ObservedDataset& observed;
+  const Prediction& prediction;
+  const Vector& unit;  ///< of every channel's misfit
+  const Settings& settings;
+  std::vector<RowSpan> spans;
+
+  struct Point {
+    double shift = 0.0;  ///< [s]
+    double cost = 0.0;   ///< squares in units of misfit
+    double step = 0.0;   ///< of Gauss-Newton from here [s]
+  };
+
+  [[nodiscard]] Point at(double shift) const {
+    const double ridge = 1.0 / (settings.shift_ridge * settings.shift_ridge);
+    double cost = std::pow(shift / settings.shift_ridge, 2);
+    double gradient = -shift * ridge, curvature = ridge;
+
+    for (const RowSpan& span : spans) {
+      const SpanSystem system = span_system(observed, span, prediction, shift);
+      const double weight = 1.0 / (unit[span.channel] * unit[span.channel]);
+      cost += weight * system.residual.squaredNorm();
+      gradient += weight * system.slope.dot(system.residual);
+      curvature += weight * system.slope.squaredNorm();
+    }
+
+    return {shift, cost, gradient / curvature};
+  }
+
+  [[nodiscard]] double best(double from) const {
+    const double most = settings.largest_shift;
+    Point here = at(from);
+    for (int i = 0;
+         i < settings.alignment_steps && std::abs(here.step) > settings.alignment_converged; ++i) {
+      const Point next = at(std::clamp(here.shift + here.step, -most, most));
+      if (next.cost >= here.cost)
+        here.step *= settings.alignment_shortened;
+      else
+        here = next;
+    }
+    return here.shift;
+  }
+};
+
+/// The rows by which a span is aligned: all, or those of the prefix where the prediction jumps, if
+/// it has any to speak of. Rows between a jump and where it was predicted would pull the clock by
+/// milliseconds, each segment's its own way.
+RowSpan aligned_part(const ObservedDataset& observed, RowSpan span, const Prediction& prediction,
+                     const Settings& settings) {
+  if (prediction.impacts.empty()) return span;
+
+  const Segment& segment = observed.segments[span.segment];
+  const Vector& time = segment.time[span.channel];
+  const auto end = std::lower_bound(time.begin(), time.begin() + span.count, segment.prefix_end);
+  const int before = static_cast<int>(end - time.begin());
+  if (before >= settings.least_aligned) span.count = before;
+  return span;
+}
+
+}  // namespace
+
+Alignment align(const ObservedDataset& observed, const std::vector<const Prediction*>& predictions,
+                const Alignment& from, const Settings& settings) {
+  Alignment alignment = unaligned(observed);
+  for (int s = 0; s < count_of(observed.segments); ++s)
+    alignment.segments[s].shift = from.segments[s].shift;
+  if (observed.measured_input) return alignment;
+
+  for (int c = 0; c < count_of(observed.channels); ++c)
+    alignment.late[c] = predictions.front()->lateness(c);
+  const Vector unit = misfits(observed, predictions, alignment);
+  const std::vector<RowSpan> all = row_spans(observed);
+  for (int r = 0; r < count_of(observed.segments); ++r) {
+    for (int s = 0; s < count_of(observed.streams); ++s) {
+      ShiftSearch search{observed, *predictions[r], unit, settings, {}};
+      for (const RowSpan& span : all) {
+        const bool own = span.segment == r && observed.stream_of(span.channel) == s;
+        if (own && !observed.channels[span.channel].zero_order_hold)
+          search.spans.push_back(aligned_part(observed, span, *predictions[r], settings));
+      }
+      double& shift = alignment.segments[r].shift[s];
+      if (!search.spans.empty()) shift = search.best(shift);
+    }
+  }
+
+  return alignment;
+}
+
+}  // namespace jaculus::diagnosis

@@ -1,0 +1,121 @@
+#include "diagnosis/noise/noise_model.h"
+
+#include <cmath>
+
+#include "diagnosis/forward/sensitivities.h"
+#include "diagnosis/noise/alignment.h"
+#include "diagnosis/noise/start_curvature.h"
+
+namespace jaculus::diagnosis {
+namespace {
+
+StartSlopes start_slopes(const Problem& problem, const NoiseModel& noise) {
+  const std::vector<Vector> rows = rows_of(problem, noise, noise.at_p);
+  StartSlopes slopes;
+  for (const int start : problem.hypotheses.starts) {
+    const double step = problem.settings.start_step * problem.hypotheses.parameters[start].scale;
+    auto moved = difference_at(problem, noise.alignments, noise.p, rows, start, step);
+    slopes.emplace_back();
+    if (!moved) continue;
+    for (Vector& own : moved->rows) own /= step;
+    slopes.back() = std::move(moved->rows);
+  }
+  return slopes;
+}
+
+/// Nuisances and scatter of a dataset; takes the start's curvature off its alignment.
+DatasetNoise dataset_noise(const Problem& problem, const Vector& p, int dataset,
+                           const std::vector<const Prediction*>& predictions,
+                           const StartSlopes& starts, Alignment& alignment) {
+  const ObservedDataset& observed = problem.observations.datasets[dataset];
+  DatasetNoise noise;
+  for (int s = 0; s < count_of(observed.segments); ++s)
+    noise.nuisances.push_back(
+        segment_nuisances(problem, alignment, *predictions[s], starts, dataset, s));
+  noise.channels =
+      channel_noise(observed, predictions, alignment, noise.nuisances, problem.settings);
+
+  if (auto changed = without_start_curvature(problem, p, dataset, predictions, noise.nuisances,
+                                             noise.channels, alignment)) {
+    alignment = std::move(*changed);
+    noise.channels =
+        channel_noise(observed, predictions, alignment, noise.nuisances, problem.settings);
+  }
+
+  std::vector<double> variability;
+  for (const ChannelNoise& channel : noise.channels) variability.push_back(channel.variability);
+  for (int s = 0; s < count_of(observed.segments); ++s)
+    noise.nuisances[s] = with_variability(std::move(noise.nuisances[s]), observed, s, variability,
+                                          problem.settings.variability_modes);
+  return noise;
+}
+
+/// Mean square of the residual of every channel, less the first value where it is relative to rest.
+Vector square_gaps(const ObservedDataset& observed, const Vector& residual) {
+  Vector squares = Vector::Zero(count_of(observed.channels)), counts = squares;
+  for (const RowSpan& span : row_spans(observed)) {
+    Vector r = residual.segment(span.first, span.count);
+    if (relative_to_rest(observed, observed.channels[span.channel])) r.array() -= r[0];
+    squares[span.channel] += r.squaredNorm();
+    counts[span.channel] += span.count;
+  }
+  return squares.cwiseQuotient(counts.cwiseMax(1.0));
+}
+
+}  // namespace
+
+NoiseModel estimate_noise(const Problem& problem, const Vector& p,
+                          const std::vector<Alignment>& from) {
+  const std::vector<ObservedDataset>& datasets = problem.observations.datasets;
+  NoiseModel noise;
+  noise.p = p;
+  noise.at_p = predict_all(problem, p);
+  if (!noise.valid()) return noise;
+
+  std::vector<std::vector<const Prediction*>> predictions;
+  for (int d = 0; d < count_of(datasets); ++d) {
+    predictions.push_back(noise.at_p.segments(datasets[d], d));
+    const Alignment first = from.empty() ? unaligned(datasets[d]) : from[d];
+    noise.alignments.push_back(align(datasets[d], predictions[d], first, problem.settings));
+  }
+
+  const StartSlopes starts = start_slopes(problem, noise);
+  for (int d = 0; d < count_of(datasets); ++d)
+    noise.datasets.push_back(
+        dataset_noise(problem, p, d, predictions[d], starts, noise.alignments[d]));
+  return noise;
+}
+
+NoiseModel with_discrepancy_of(const NoiseModel& declared, NoiseModel noise) {
+  for (std::size_t d = 0; d < noise.datasets.size(); ++d)
+    for (std::size_t c = 0; c < noise.datasets[d].channels.size(); ++c)
+      noise.datasets[d].channels[c].discrepancy = declared.datasets[d].channels[c].discrepancy;
+  return noise;
+}
+
+NoiseModel with_discrepancy(const Problem& problem, NoiseModel noise) {
+  const double floor = problem.settings.discrepancy_floor,
+               share = problem.settings.discrepancy_share;
+  const std::vector<Vector> predicted = rows_of(problem, noise, noise.at_p);
+
+  for (int d = 0; d < count_of(noise.datasets); ++d) {
+    const ObservedDataset& observed = problem.observations.datasets[d];
+    const Vector measured = measured_rows(observed, noise.alignments[d]);
+    const Vector squares = square_gaps(observed, measured - predicted[d]);
+    for (int c = 0; c < squares.size(); ++c) {
+      ChannelNoise& channel = noise.datasets[d].channels[c];
+      const double scatter = channel.noise_floor * channel.noise_floor;
+      const double gap = std::max(0.0, squares[c] - scatter);
+      channel.discrepancy = std::sqrt(floor * floor * scatter + share * share * gap);
+    }
+  }
+
+  return noise;
+}
+
+std::vector<Vector> rows_of(const Problem& problem, const NoiseModel& noise,
+                            const PredictionSet& predictions) {
+  return rows_of(problem, noise.alignments, predictions);
+}
+
+}  // namespace jaculus::diagnosis

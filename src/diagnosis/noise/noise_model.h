@@ -1,0 +1,43 @@
+#pragma once
+// The noise model about one point of the parameters: predictions there, clocks, nuisances of every
+// segment and scatter of every channel. A value: later steps make another one about another point.
+
+#include <vector>
+
+#include "diagnosis/noise/channel_noise.h"
+#include "diagnosis/noise/nuisances.h"
+
+namespace jaculus::diagnosis {
+
+/// Noise of one dataset.
+struct DatasetNoise {
+  std::vector<ChannelNoise> channels;
+  std::vector<SegmentNuisances> nuisances;  ///< a segment each
+};
+
+struct NoiseModel {
+  Vector p;                           ///< about which
+  PredictionSet at_p;                 ///< not valid: there is no noise model
+  std::vector<Alignment> alignments;  ///< a dataset each
+  std::vector<DatasetNoise> datasets;
+
+  [[nodiscard]] bool valid() const { return at_p.valid; }
+};
+
+/// Predicts at p, aligns streams, builds nuisances and estimates the scatter of every channel.
+/// Alignment starts from the shifts of `from`, a dataset each (empty: from zero). No discrepancy is
+/// declared. Not valid where the simulation fails.
+NoiseModel estimate_noise(const Problem& problem, const Vector& p,
+                          const std::vector<Alignment>& from = {});
+
+/// The same with a declared discrepancy of each channel: settings.discrepancy_share of the gap at
+/// the noise model's point, rms, and settings.discrepancy_floor noise floors.
+NoiseModel with_discrepancy(const Problem& problem, NoiseModel noise);
+/// The same with the discrepancy that another noise model of the problem declares.
+NoiseModel with_discrepancy_of(const NoiseModel& declared, NoiseModel noise);
+
+/// Rows of all datasets by some predictions, aligned as the noise model has it.
+std::vector<Vector> rows_of(const Problem& problem, const NoiseModel& noise,
+                            const PredictionSet& predictions);
+
+}  // namespace jaculus::diagnosis

@@ -1,0 +1,184 @@
+#include "diagnosis/noise/whitening.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "diagnosis/noise/row_deviations.h"
+
+namespace jaculus::diagnosis {
+namespace {
+
+constexpr double kLeastEnergy =
+    1e-5;  // s^2 below which a direction shrinks by less than its rounding
+
+void add_span(const Problem& problem, const NoiseModel& noise, int dataset, const RowSpan& span,
+              const Prediction& prediction, int first, DatasetWhitening& out) {
+  const ObservedDataset& observed = problem.observations.datasets[dataset];
+  const double correlation = noise.datasets[dataset].channels[span.channel].correlation;
+  const double spacing = observed.channels[span.channel].spacing;
+  const Vector& time = observed.segments[span.segment].time[span.channel];
+  const Vector sigma = row_deviations(problem, noise, dataset, span, prediction);
+
+  for (int i = 0; i < span.count; ++i) {
+    // A row that may be off says nothing of the next.
+    const bool tells = i > 0 && sigma[i - 1] < problem.settings.uncertain_neighbour * sigma[i];
+    double rho = 0.0;
+    if (tells && correlation > 0.0)
+      rho = std::pow(correlation, std::max(1.0, (time[i] - time[i - 1]) / spacing));
+
+    out.previous[first + i] = i > 0 ? rho * sigma[i] / sigma[i - 1] : 0.0;
+    out.weight[first + i] = 1.0 / (sigma[i] * std::sqrt(1.0 - rho * rho));
+    out.sigma[first + i] = sigma[i];
+  }
+}
+
+/// Layout of the rows that take part, with weights.
+DatasetWhitening row_whitening(const Problem& problem, const NoiseModel& noise, int dataset,
+                               const std::vector<bool>& mask) {
+  const ObservedDataset& observed = problem.observations.datasets[dataset];
+  DatasetWhitening out;
+  for (const RowSpan& span : row_spans(observed)) {
+    if (!mask.empty() && !mask[span.segment]) continue;
+    if (out.blocks.empty() || out.blocks.back().segment != span.segment)
+      out.blocks.push_back({span.segment, out.rows, 0, {}});
+    out.spans.push_back(span);
+    out.blocks.back().count += span.count;
+    out.rows += span.count;
+  }
+
+  out.weight.resize(out.rows);
+  out.sigma.resize(out.rows);
+  out.previous.resize(out.rows);
+  const std::vector<const Prediction*> predictions = noise.at_p.segments(observed, dataset);
+  int first = 0;
+  for (const RowSpan& span : out.spans) {
+    add_span(problem, noise, dataset, span, *predictions[span.segment], first, out);
+    first += span.count;
+  }
+  return out;
+}
+
+/// Columns of the plant's faults on the rows that take part, white.
+Matrix fault_columns(const ObservedDataset& observed, const DatasetNoise& noise,
+                     const DatasetWhitening& whitening, int modes) {
+  Matrix raw = Matrix::Zero(observed.rows(), count_of(observed.channels) * modes);
+  for (const RowSpan& span : whitening.spans) {
+    const double discrepancy = noise.channels[span.channel].discrepancy;
+    if (discrepancy <= 0.0) continue;
+    const Vector& time = observed.segments[span.segment].time[span.channel];
+    raw.block(span.first, span.channel * modes, span.count, modes) =
+        discrepancy / std::sqrt(double(modes)) *
+        fault_modes(observed, observed.channels[span.channel], time, modes);
+  }
+
+  Matrix columns(whitening.rows, raw.cols());
+  for (Eigen::Index k = 0; k < raw.cols(); ++k) columns.col(k) = whitening.apply(raw.col(k));
+  return columns;
+}
+
+DatasetWhitening dataset_whitening(const Problem& problem, const NoiseModel& noise, int dataset,
+                                   const std::vector<bool>& mask) {
+  const ObservedDataset& observed = problem.observations.datasets[dataset];
+  DatasetWhitening out = row_whitening(problem, noise, dataset, mask);
+  out.prior_mean_rows = Vector::Zero(observed.rows());
+
+  for (int b = 0; b < count_of(out.blocks); ++b) {
+    const SegmentNuisances& own = noise.datasets[dataset].nuisances[out.blocks[b].segment];
+    out.prior_mean_rows.segment(own.first, own.count) = own.columns * own.mean;
+    out.blocks[b].nuisances = shrinkage(out.whiten_block(b, own.columns * own.scale.asDiagonal()));
+  }
+  if (!observed.measured_input)
+    out.shared = shrinkage(
+        fault_columns(observed, noise.datasets[dataset], out, problem.settings.discrepancy_modes));
+
+  return out;
+}
+
+}  // namespace
+
+void Shrinkage::apply(VectorRef x) const {
+  if (shrink.size() == 0) return;
+  const Vector along = shrink.cwiseProduct(U.transpose() * x);
+  x -= U * along;
+}
+
+Shrinkage shrinkage(const Matrix& A) {
+  if (A.cols() == 0 || A.rows() == 0) return {};
+  const Eigen::SelfAdjointEigenSolver<Matrix> solver(A.transpose() * A);
+  Eigen::Index kept = 0;
+  while (kept < A.cols() && solver.eigenvalues()[A.cols() - 1 - kept] > kLeastEnergy) ++kept;
+
+  const Vector energy = solver.eigenvalues().tail(kept);
+  const Vector inverse = energy.cwiseSqrt().cwiseInverse();
+  return {A * solver.eigenvectors().rightCols(kept) * inverse.asDiagonal(),
+          1.0 - (1.0 + energy.array()).sqrt().inverse()};
+}
+
+Vector DatasetWhitening::whiten(const Vector& raw) const {
+  Vector white(rows);
+  int first = 0;
+  for (const RowSpan& span : spans) {
+    for (int i = 0; i < span.count; ++i) {
+      const double before = i > 0 ? previous[first + i] * raw[span.first + i - 1] : 0.0;
+      white[first + i] = weight[first + i] * (raw[span.first + i] - before);
+    }
+    first += span.count;
+  }
+  return white;
+}
+
+Matrix DatasetWhitening::whiten_block(int block, const Matrix& raw) const {
+  // A segment's rows stand together, here and in `raw`; `previous` is zero where a span begins.
+  const SegmentBlock& own = blocks[block];
+  Matrix white = raw;
+  for (int i = own.count - 1; i > 0; --i)
+    white.row(i) -= previous[own.first + i] * white.row(i - 1);
+  return weight.segment(own.first, own.count).asDiagonal() * white;
+}
+
+int DatasetWhitening::block_of(int segment) const {
+  for (int b = 0; b < count_of(blocks); ++b)
+    if (blocks[b].segment == segment) return b;
+  return -1;
+}
+
+Vector DatasetWhitening::apply(const Vector& raw) const {
+  Vector white = whiten(raw);
+  for (const SegmentBlock& block : blocks)
+    block.nuisances.apply(white.segment(block.first, block.count));
+  shared.apply(white);
+  return white;
+}
+
+Vector Whitening::residual(const std::vector<Vector>& predicted) const {
+  std::vector<Vector> raw;
+  for (std::size_t d = 0; d < datasets.size(); ++d) raw.push_back(measured[d] - predicted[d]);
+  return apply(raw);
+}
+
+Vector Whitening::apply(const std::vector<Vector>& raw) const {
+  Vector white(rows);
+  int first = 0;
+  for (std::size_t d = 0; d < datasets.size(); ++d) {
+    white.segment(first, datasets[d].rows) = datasets[d].apply(raw[d]);
+    first += datasets[d].rows;
+  }
+  return white;
+}
+
+Whitening whitening_of(const Problem& problem, const NoiseModel& noise, const SegmentMask& mask) {
+  Whitening out;
+  out.alignments = noise.alignments;
+  for (int d = 0; d < count_of(problem.observations.datasets); ++d) {
+    const ObservedDataset& observed = problem.observations.datasets[d];
+    out.datasets.push_back(
+        dataset_whitening(problem, noise, d, mask.empty() ? std::vector<bool>() : mask[d]));
+    out.rows += out.datasets.back().rows;
+    out.measured.push_back(measured_rows(observed, noise.alignments[d]) -
+                           out.datasets.back().prior_mean_rows);
+  }
+  return out;
+}
+
+}  // namespace jaculus::diagnosis

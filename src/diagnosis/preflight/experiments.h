@@ -1,0 +1,30 @@
+#pragma once
+// Experiments that could follow the present one.
+//
+// The present one once more; the same by duty instead of torque, or the other way round, where the
+// plan has both; and, for a robot with a tail that has drag and a motor, the tail on a bench (base
+// held, half the battery's voltage to and fro) and a drop (full command on the tail from straight
+// back, legs as now).
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "diagnosis/forward/problem.h"
+#include "diagnosis/noise/noise_model.h"
+#include "jaculus/simulation/experiment.h"
+
+namespace jaculus::diagnosis {
+
+struct NamedExperiment {
+  std::string name;
+  simulation::Experiment experiment;
+};
+/// InputError where the robot or its stated controller does not allow the experiment.
+using ExperimentMaker = std::function<NamedExperiment()>;
+
+/// Sensors are as in the present data, whose `problem` and `noise` must outlive the makers.
+std::vector<ExperimentMaker> possible_experiments(const trajectory::Dataset& present,
+                                                  const Problem& problem, const NoiseModel& noise);
+
+}  // namespace jaculus::diagnosis

@@ -1,0 +1,256 @@
+#include "diagnosis/selection/fit.h"
+
+#include <ceres/ceres.h>
+#include <glog/logging.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <memory>
+#include <numbers>
+
+#include "diagnosis/forward/sensitivities.h"
+
+namespace jaculus::diagnosis {
+namespace {
+
+// Of a departure from nominal, tried for a lower valley: less by 4, 8, 15 and 25 %, and the inverse
+// of these, cut to two digits. Chosen, not tuned.
+constexpr double kAround[] = {0.75, 0.85, 0.92, 0.96, 1.04, 1.08, 1.17, 1.33};
+
+/// log Phi(x) of the standard normal, also far in its lower tail.
+double log_normal_cdf(double x) {
+  if (x > -8.0) return std::log(0.5 * std::erfc(-x / std::numbers::sqrt2));
+  return -0.5 * x * x - std::log(-x) - 0.5 * std::log(2.0 * std::numbers::pi);
+}
+
+/// log of the probability that a normal of this mean and deviation has within a range, also where
+/// that is far in a tail.
+double log_normal_mass(const Bounds& range, double mean, double deviation) {
+  double low = (range.lower - mean) / deviation, high = (range.upper - mean) / deviation;
+  if (low > 0.0)
+    std::swap(low = -low, high = -high);  // by the lower tail, where logarithms are exact
+  const double above = log_normal_cdf(low), all = log_normal_cdf(high);
+  return std::isinf(low) ? all : all + std::log1p(-std::exp(above - all));
+}
+
+/// The residual as a function of u, with differences; counts the simulations.
+class Residual {
+ public:
+  Residual(const Problem& problem, const Whitening& whitening, std::vector<int> free, Vector fixed)
+      : problem_(problem),
+        whitening_(whitening),
+        free_(std::move(free)),
+        fixed_(std::move(fixed)),
+        steps_(Vector::Constant(count_of(free_), problem.settings.first_step)) {}
+
+  [[nodiscard]] Bounds range(Eigen::Index i) const {
+    const FreeParameter& p = problem_.hypotheses.parameters[free_[i]];
+    return {(p.bounds.lower - p.nominal) / p.scale, (p.bounds.upper - p.nominal) / p.scale};
+  }
+  [[nodiscard]] Vector full(const Vector& u) const {
+    return problem_.hypotheses.unscaled(free_, u, fixed_);
+  }
+  [[nodiscard]] Vector reduced(const Vector& p) const {
+    return problem_.hypotheses.scaled(free_, p);
+  }
+
+  /// False where the simulation fails.
+  bool value(const Vector& u, Vector& r) {
+    ++predictions_;
+    const PredictionSet set = predict_all(problem_, full(u));
+    if (!set.valid) {
+      message_ = set.message;
+      return false;
+    }
+    rows_ = rows_of(problem_, whitening_.alignments, set);
+    r = whitening_.residual(rows_);
+    return true;
+  }
+
+  /// dr/du at the point of the last `value`.
+  bool jacobian(const Vector& u, Matrix& J) {
+    const Vector p = full(u);
+    J.resize(whitening_.rows, u.size());
+    for (Eigen::Index i = 0; i < u.size(); ++i) {
+      const double scale = problem_.hypotheses.parameters[free_[i]].scale;
+      ++predictions_;
+      const auto moved =
+          difference(problem_, whitening_.alignments, p, rows_, free_[i], steps_[i] * scale);
+      if (!moved) return false;
+      J.col(i) = whitening_.apply(moved->rows) * (-scale / moved->step);
+      steps_[i] = difference_step(J.col(i).norm(), problem_.settings);
+    }
+    return true;
+  }
+
+  [[nodiscard]] long predictions() const { return predictions_; }
+  [[nodiscard]] const std::string& message() const { return message_; }
+  [[nodiscard]] const std::vector<Vector>& predicted() const { return rows_; }
+  [[nodiscard]] int rows() const { return whitening_.rows; }
+  [[nodiscard]] Eigen::Index size() const { return count_of(free_); }
+
+ private:
+  const Problem& problem_;
+  const Whitening& whitening_;
+  std::vector<int> free_;
+  Vector fixed_, steps_;
+  std::vector<Vector> rows_;
+  long predictions_ = 0;
+  std::string message_;
+};
+
+/// Ceres' view: residual and prior rows below it.
+class Cost : public ceres::CostFunction {
+ public:
+  explicit Cost(Residual& residual) : residual_(residual) {
+    set_num_residuals(residual.rows() + count_of(residual));
+    mutable_parameter_block_sizes()->push_back(count_of(residual));
+  }
+  bool Evaluate(double const* const* parameters, double* residuals,
+                double** jacobians) const override {
+    const Vector u = Eigen::Map<const Vector>(parameters[0], residual_.size());
+    Vector r;
+    if (!residual_.value(u, r)) return false;
+    Eigen::Map<Vector>(residuals, r.size()) = r;
+    Eigen::Map<Vector>(residuals + r.size(), u.size()) = u;
+    if (jacobians == nullptr || jacobians[0] == nullptr) return true;
+    Matrix J;
+    if (!residual_.jacobian(u, J)) return false;
+    Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> all(
+        jacobians[0], r.size() + u.size(), u.size());
+    all.topRows(r.size()) = J;
+    all.bottomRows(u.size()).setIdentity();
+    return true;
+  }
+
+ private:
+  Residual& residual_;
+};
+
+/// Minimises from u; false where no point could be evaluated.
+bool minimise(Residual& residual, int iterations, const Settings& settings, Vector& u) {
+  FLAGS_minloglevel =
+      google::GLOG_FATAL;  // a simulation that fails is a status here, no message of a library
+  ceres::Problem::Options ownership;
+  ownership.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  Cost cost(residual);
+  ceres::Problem problem(ownership);
+  problem.AddResidualBlock(&cost, nullptr, u.data());
+  for (Eigen::Index i = 0; i < u.size(); ++i) {
+    const Bounds range = residual.range(i);
+    if (std::isfinite(range.lower))
+      problem.SetParameterLowerBound(u.data(), static_cast<int>(i), range.lower);
+    if (std::isfinite(range.upper))
+      problem.SetParameterUpperBound(u.data(), static_cast<int>(i), range.upper);
+  }
+
+  ceres::Solver::Options options;
+  options.max_num_iterations = iterations;
+  options.linear_solver_type = ceres::DENSE_QR;
+  options.function_tolerance = settings.fit_cost_tolerance;
+  options.parameter_tolerance = settings.fit_parameter_tolerance;
+  options.logging_type = ceres::SILENT;
+  options.num_threads = 1;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &problem, &summary);
+
+  return summary.IsSolutionUsable();
+}
+
+/// Curvature and evidence at the optimum; r, J are there.
+void complete(const Residual& residual, const Vector& u, Fit& fit) {
+  const Eigen::Index d = u.size();
+  fit.chi2 = fit.residual.squaredNorm();
+  fit.cost = 0.5 * fit.chi2 + 0.5 * u.squaredNorm();
+  fit.log_evidence = -fit.cost;
+  if (d == 0) return;
+  const Matrix H = fit.jacobian.transpose() * fit.jacobian + Matrix::Identity(d, d);
+  const Vector g = fit.jacobian.transpose() * fit.residual + u;
+  const Eigen::LLT<Matrix> llt(H);
+  fit.covariance = llt.solve(Matrix::Identity(d, d));
+  const Vector towards = fit.covariance * g;
+  fit.log_evidence += 0.5 * g.dot(towards) - llt.matrixLLT().diagonal().array().log().sum();
+  for (Eigen::Index i = 0; i < d; ++i) {
+    const Bounds range = residual.range(i);
+    fit.log_evidence += log_normal_mass(range, u[i] - towards[i], std::sqrt(fit.covariance(i, i)));
+    fit.log_evidence -= log_normal_mass(range, 0.0, 1.0);
+  }
+}
+
+}  // namespace
+
+Fit evaluate_model(const Problem& problem, const Whitening& whitening, const Vector& p) {
+  Fit fit;
+  fit.p = p;
+  Residual residual(problem, whitening, {}, p);
+  fit.jacobian.resize(whitening.rows, 0);
+  fit.valid = residual.value(Vector(), fit.residual);
+  fit.rows = residual.predicted();
+  fit.message = residual.message();
+  fit.predictions = 1;
+  if (fit.valid) complete(residual, Vector(), fit);
+  return fit;
+}
+
+Fit fit_model(const Problem& problem, const Whitening& whitening, const std::vector<int>& free,
+              const std::vector<Vector>& starts, const FitOptions& options) {
+  if (free.empty()) return evaluate_model(problem, whitening, starts.front());
+  const int iterations = options.iterations.value_or(problem.settings.fit_iterations);
+  Fit best;
+
+  long predictions = 0;
+  for (const Vector& start : starts) {
+    Residual residual(problem, whitening, free, start);
+    Vector u = residual.reduced(start);
+    Fit fit;
+    fit.free = free;
+    fit.valid = minimise(residual, iterations, problem.settings, u) &&
+                residual.value(u, fit.residual) && residual.jacobian(u, fit.jacobian);
+    predictions += residual.predictions();
+    if (!fit.valid) {
+      if (!best.valid) best.message = residual.message();
+      continue;
+    }
+    fit.p = residual.full(u);
+    fit.rows = residual.predicted();
+    complete(residual, u, fit);
+    if (!best.valid || fit.cost < best.cost) best = fit;
+    if (best.log_evidence >= options.enough) break;
+  }
+
+  best.predictions = predictions;
+  return best;
+}
+
+Fit fit_around(const Problem& problem, const Whitening& whitening, Fit fit,
+               const FitOptions& options) {
+  if (!fit.valid || fit.free.empty()) return fit;
+  const int first = fit.free.front();
+  const FreeParameter& own = problem.hypotheses.parameters[first];
+  Vector best;
+  double least = fit.cost - problem.settings.lower_valley;
+  for (const double factor : kAround) {
+    Vector p = fit.p;
+    p[first] = std::clamp(own.nominal + factor * (fit.p[first] - own.nominal), own.bounds.lower,
+                          own.bounds.upper);
+    if (p[first] == fit.p[first]) continue;
+    const Fit there = evaluate_model(problem, whitening, p);
+    ++fit.predictions;
+    if (!there.valid) continue;
+    const double cost = there.cost + 0.5 * problem.hypotheses.scaled(fit.free, p).squaredNorm();
+    if (cost >= least) continue;
+    least = cost;
+    best = p;
+  }
+
+  if (best.size() == 0) return fit;
+  Fit next = fit_model(problem, whitening, fit.free, {best}, options);
+  next.predictions += fit.predictions;
+  fit.predictions = next.predictions;
+
+  return next.valid && next.cost < fit.cost ? next : fit;
+}
+
+}  // namespace jaculus::diagnosis

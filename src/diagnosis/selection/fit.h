@@ -1,0 +1,64 @@
+#pragma once
+// Most probable parameters of a model, and its evidence.
+//
+//   u = (p - nominal)/scale of the free parameters,  cost(u) = |r(u)|^2/2 + |u|^2/2,
+//   r = T (y - A m - f(p)) (noise/whitening.h)
+// minimised by Ceres (Levenberg-Marquardt with bounds), Jacobian by forward differences through
+// simulation, backward at an upper end. Laplace's evidence, relative to that of white noise, with H
+// = J^T J + I, gradient g, mean mu = u - H^-1 g:
+//   log Z = -cost + g^T H^-1 g/2 - log det(H)/2
+//           + sum over one-sided parameters [log 2 + log Phi(+-mu_i/sqrt(H^-1_ii))]
+// so that a parameter which starts at its boundary carries half a prior and the part of its
+// posterior that the boundary leaves; g vanishes but for parameters held at a bound. Limits of
+// validity: one mode, nearly Gaussian in u; intervals are checked by profile.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "diagnosis/noise/whitening.h"
+
+namespace jaculus::diagnosis {
+
+struct Fit {
+  bool valid = false;
+  std::string message;       ///< why not valid
+  std::vector<int> free;     ///< indices of the free parameters
+  Vector p;                  ///< all parameters, at the optimum
+  std::vector<Vector> rows;  ///< predicted there, a dataset each [units of the rows]
+  Vector residual;           ///< r there
+  Matrix jacobian;           ///< dr/du, rows x free
+  Matrix covariance;         ///< of u, H^-1
+  double chi2 = 0.0;         ///< |r|^2
+  double cost = 0.0;         ///< at the optimum
+  double log_evidence = 0.0;
+  long predictions = 0;  ///< sets of simulations that it took
+};
+
+struct FitOptions {
+  std::optional<int> iterations{};  ///< at most, a start; else settings.fit_iterations
+  double enough = kInfinity;        ///< log evidence at which no further start is tried
+};
+
+/// Fits the parameters `free` from each of `starts` in turn (full vectors; their other entries
+/// count as fixed) and keeps the best.
+Fit fit_model(const Problem& problem, const Whitening& whitening, const std::vector<int>& free,
+              const std::vector<Vector>& starts, const FitOptions& options = {});
+
+/// Fixed parameters: r and log evidence alone.
+Fit evaluate_model(const Problem& problem, const Whitening& whitening, const Vector& p);
+
+/// The same fit, or the one that starts where the first free parameter's departure from nominal is
+/// somewhat smaller or larger (`kAround`), the others as they are, if the cost there is less by
+/// more than `lower_valley`: where a prediction jumps, an impact that crosses a row makes valleys
+/// of its own.
+Fit fit_around(const Problem& problem, const Whitening& whitening, Fit fit,
+               const FitOptions& options = {});
+
+/// 95 % interval of one free parameter: +-1.96 standard deviations, cut at the bounds, where the
+/// cost there rises as the curvature says within `profile_tolerance`; else ends where the profile
+/// (others refitted) has risen by 1.92.
+Bounds interval95(const Problem& problem, const Whitening& whitening, const Fit& fit,
+                  int parameter);
+
+}  // namespace jaculus::diagnosis

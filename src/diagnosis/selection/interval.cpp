@@ -1,0 +1,73 @@
+// 95 % intervals of parameters, checked by profile.
+
+#include <algorithm>
+#include <cmath>
+
+#include "diagnosis/noise/quantiles.h"
+#include "diagnosis/selection/fit.h"
+
+namespace jaculus::diagnosis {
+namespace {
+
+constexpr double kFailed = 1e100;  // cost where the simulation fails
+
+/// Cost at u_i = value with the others refitted; kFailed where it can't be had.
+double profile(const Problem& problem, const Whitening& whitening, const Fit& fit, int parameter,
+               double p_value) {
+  std::vector<int> others;
+  for (const int i : fit.free)
+    if (i != parameter) others.push_back(i);
+  Vector p = fit.p;
+  p[parameter] = p_value;
+  const int iterations = problem.settings.profile_iterations;
+  const Fit there = others.empty() ? evaluate_model(problem, whitening, p)
+                                   : fit_model(problem, whitening, others, {p}, {iterations});
+  const FreeParameter& own = problem.hypotheses.parameters[parameter];
+  const double u = (p_value - own.nominal) / own.scale;
+  return there.valid ? there.cost + 0.5 * u * u : kFailed;
+}
+
+/// End of the interval on one side.
+double interval_end(const Problem& problem, const Whitening& whitening, const Fit& fit,
+                    int parameter, double deviation, double side) {
+  const FreeParameter& own = problem.hypotheses.parameters[parameter];
+  const double from = fit.p[parameter],
+               rise = 0.5 * quantiles::kTwoSided95 * quantiles::kTwoSided95;
+  const double end = std::clamp(from + side * quantiles::kTwoSided95 * deviation, own.bounds.lower,
+                                own.bounds.upper);
+  if (end == from) return end;
+  const double share = (end - from) / (side * quantiles::kTwoSided95 * deviation);
+  const double risen = profile(problem, whitening, fit, parameter, end) - fit.cost;
+  const double expected = rise * share * share;
+  if (std::abs(risen - expected) < problem.settings.profile_tolerance * rise) return end;
+  double inside = from, outside = end;
+  const int doublings = problem.settings.profile_doublings;
+  for (int i = 0;
+       i < doublings && profile(problem, whitening, fit, parameter, outside) - fit.cost < rise;
+       ++i) {
+    inside = outside;
+    outside = std::clamp(from + 2.0 * (outside - from), own.bounds.lower, own.bounds.upper);
+    if (outside == inside) return outside;
+  }
+
+  for (int i = 0; i < problem.settings.profile_halvings; ++i) {
+    const double middle = 0.5 * (inside + outside);
+    (profile(problem, whitening, fit, parameter, middle) - fit.cost < rise ? inside : outside) =
+        middle;
+  }
+
+  return 0.5 * (inside + outside);
+}
+
+}  // namespace
+
+Bounds interval95(const Problem& problem, const Whitening& whitening, const Fit& fit,
+                  int parameter) {
+  const auto place = std::find(fit.free.begin(), fit.free.end(), parameter) - fit.free.begin();
+  const FreeParameter& own = problem.hypotheses.parameters[parameter];
+  const double deviation = own.scale * std::sqrt(fit.covariance(place, place));
+  return {interval_end(problem, whitening, fit, parameter, deviation, -1.0),
+          interval_end(problem, whitening, fit, parameter, deviation, 1.0)};
+}
+
+}  // namespace jaculus::diagnosis

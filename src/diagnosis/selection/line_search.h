@@ -1,0 +1,39 @@
+#pragma once
+// Line search of screening: how far along its first parameter an effect helps, beyond the reach of
+// slopes.
+//
+// Strong effects leave the reach of slopes (a tail that rebounds, air that no longer brakes), so
+// the first parameter also takes the steps u = its probing step times 1/8, 1/4, ... 8, both ways,
+// or 16 even spaces where its bounds are closer than that. With the base model's parameters moved
+// linearly,
+//   score(u) = log evidence there - u^2/2 - log(1 + |(r(u) - r)/u|^2)/2.
+// Effects with a threshold (slip, limits) do nothing up to it and soon too much: where what a step
+// changes is far beyond the proportion of the step before, and does harm, the space between the two
+// is halved until a step helps.
+
+#include "diagnosis/selection/fit.h"
+
+namespace jaculus::diagnosis {
+
+/// Linear Gaussian model r = G u + noise, u ~ N(0, I).
+struct LinearEvidence {
+  double log_evidence = 0.0;  ///< relative to r being noise
+  Vector mean;                ///< of u
+};
+LinearEvidence linear_evidence(const Matrix& G, const Vector& r);
+
+/// Probing step of a parameter from `value`, times `share`; inwards where it would leave the
+/// bounds.
+double probe_step(const FreeParameter& parameter, double value, double share);
+
+/// The best step of a line search.
+struct BestStep {
+  double u = kNaN;       ///< prior scales; NaN: none beats standing still
+  double score = 0.0;    ///< log evidence gained
+  long predictions = 0;  ///< sets of simulations that it took
+};
+/// Searches along parameter `first` from the base model.
+BestStep line_search(const Problem& problem, const Whitening& whitening, const Fit& base,
+                     int first);
+
+}  // namespace jaculus::diagnosis

@@ -1,0 +1,49 @@
+#pragma once
+// Screening: what each candidate could explain of a residual, from a few probing simulations and no
+// fit.
+//
+//   columns of a candidate: g_i = T (f(p + h_i) - f(p))/h_i, at a small step and at its probing
+//   step, because friction, play and limits are not linear from nominal on; second parameters (a
+//   damping) are probed with the first one set.
+//   score = log evidence of the linear Gaussian model with these columns and those of the base
+//   model, prior N(0, I) in u, less that of the base model alone:
+//       b^T A^-1 b/2 - log det(A)/2,   A = I + G^T G,   b = G^T r;
+//   or that of the best step of a line search (line_search.h), where it is larger.
+
+#include <vector>
+
+#include "diagnosis/selection/fit.h"
+
+namespace jaculus::diagnosis {
+
+/// Signatures of one candidate about a base model.
+struct Probe {
+  bool valid = false;
+  Matrix small, full;  ///< rows x parameters, per prior scale, at the two strengths
+  double score = -kInfinity;
+  Vector estimate;     ///< u of its parameters by the better linear model, within bounds
+  double step = kNaN;  ///< u of the first parameter by line search; NaN: none beats standing still
+  long predictions = 0;  ///< sets of simulations that it took
+};
+
+/// How thorough screening is: at the two steps, or by line search as well.
+enum class Screening { steps, line_search };
+
+/// Probes one candidate. Invalid where `base` has freed it, or where it has no influence on these
+/// data.
+Probe probe_candidate(const Problem& problem, const Whitening& whitening, const Fit& base,
+                      int candidate, Screening how);
+/// The same of every candidate, in parallel and in their order.
+std::vector<Probe> screen(const Problem& problem, const Whitening& whitening, const Fit& base,
+                          Screening how = Screening::steps);
+
+/// Where a fit of one more candidate may start: at the linear estimate, at the line search's step
+/// where there is one, at the probing step. The base model's parameters are `base`, p of all
+/// parameters.
+std::vector<Vector> fit_starts(const Problem& problem, const Vector& base, int candidate,
+                               const Probe& probe);
+
+/// Energy |.|^2 of a signature that the columns `own` can't reproduce.
+double unexplained_energy(const Vector& signature, const Matrix& own);
+
+}  // namespace jaculus::diagnosis

@@ -1,0 +1,271 @@
+#include "diagnosis/validation/held_out.h"
+
+#include <tbb/parallel_for.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <boost/math/distributions/students_t.hpp>
+#include <cmath>
+#include <optional>
+
+#include "diagnosis/forward/sensitivities.h"
+#include "diagnosis/validation/folds.h"
+
+namespace jaculus::diagnosis {
+namespace {
+
+/// Squares and counts of judged errors by dataset and channel.
+struct Errors {
+  std::vector<Vector> squares, counts;  ///< a dataset each, a channel each
+  double log_density = 0.0;             ///< of all judged rows together, less what no model changes
+
+  explicit Errors(const Problem& problem) {
+    for (const ObservedDataset& observed : problem.observations.datasets) {
+      squares.push_back(Vector::Zero(count_of(observed.channels)));
+      counts.push_back(squares.back());
+    }
+  }
+  void add(const Errors& other) {
+    log_density += other.log_density;
+    for (std::size_t d = 0; d < squares.size(); ++d) {
+      squares[d] += other.squares[d];
+      counts[d] += other.counts[d];
+    }
+  }
+  /// Root of the mean over channels of their mean squares.
+  [[nodiscard]] double overall() const {
+    double sum = 0.0, channels = 0.0;
+    for (std::size_t d = 0; d < squares.size(); ++d) {
+      for (Eigen::Index c = 0; c < squares[d].size(); ++c) {
+        if (counts[d][c] == 0.0) continue;
+        sum += squares[d][c] / counts[d][c];
+        channels += 1.0;
+      }
+    }
+    return channels > 0.0 ? std::sqrt(sum / channels) : kNaN;
+  }
+};
+
+/// -r^T (I + B B^T)^-1 r/2 of the white rows that are judged, B: what the prefix leaves open of the
+/// nuisances, C L^-T.
+double log_density(const Vector& white, const Vector& judged, const Matrix& columns,
+                   const Matrix& root) {
+  const Vector r = white.cwiseProduct(judged);
+  const Matrix open = root.triangularView<Eigen::Lower>().solve(columns.transpose()).transpose();
+  const Matrix B = judged.asDiagonal() * open;
+  const Vector along = B.transpose() * r;
+  const Matrix inner = B.transpose() * B + Matrix::Identity(B.cols(), B.cols());
+  return -0.5 * (r.squaredNorm() - along.dot(inner.llt().solve(along)));
+}
+
+/// One dataset's held-out segments, to be judged.
+struct Judge {
+  const ObservedDataset& observed;
+  const DatasetNoise& noise;
+  const DatasetWhitening& whitening;  ///< of all rows
+  double trained = 1.0;               ///< segments that the fold was fitted to
+
+  /// Adds the errors of a segment after its nuisances were estimated from its prefix.
+  void judge(int dataset, int segment, const Vector& residual, Errors& errors) const {
+    const SegmentNuisances& own = noise.nuisances[segment];
+    const int block = whitening.block_of(segment);
+    if (block < 0) return;
+
+    const Matrix scaled = own.columns * own.scale.asDiagonal();
+    const Vector prefix = prefix_rows(observed, own, segment);
+    // A row whose predecessor is in the prefix is in it by time order, so its correlation counts.
+    const Matrix white_columns = whitening.whiten_block(block, scaled);
+    const Vector about_mean = residual.segment(own.first, own.count) - own.columns * own.mean;
+    const Vector white = whitening.whiten_block(block, about_mean);
+    const NuisanceEstimate estimate =
+        estimate_nuisances(own, prefix.asDiagonal() * white_columns, prefix.cwiseProduct(white));
+
+    const Vector left = about_mean - own.columns * estimate.deviation;
+    const Vector judged = (1.0 - prefix.array()).matrix();
+    errors.log_density +=
+        log_density(whitening.whiten_block(block, left), judged, white_columns, estimate.root);
+    // What the prefix leaves open of the nuisances: each row's square sum is a variance.
+    const Matrix open =
+        estimate.root.triangularView<Eigen::Lower>().solve(scaled.transpose()).transpose();
+    for (const RowSpan& span : row_spans(observed)) {
+      if (span.segment != segment) continue;
+      for (int i = 0; i < span.count; ++i) {
+        const int row = span.first - own.first + i;
+        if (judged[row] == 0.0) continue;
+        const double sigma = whitening.sigma[span.first + i];
+        const double variance = sigma * sigma * (1.0 + 1.0 / trained) + open.row(row).squaredNorm();
+        errors.squares[dataset][span.channel] += left[row] * left[row] / variance;
+        errors.counts[dataset][span.channel] += 1.0;
+      }
+    }
+  }
+};
+
+/// A fitted model with its rows' slopes: what all folds share.
+struct Tangent {
+  const Fit& fit;
+  std::vector<std::vector<Vector>> slopes;  ///< d(rows)/du, a free parameter and a dataset each
+};
+
+/// Nothing where the simulation fails next to the fit.
+std::optional<Tangent> tangent_of(const Problem& problem, const Whitening& whitening,
+                                  const Fit& fit) {
+  Tangent tangent{fit, {}};
+  for (int i = 0; i < count_of(fit.free); ++i) {
+    const double scale = problem.hypotheses.parameters[fit.free[i]].scale;
+    const double step = difference_step(fit.jacobian.col(i).norm(), problem.settings);
+    auto moved =
+        difference(problem, whitening.alignments, fit.p, fit.rows, fit.free[i], step * scale);
+    if (!moved) return {};
+    for (Vector& own : moved->rows) own *= scale / moved->step;
+    tangent.slopes.push_back(std::move(moved->rows));
+  }
+  return tangent;
+}
+
+/// Gauss-Newton on the rows of a fold with the slopes of the whole, from where the whole was
+/// fitted: folds differ little. Returns the predicted rows at the best point reached.
+std::vector<Vector> refitted_rows(const Problem& problem, const Whitening& fold,
+                                  const Tangent& tangent) {
+  const std::vector<int>& free = tangent.fit.free;
+  const Eigen::Index size = count_of(free);
+  std::vector<Vector> best = tangent.fit.rows, rows = best;
+  if (size == 0) return best;
+
+  Matrix J(fold.rows, size);
+  for (Eigen::Index i = 0; i < size; ++i) J.col(i) = -fold.apply(tangent.slopes[i]);
+  const Eigen::LLT<Matrix> curvature(J.transpose() * J + Matrix::Identity(size, size));
+  Vector p = tangent.fit.p;
+  double least = kInfinity;
+  for (int step = 0;; ++step) {
+    Vector u = problem.hypotheses.scaled(free, p);
+    const Vector r = fold.residual(rows);
+    const double cost = r.squaredNorm() + u.squaredNorm();
+    if (cost < least) best = rows;
+    if (cost >= least || step == problem.settings.refit_steps) return best;
+
+    least = cost;
+    u -= curvature.solve(J.transpose() * r + u);
+    p = problem.hypotheses.unscaled(free, u, p);
+    const PredictionSet there = predict_all(problem, p);
+    if (!there.valid) return best;
+    rows = rows_of(problem, fold.alignments, there);
+  }
+}
+
+struct FoldErrors {
+  bool valid = false;
+  Errors before, after;
+};
+
+FoldErrors judge_fold(const Problem& problem, const Comparison& comparison, const SegmentMask& mask,
+                      const Tangent& none, const Tangent& model) {
+  FoldErrors result{false, Errors(problem), Errors(problem)};
+  const Whitening fold = whitening_of(problem, comparison.noise, mask);
+  if (fold.rows == 0) return result;
+
+  for (const auto& [tangent, errors] :
+       {std::pair(&none, &result.before), std::pair(&model, &result.after)}) {
+    const std::vector<Vector> predicted = refitted_rows(problem, fold, *tangent);
+    for (int d = 0; d < count_of(mask); ++d) {
+      const ObservedDataset& observed = problem.observations.datasets[d];
+      const auto trained = static_cast<double>(std::count(mask[d].begin(), mask[d].end(), true));
+      const bool alone = observed.measured_input || trained == 0.0;
+      const Judge judge{observed, comparison.noise.datasets[d], comparison.whitening.datasets[d],
+                        alone ? kInfinity : trained};
+      const Vector residual =
+          measured_rows(observed, comparison.noise.alignments[d]) - predicted[d];
+      for (int s = 0; s < count_of(mask[d]); ++s)
+        if (!mask[d][s]) judge.judge(d, s, residual, *errors);
+    }
+  }
+
+  result.valid = true;
+  return result;
+}
+
+double shrink_of(double before, double after) { return 1.0 - (after - 1.0) / (before - 1.0); }
+
+/// Student's t over the folds about `shrink`.
+Bounds shrink_interval(const std::vector<FoldErrors>& folds, double shrink, double least_gap) {
+  std::vector<double> shrinks;
+  for (const FoldErrors& fold : folds) {
+    const double before = fold.before.overall(), after = fold.after.overall();
+    if (fold.valid && before > least_gap && std::isfinite(after))
+      shrinks.push_back(shrink_of(before, after));
+  }
+  const auto n = static_cast<double>(shrinks.size());
+  if (n < 2.0) return {kNaN, kNaN};
+
+  double mean = 0.0, squares = 0.0;
+  for (const double s : shrinks) mean += s / n;
+  for (const double s : shrinks) squares += (s - mean) * (s - mean);
+  const double t = boost::math::quantile(boost::math::students_t(n - 1.0), 0.975);
+  const double half = t * std::sqrt(squares / (n - 1.0) / n);
+  return {shrink - half, shrink + half};
+}
+
+/// Root mean squares by channel, named by its dataset too where there are several.
+std::map<std::string, ChannelShrink> by_channel(const Problem& problem, const Errors& before,
+                                                const Errors& after) {
+  std::map<std::string, ChannelShrink> channels;
+  const bool several = before.squares.size() > 1;
+  for (int d = 0; d < count_of(before.squares); ++d) {
+    const ObservedDataset& observed = problem.observations.datasets[d];
+    const std::string prefix = several ? observed.name() + "." : "";
+    for (int c = 0; c < count_of(observed.channels); ++c) {
+      const double count = before.counts[d][c];
+      if (count == 0.0) continue;
+      const Channel& channel = observed.channels[c];
+      channels[prefix + channel.stream + "." + channel.name] = {
+          std::sqrt(before.squares[d][c] / count), std::sqrt(after.squares[d][c] / count)};
+    }
+  }
+  return channels;
+}
+
+}  // namespace
+
+HeldOut held_out(const Problem& problem, const Comparison& comparison, const Fit& none,
+                 const Fit& model) {
+  HeldOut out;
+  const Folds folds = folds_of(problem.observations, problem.settings);
+  out.over = folds.over;
+  if (folds.masks.empty()) return out;
+  const auto of_none = tangent_of(problem, comparison.whitening, none);
+  const auto of_model = tangent_of(problem, comparison.whitening, model);
+  if (!of_none || !of_model) return out;
+
+  std::vector<FoldErrors> judged(folds.masks.size(), {false, Errors(problem), Errors(problem)});
+  tbb::parallel_for(0, count_of(judged), [&](int f) {
+    judged[f] = judge_fold(problem, comparison, folds.masks[f], *of_none, *of_model);
+  });
+  Errors before(problem), after(problem);
+  for (const FoldErrors& fold : judged) {
+    if (!fold.valid) continue;
+    ++out.folds;
+    before.add(fold.before);
+    after.add(fold.after);
+  }
+  if (out.folds == 0) return out;
+
+  out.valid = true;
+  out.before = before.overall();
+  out.after = after.overall();
+  out.log_gain = after.log_density - before.log_density;
+  if (out.before >= problem.settings.plain_gap) {
+    out.shrink = shrink_of(out.before, out.after);
+    out.ci95 = shrink_interval(judged, *out.shrink, problem.settings.gap_of_fold);
+  }
+  out.channels = by_channel(problem, before, after);
+  return out;
+}
+
+const HeldOut& HeldOutGaps::of(const ModelFit& model) {
+  const auto known = gaps_.find(model.candidates);
+  if (known != gaps_.end()) return known->second;
+  return gaps_.emplace(model.candidates, held_out(problem_, comparison_, none_, model.fit))
+      .first->second;
+}
+
+}  // namespace jaculus::diagnosis

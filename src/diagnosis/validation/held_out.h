@@ -1,0 +1,45 @@
+#pragma once
+// Cross-validation of fitted models.
+//
+// Folds: over datasets where there are several, else over trials, else (one trial) over its windows
+// in time.
+// In a fold the model is fitted on the rest; a held-out segment's own nuisances (shift, start,
+// offsets) are estimated from its prefix alone:
+//   n = argmin |W (y - f - A n)|^2 over rows of the prefix + |(n - m)/s|^2,
+// and rows after it are judged by what may be predicted at all (P: covariance of n that the prefix
+// leaves):
+//   e_i = (y - f - A n)_i/sqrt(sigma_i^2 (1 + 1/n_train) + (A P A^T)_ii).
+// Log density of the judged rows jointly: N(0, W^-1 + A P A^T).
+// Gap: square root of the mean over channels of the mean square of e. Shrink = 1 - (after -
+// 1)/(before - 1), nothing where before < settings.plain_gap. Its interval is Student's t over the
+// folds.
+
+#include <map>
+#include <vector>
+
+#include "diagnosis/selection/search.h"
+#include "jaculus/diagnosis/held_out.h"
+
+namespace jaculus::diagnosis {
+
+/// Judges a fitted model (its free parameters refitted in each fold by Gauss-Newton steps from
+/// where they are) against the nominal one, in which only nuisances of whole datasets are fitted.
+/// Both fits are of `comparison`. Not valid where there are no folds or a simulation fails.
+HeldOut held_out(const Problem& problem, const Comparison& comparison, const Fit& none,
+                 const Fit& model);
+
+/// Held-out gaps of several models, each computed once.
+class HeldOutGaps {
+ public:
+  HeldOutGaps(const Problem& problem, const Comparison& comparison, const Fit& none)
+      : problem_(problem), comparison_(comparison), none_(none) {}
+  const HeldOut& of(const ModelFit& model);
+
+ private:
+  const Problem& problem_;
+  const Comparison& comparison_;
+  const Fit& none_;
+  std::map<std::vector<int>, HeldOut> gaps_;
+};
+
+}  // namespace jaculus::diagnosis

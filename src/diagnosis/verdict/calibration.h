@@ -1,0 +1,44 @@
+#pragma once
+// Probabilities as stated: how often such verdicts were right. The posterior knows noise and
+// starts, not what the plant itself gets wrong, so it is nearly always sure.
+//   rows of the ranking that the verdict reports: p = w x (their part of the reported rows'
+//   posterior);
+//   the others share 1 - w: unexplained, none, and the remaining effects by rank of their evidence,
+//   each half of the one before.
+// An effect's own probability is that of the reported rows that it is part of.
+
+#include <string>
+#include <vector>
+
+#include "jaculus/diagnosis/diagnosis.h"
+
+namespace jaculus::diagnosis {
+
+/// How often a verdict was right, counted on cases that no score of these rules rests on.
+struct Reliability {
+  Verdict verdict;
+  bool low_confidence;               ///< an effect that something speaks against (doubts)
+  int right, cases;                  ///< as counted
+  double stated;                     ///< probability that is stated for it
+  double unexplained, none, others;  ///< parts of the rest
+  const char* origin;                ///< robot and cases
+};
+const std::vector<Reliability>& reliabilities();
+
+/// Reasons for low confidence in the one effect that is reported: another predicts held-out data
+/// nearly as well, the gap was small from the start, or not all of it went. Empty for other
+/// verdicts.
+std::vector<std::string> doubts(Verdict verdict, const HeldOut& gap,
+                                const std::vector<FoundEffect>& effects,
+                                const std::vector<Ranked>& ranking, const Settings& settings);
+
+/// Effects and ranking with stated probabilities.
+struct Calibrated {
+  std::vector<FoundEffect> effects;
+  std::vector<Ranked> ranking;  ///< sums to 1, most probable first
+};
+/// As they come where nothing was counted for the verdict.
+Calibrated calibrate(Verdict verdict, bool low_confidence, std::vector<FoundEffect> effects,
+                     std::vector<Ranked> ranking);
+
+}  // namespace jaculus::diagnosis

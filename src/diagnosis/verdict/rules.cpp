@@ -1,0 +1,98 @@
+#include "diagnosis/verdict/rules.h"
+
+#include <algorithm>
+#include <array>
+
+#include "jaculus/core/error.h"
+
+namespace jaculus::diagnosis {
+namespace {
+
+constexpr std::array<const char*, 6> kTexts = {"insufficient", "none",    "unexplained",
+                                               "effect",       "several", "ambiguous"};
+
+bool named(const VerdictEvidence& e) { return e.naming != Naming::nothing; }
+
+bool one_trial(const VerdictEvidence& e, const Settings&) { return e.one_trial; }
+
+bool none_probable(const VerdictEvidence& e, const Settings& s) {
+  return !named(e) && e.none > s.likely;
+}
+
+bool small_gap(const VerdictEvidence& e, const Settings& s) {
+  if (!e.gap.valid || e.gap.before >= s.plain_gap) return false;
+  const double most = (1.0 - s.least_improvement_small_gap) * e.gap.before;
+  return e.gap.log_gain <= s.worth_small_gap || e.gap.after >= most;
+}
+
+bool unknown_structure(const VerdictEvidence& e, const Settings&) { return !named(e); }
+
+bool no_better_prediction(const VerdictEvidence& e, const Settings& s) {
+  if (!e.gap.valid || e.gap.before < s.plain_gap) return false;
+  const double most = (1.0 - s.least_improvement) * e.gap.before;
+  return e.gap.log_gain <= s.worth || e.gap.after >= most;
+}
+
+bool too_much_left(const VerdictEvidence& e, const Settings& s) {
+  if (!e.gap.valid || e.gap.after <= s.plain_gap) return false;
+  return e.gap.after > s.most_left || e.gap.shrink.value_or(1.0) < s.shrink_asked;
+}
+
+bool one_effect(const VerdictEvidence& e, const Settings&) {
+  return e.naming == Naming::sure && e.effects == 1;
+}
+
+bool several_effects(const VerdictEvidence& e, const Settings&) { return e.naming == Naming::sure; }
+
+bool rivals(const VerdictEvidence&, const Settings&) { return true; }
+
+}  // namespace
+
+const char* to_text(Verdict verdict) { return kTexts[static_cast<int>(verdict)]; }
+
+Verdict verdict_from(const std::string& text, const std::string& place) {
+  const auto found = std::find(kTexts.begin(), kTexts.end(), text);
+  if (found == kTexts.end())
+    throw InputError(
+        place + ": '" + text +
+        "' given; allowed: insufficient, none, unexplained, effect, several, ambiguous");
+  return static_cast<Verdict>(found - kTexts.begin());
+}
+
+const std::vector<VerdictRule>& verdict_rules() {
+  static const std::vector<VerdictRule> rules = {
+      {"one trial", Verdict::insufficient,
+       "one trial: its noise can only be guessed from its own roughness, so no cause is stated; "
+       "record "
+       "three or more",
+       one_trial},
+      {"none probable", Verdict::none, "", none_probable},
+      {"small gap", Verdict::none,
+       "the fit prefers a model with effects, but the nominal one predicts held-out data nearly to "
+       "the "
+       "noise, and the fit hardly better: no gap is claimed (settings plain_gap, worth_small_gap, "
+       "least_improvement_small_gap)",
+       small_gap},
+      {"unknown structure", Verdict::unexplained, "", unknown_structure},
+      {"no better prediction", Verdict::unexplained,
+       "the fitted effects predict held-out data no better than the nominal model does (settings "
+       "worth, "
+       "least_improvement)",
+       no_better_prediction},
+      {"too much left", Verdict::unexplained,
+       "the fitted effects leave too much of the gap (settings most_left, plain_gap, shrink_asked)",
+       too_much_left},
+      {"one effect", Verdict::effect, "", one_effect},
+      {"several effects", Verdict::several, "", several_effects},
+      {"rivals", Verdict::ambiguous, "", rivals}};
+
+  return rules;
+}
+
+const VerdictRule& decide(const VerdictEvidence& evidence, const Settings& settings) {
+  const std::vector<VerdictRule>& rules = verdict_rules();
+  return *std::find_if(rules.begin(), rules.end(),
+                       [&](const VerdictRule& rule) { return rule.applies(evidence, settings); });
+}
+
+}  // namespace jaculus::diagnosis

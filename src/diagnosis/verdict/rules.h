@@ -1,0 +1,35 @@
+#pragma once
+// The verdict: one ordered table of rules, of which the first that applies decides.
+
+#include <string>
+#include <vector>
+
+#include "diagnosis/verdict/proposal.h"
+#include "jaculus/diagnosis/verdict.h"
+
+namespace jaculus::diagnosis {
+
+/// What a verdict is decided on.
+struct VerdictEvidence {
+  bool one_trial = false;    ///< of one dataset, whose noise nothing tells
+  double none = 0.0;         ///< posterior probability
+  double unexplained = 0.0;  ///< posterior probability of something unknown
+  Naming naming = Naming::nothing;
+  int effects = 0;  ///< how many are proposed
+  HeldOut gap;      ///< of the chosen model against the nominal one
+};
+
+struct VerdictRule {
+  const char* name;
+  Verdict verdict;
+  const char* reason;  ///< for users; empty where the verdict says it all
+  bool (*applies)(const VerdictEvidence& evidence, const Settings& settings);
+};
+
+/// In order; the last one always applies.
+const std::vector<VerdictRule>& verdict_rules();
+
+/// The first rule that applies.
+const VerdictRule& decide(const VerdictEvidence& evidence, const Settings& settings);
+
+}  // namespace jaculus::diagnosis

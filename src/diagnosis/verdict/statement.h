@@ -1,0 +1,29 @@
+#pragma once
+// The parts of a diagnosis that state a verdict: effects with their parameters, and the ranking.
+
+#include <memory>
+
+#include "diagnosis/validation/held_out.h"
+#include "diagnosis/verdict/proposal.h"
+#include "jaculus/diagnosis/diagnosis.h"
+
+namespace jaculus::diagnosis {
+
+/// What a verdict states of a selection.
+struct Statement {
+  Verdict verdict = Verdict::insufficient;
+  std::string rule;
+  std::vector<std::string> reasons;
+  std::vector<FoundEffect> effects;
+  std::vector<Ranked> ranking;
+  HeldOut gap;
+  std::vector<FittedModel> rivals;
+  FittedModel none, model;
+  Posterior posterior;  ///< as held-out data leave it
+};
+
+/// Judges a selection by held-out data and states what follows. `one_trial`: nothing tells the
+/// noise.
+Statement state_verdict(const Problem& problem, const Selection& selection, bool one_trial);
+
+}  // namespace jaculus::diagnosis

@@ -1,0 +1,239 @@
+// One prediction against its truth.
+
+#include "evaluation/case_score.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "jaculus/effects/select.h"
+
+namespace jaculus::evaluation {
+
+using diagnosis::Verdict;
+
+bool names_truth(const CaseTruth& truth, const std::string& effect) {
+  const auto in = [&](const std::vector<std::string>& list) {
+    return std::find(list.begin(), list.end(), effect) != list.end();
+  };
+  return truth.kind != "outside" && (in(truth.effects) || in(truth.equivalent));
+}
+
+bool is_alarm(const Prediction& prediction) {
+  return prediction.verdict == Verdict::effect || prediction.verdict == Verdict::several ||
+         prediction.verdict == Verdict::ambiguous;
+}
+
+bool is_parted(const CaseTruth& truth) {
+  constexpr double kApart = 0.02;  // [rad]
+  return truth.kind != "outside" && truth.kind != "mixed" && truth.legs_apart > kApart;
+}
+
+std::string truth_label(const CaseTruth& truth) {
+  if (truth.kind == "none" || truth.kind == "outside") return truth.kind;
+  std::string label;
+  for (const std::string& effect : truth.effects) label += (label.empty() ? "" : " + ") + effect;
+  return label;
+}
+
+namespace {
+
+constexpr double kLeastProbability = 1e-3;
+
+/// As stated for a named effect, brought to a sum of one where more is claimed; else as ranked.
+double effect_probability(const Prediction& prediction, const std::string& name) {
+  double claimed = 0.0, stated = -1.0;
+  for (const NamedEffect& e : prediction.effects) {
+    claimed += e.probability;
+    if (e.name == name) stated = e.probability;
+  }
+  if (stated >= 0.0 && prediction.verdict != Verdict::several)
+    return stated / std::max(1.0, claimed);
+  const auto ranked = prediction.ranking.find(name);
+  return ranked == prediction.ranking.end() ? 0.0 : ranked->second;
+}
+
+/// Probability of "none" or "unexplained": as ranked, else what the effects leave, given to the
+/// verdict if it is one of the two.
+double abstention_probability(const Prediction& prediction, Verdict which) {
+  const auto ranked = prediction.ranking.find(to_text(which));
+  if (ranked != prediction.ranking.end()) return ranked->second;
+  const Verdict other = which == Verdict::none ? Verdict::unexplained : Verdict::none;
+
+  double taken = 0.0;
+  for (const auto& [name, p] : prediction.ranking) taken += p;
+  if (prediction.ranking.empty()) {
+    for (const NamedEffect& e : prediction.effects) taken += e.probability;
+  }
+  const double left = std::max(0.0, 1.0 - taken);
+  if (prediction.ranking.count(to_text(other)) != 0 || prediction.verdict == which) return left;
+  return prediction.verdict == other ? 0.0 : 0.5 * left;
+}
+
+/// Parts of a ranked set, "a + b".
+std::vector<std::string> parts_of(const std::string& ranked) {
+  std::vector<std::string> parts;
+  for (std::size_t from = 0;;) {
+    const std::size_t to = ranked.find(" + ", from);
+    parts.push_back(ranked.substr(from, to == std::string::npos ? to : to - from));
+    if (to == std::string::npos) return parts;
+    from = to + 3;
+  }
+}
+
+/// Of all ranked sets of two that hold the true two, an equivalent of one counting as it.
+double pair_probability(const CaseTruth& truth, const Prediction& prediction) {
+  double sum = 0.0;
+  for (const auto& [ranked, p] : prediction.ranking) {
+    const std::vector<std::string> parts = parts_of(ranked);
+    const auto true_part = [&](const std::string& part) { return names_truth(truth, part); };
+    const bool one_is_true =
+        std::any_of(truth.effects.begin(), truth.effects.end(), [&](const std::string& effect) {
+          return std::find(parts.begin(), parts.end(), effect) != parts.end();
+        });
+    if (parts.size() == 2 && one_is_true && std::all_of(parts.begin(), parts.end(), true_part))
+      sum += p;
+  }
+  return std::min(sum, 1.0);
+}
+
+double truth_probability(const CaseTruth& truth, const Prediction& prediction) {
+  if (truth.kind == "none") return abstention_probability(prediction, Verdict::none);
+  if (truth.kind == "outside") return abstention_probability(prediction, Verdict::unexplained);
+  if (truth.kind == "pair") return pair_probability(truth, prediction);
+  if (truth.effects.empty()) return 0.0;
+  double sum = effect_probability(prediction, truth.effects.front());
+  for (const std::string& name : truth.equivalent) {
+    if (name != truth.effects.front()) sum += effect_probability(prediction, name);
+  }
+  return std::min(sum, 1.0);
+}
+
+int members_named(const CaseTruth& truth, const Prediction& prediction) {
+  int named = 0;
+  for (const NamedEffect& effect : prediction.effects)
+    named += names_truth(truth, effect.name) ? 1 : 0;
+  return named;
+}
+
+double credit_of(const CaseTruth& truth, const Prediction& prediction) {
+  if (truth.kind == "none") return prediction.verdict == Verdict::none ? 1.0 : 0.0;
+  if (truth.kind == "outside") return prediction.verdict == Verdict::unexplained ? 1.0 : 0.0;
+  if (!is_alarm(prediction)) return 0.0;
+  const int size = count_of(prediction.effects);
+  const int named = members_named(truth, prediction);
+  if (named == 0) return 0.0;
+  if (truth.kind == "single" || truth.kind == "mixed") return 1.0 / (1 + size - named);
+  return static_cast<double>(std::min(named, 2)) / std::max(2, size);
+}
+
+const NamedEffect* most_probable(const Prediction& prediction) {
+  const auto top =
+      std::max_element(prediction.effects.begin(), prediction.effects.end(),
+                       [](const auto& a, const auto& b) { return a.probability < b.probability; });
+  return top == prediction.effects.end() ? nullptr : &*top;
+}
+
+void state(const CaseTruth& truth, const Prediction& prediction, CaseScore& score) {
+  score.stated = prediction.verdict ? to_text(*prediction.verdict) : "failed";
+  if (!is_alarm(prediction)) {
+    const bool judged =
+        prediction.verdict == Verdict::none || prediction.verdict == Verdict::unexplained;
+    score.confidence = judged ? abstention_probability(prediction, *prediction.verdict) : 0.0;
+    // Legs that part are nothing that a model in the plane holds: to name nothing is right.
+    const bool beyond_plane = is_parted(truth) && prediction.verdict == Verdict::unexplained;
+    score.right = score.top1 = score.credit == 1.0 || beyond_plane;
+    return;
+  }
+
+  const NamedEffect* top = most_probable(prediction);
+  if (top == nullptr) return;
+  const int named = members_named(truth, prediction);
+  score.stated = top->name;
+  score.top1 = names_truth(truth, top->name);
+  score.right = named > 0;
+  if (prediction.verdict == Verdict::several) {
+    score.stated.clear();
+    score.confidence = 1.0;
+    for (const NamedEffect& e : prediction.effects) {
+      score.stated += (score.stated.empty() ? "" : " + ") + e.name;
+      score.confidence *= e.probability;
+    }
+    score.right = truth.kind == "pair" && named == 2 && prediction.effects.size() == 2;
+    return;
+  }
+
+  for (const NamedEffect& e : prediction.effects) score.confidence += e.probability;
+  score.confidence = std::min(score.confidence, 1.0);
+}
+
+/// Estimates of rightly named effects against the true parameters, in the catalogue's own terms.
+void judge_parameters(const CaseTruth& truth, const Prediction& prediction, CaseScore& score) {
+  for (std::size_t t = 0; t < truth.effects.size() && t < truth.parameters.size(); ++t) {
+    const effects::Effect* effect = effects::find_effect(truth.effects[t]);
+    if (effect == nullptr) continue;
+    const auto named = std::find_if(prediction.effects.begin(), prediction.effects.end(),
+                                    [&](const NamedEffect& e) { return e.name == effect->name; });
+    if (named == prediction.effects.end()) continue;
+
+    for (std::size_t i = 0; i < effect->parameters.size() && i < truth.parameters[t].size(); ++i) {
+      const effects::EffectParameter& p = effect->parameters[i];
+      const std::string& shown = p.shown_name();
+      const double actual = truth.parameters[t][i];
+      const auto value = named->parameters.find(shown);
+      if (std::isnan(actual) || value == named->parameters.end() || std::isnan(value->second))
+        continue;
+      if (i == 0 && truth.kind == "single" && actual != p.nominal)
+        score.parameter_error =
+            std::abs(effects::own_value(p, value->second) - actual) / std::abs(actual - p.nominal);
+      const auto ci = named->ci95.find(shown);
+      if (ci == named->ci95.end()) continue;
+      ++score.parameters_judged;
+      if (ci->second.contains(effects::shown_value(p, actual))) ++score.parameters_covered;
+    }
+  }
+}
+
+bool component_right(const CaseTruth& truth, const Prediction& prediction) {
+  const auto largest =
+      std::max_element(prediction.components.begin(), prediction.components.end(),
+                       [](const auto& a, const auto& b) { return a.second < b.second; });
+  if (largest == prediction.components.end()) return false;
+  if (largest->first == truth.component) return true;
+  for (const std::string& name : truth.effects) {
+    const effects::Effect* effect = effects::find_effect(name);
+    if (effect == nullptr) continue;
+    for (int c = 0; c < effects::kComponentCount; ++c) {
+      const auto component = static_cast<effects::Component>(c);
+      if (effect->acts_in(component) && largest->first == effects::component_name(component))
+        return true;
+    }
+  }
+  return false;
+}
+
+/// Of the gap's energy above one floor: what is explained over what the true effects explain.
+double energy_ratio(const CaseTruth& truth, const Prediction& prediction) {
+  const auto above = [](double gap) { return std::max(0.0, gap * gap - 1.0); };
+  const double before = above(prediction.gap_before);
+  const double possible = before - above(truth.possible_after_gap);
+  if (!(before > 0.0) || !(possible > 0.0)) return kNaN;
+  return (before - above(prediction.gap_after)) / possible;
+}
+
+}  // namespace
+
+CaseScore score_case(const CaseTruth& truth, const Prediction& prediction) {
+  CaseScore score;
+  score.credit = credit_of(truth, prediction);
+  score.log_score = std::log(std::max(kLeastProbability, truth_probability(truth, prediction)));
+  state(truth, prediction, score);
+  score.component_right = component_right(truth, prediction);
+  judge_parameters(truth, prediction, score);
+  if (truth.possible_after_gap > 0.0)
+    score.shrink_ratio = prediction.gap_after / truth.possible_after_gap;
+  score.energy_ratio = energy_ratio(truth, prediction);
+  score.remainder = prediction.remainder;
+  return score;
+}
+
+}  // namespace jaculus::evaluation

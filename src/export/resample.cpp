@@ -1,0 +1,138 @@
+// Resampling of a plan at a fixed rate, and its limits afterwards.
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+#include "jaculus/components/motor.h"
+#include "jaculus/export/export.h"
+
+namespace jaculus::exporting {
+namespace {
+
+// a plan that stands on its limit stays there within what a resampling shifts it
+constexpr double kLimitMargin = 1e-3;
+
+using trajectory::Quantity;
+using Values = Eigen::Ref<const Vector>;
+
+/// The row in force at `t`: the last one that is not later, so that at the border of two phases the
+/// later one counts.
+Eigen::Index row_at(const Values& time, double t) {
+  const double* begin = time.data();
+  const auto after = std::upper_bound(begin, begin + time.size(), t) - begin;
+  return std::max<Eigen::Index>(0, after - 1);
+}
+
+/// Cubic through positions and velocities at both ends of the interval that holds t; returns
+/// {position, velocity}.
+Vec2 cubic(const Values& time, const Values& p, const Values& v, double t) {
+  const Eigen::Index i = row_at(time, t);
+  if (i + 1 >= time.size()) return {p[i], v[i]};
+  const double h = time[i + 1] - time[i];
+  const double s = (t - time[i]) / h;
+  const double slope = (p[i + 1] - p[i]) / h;
+  const double c2 = 3.0 * slope - 2.0 * v[i] - v[i + 1];
+  const double c3 = v[i] + v[i + 1] - 2.0 * slope;
+  return {p[i] + h * s * (v[i] + s * (c2 + s * c3)), v[i] + s * (2.0 * c2 + 3.0 * s * c3)};
+}
+
+double torque_at(const Values& time, const Values& torque, double t, bool linear) {
+  const Eigen::Index i = row_at(time, t);
+  if (!linear || i + 1 >= time.size() || time[i + 1] <= time[i]) return torque[i];
+  return torque[i] + (t - time[i]) / (time[i + 1] - time[i]) * (torque[i + 1] - torque[i]);
+}
+
+model::PlanarMotor motor_of(const solver::MotorFigures& f) {
+  model::PlanarMotor motor;
+  motor.joint = f.joint;
+  motor.torque_constant = f.torque_constant;
+  motor.resistance = f.resistance;
+  motor.saturation_linear = f.saturation_linear;
+  motor.saturation_cubic = f.saturation_cubic;
+  motor.gear = f.gear;
+  motor.efficiency = f.efficiency;
+  return motor;
+}
+
+/// Keeps the largest absolute value and when it occurred.
+void raise(LimitCheck& check, double value, double time) {
+  if (std::abs(value) <= check.peak) return;
+  check.peak = std::abs(value);
+  check.time = time;
+}
+
+/// One motor at joint side, with what its limits saw.
+ExportedMotor sample(const Source& source, const solver::MotorFigures& figures, const Export& plan,
+                     std::vector<LimitCheck>& checks) {
+  const trajectory::Table& table = source.table;
+  const Vector time = table.values.col(table.column("time"));
+  const Vector p = table.values.col(table.column(figures.joint));
+  const Vector v = table.values.col(table.column(figures.joint + "_velocity"));
+  const Vector tau = table.values.col(table.column(figures.joint + "_torque"));
+  const model::PlanarMotor motor = motor_of(figures);
+  const double t0 = time[0];
+  LimitCheck torque{figures.joint, Quantity::torque, "N m", 0.0, 0.0, figures.torque_limit, false};
+  LimitCheck current{figures.joint, Quantity::current, "A", 0.0, 0.0, figures.current_limit, false};
+  LimitCheck voltage{figures.joint, Quantity::voltage, "V", 0.0, 0.0, figures.voltage_limit, false};
+  ExportedMotor out;
+  out.joint = figures.joint;
+  out.count = figures.count;
+
+  for (const double t : plan.time) {
+    const Vec2 state = cubic(time, p, v, t0 + t);
+    const double held =
+        torque_at(time, tau, t0 + t, source.hold == transcription::InputHold::linear);
+    out.position.push_back(state[0]);
+    out.velocity.push_back(state[1]);
+    out.torque.push_back(held);
+    if (!source.limits_known) continue;
+    out.current.push_back(components::motor_current(motor, held));
+    out.voltage.push_back(components::motor_voltage(motor, held, state[1]).value);
+    const double end = std::min(t + 1.0 / plan.rate, plan.duration);
+    raise(torque, held / (motor.gear * motor.efficiency), t);
+    raise(current, out.current.back(), t);
+    raise(voltage, out.voltage.back(), t);
+    raise(voltage, components::motor_voltage(motor, held, cubic(time, p, v, t0 + end)[1]).value,
+          end);
+  }
+
+  if (source.limits_known) {
+    for (LimitCheck* check : {&torque, &current, &voltage}) {
+      check->exceeded = check->peak > check->limit * (1.0 + kLimitMargin);
+      checks.push_back(*check);
+    }
+  }
+
+  return out;
+}
+
+void to_motor_side(ExportedMotor& motor, const solver::MotorFigures& figures) {
+  for (double& position : motor.position) position *= figures.gear;
+  for (double& velocity : motor.velocity) velocity *= figures.gear;
+  for (double& torque : motor.torque) torque /= figures.gear * figures.efficiency;
+}
+
+}  // namespace
+
+Export resample(const Source& source, double rate, Side side) {
+  assert(rate > 0.0);
+  const auto time = source.table.values.col(source.table.column("time"));
+  Export plan;
+  plan.name = source.name;
+  plan.rate = rate;
+  plan.duration = time[time.size() - 1] - time[0];
+  plan.side = side;
+  plan.plan_hold = source.hold;
+  constexpr double kRounding = 1e-9;  // a sample that falls on the end but for rounding is one
+  const auto samples =
+      static_cast<std::size_t>(std::floor(plan.duration * rate * (1.0 + kRounding))) + 1;
+  for (std::size_t k = 0; k < samples; ++k) plan.time.push_back(static_cast<double>(k) / rate);
+  for (const solver::MotorFigures& figures : source.motors) {
+    plan.motors.push_back(sample(source, figures, plan, plan.checks));
+    if (side == Side::motor) to_motor_side(plan.motors.back(), figures);
+  }
+  return plan;
+}
+
+}  // namespace jaculus::exporting

@@ -1,0 +1,50 @@
+#include "simulation/experiment/channel_values.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+namespace jaculus::simulation {
+
+MotorChannel motor_channel(const model::PlanarModel& model, const std::string& name) {
+  if (const int m = model.motor_index(name); m >= 0) return {m, Quantity::position};
+
+  const trajectory::ChannelName parts = trajectory::parse_channel(name);
+  return {model.motor_index(parts.of), parts.quantity};
+}
+
+Eigen::RowVectorXd raw_channel(const model::PlanarModel& model, const Simulation& s,
+                               const std::string& name) {
+  if (const auto [m, quantity] = motor_channel(model, name); m >= 0) {
+    if (quantity == Quantity::position) return s.motor_position.row(m);
+    if (quantity == Quantity::velocity) return s.motor_velocity.row(m);
+    if (quantity == Quantity::torque) return s.torque.row(m);
+    if (quantity == Quantity::current) return s.current.row(m);
+    if (quantity == Quantity::voltage) return s.voltage.row(m);
+    if (quantity == Quantity::duty)
+      return s.voltage.row(m).array() / s.bus_voltage.transpose().array();
+  }
+
+  if (name == "bus_voltage") return s.bus_voltage.transpose();
+  if (name == "imu_pitch") return s.q.row(model.coordinate_index("pitch"));
+  if (name == "imu_pitch_velocity") return s.v.row(model.coordinate_index("pitch"));
+  if (const int i = model.coordinate_index(name); i >= 0) return s.q.row(i);
+
+  const trajectory::ChannelName parts = trajectory::parse_channel(name);
+  const int i = parts.quantity == Quantity::velocity ? model.coordinate_index(parts.of) : -1;
+  assert(i >= 0 && "channels are checked where they are read");
+  return s.v.row(i);
+}
+
+double interpolate(const Eigen::Ref<const Eigen::RowVectorXd, 0, Eigen::InnerStride<>>& values,
+                   double step, double time) {
+  if (values.size() == 1) return values[0];
+  const int last = count_of(values) - 1;
+  const double place = std::clamp<double>(time / step, 0.0, last);
+  const double whole = std::min(std::floor(place), last - 1.0);
+  const double share = place - whole;
+  const Eigen::Index left = std::lround(whole);
+  return (1.0 - share) * values[left] + share * values[left + 1];
+}
+
+}  // namespace jaculus::simulation

@@ -1,0 +1,28 @@
+#pragma once
+// What a sensor could show of a simulation at best: values of its channels, and those between the
+// samples.
+
+#include <string>
+
+#include "jaculus/simulation/simulate.h"
+
+namespace jaculus::simulation {
+
+/// A channel of a motor: "front_a_torque".
+struct MotorChannel {
+  int motor = -1;  ///< -1: of no motor
+  Quantity quantity = Quantity::position;
+};
+MotorChannel motor_channel(const model::PlanarModel& model, const std::string& name);
+
+/// One channel of a simulation, a value a sample: a motor's position, velocity, torque, current,
+/// voltage or duty, bus_voltage, imu_pitch, imu_pitch_velocity, a coordinate or its velocity.
+/// Misuse: others.
+Eigen::RowVectorXd raw_channel(const model::PlanarModel& model, const Simulation& simulation,
+                               const std::string& name);
+
+/// Linear between values on a uniform grid from zero, held at its ends.
+double interpolate(const Eigen::Ref<const Eigen::RowVectorXd, 0, Eigen::InnerStride<>>& values,
+                   double step, double time);
+
+}  // namespace jaculus::simulation

@@ -1,0 +1,134 @@
+#include "jaculus/simulation/experiment.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "jaculus/core/error.h"
+#include "jaculus/core/tasks.h"
+#include "simulation/experiment/sensors.h"
+#include "simulation/plant/named_values.h"
+
+namespace jaculus::simulation {
+namespace {
+
+/// The start with scattered coordinates, feet lowered to the floor again.
+StartState scattered_start(const Experiment& experiment, const Plant& plant,
+                           const Controller& controller, Random& random) {
+  StartState start = reference_start(plant, controller.reference);
+  if (experiment.scatter.empty()) return start;
+  Reference reference = controller.reference;
+  reference.initial.clear();
+  for (int i = 0; i < plant.model.size(); ++i) {
+    const std::string& name = plant.model.coordinates[i].name;
+    reference.initial[name] = start.q[i];
+    if (const auto spread = experiment.scatter.find(name); spread != experiment.scatter.end())
+      reference.initial[name] += random.draw(spread->second);
+  }
+  return reference_start(plant, reference);
+}
+
+}  // namespace
+
+double command_duration(const trajectory::Dataset& dataset) {
+  if (dataset.plan)
+    return dataset.plan->values(dataset.plan->values.rows() - 1, dataset.plan->column("time"));
+  return dataset.script->time[dataset.script->time.size() - 1];
+}
+
+model::Robot overridden_robot(const trajectory::Dataset& dataset) {
+  std::vector<model::Override> overrides;
+  const std::string place = (dataset.folder / "override").string();
+  for (const auto& [path, text] : dataset.overrides)
+    overrides.push_back({path, yaml::Node::parse(text, place)});
+  return model::read_robot(model::find_robot(dataset.robot, dataset.folder), overrides);
+}
+
+model::Robot dataset_robot(const trajectory::Dataset& dataset) {
+  model::Robot robot = overridden_robot(dataset);
+  if (dataset.experiment != trajectory::ExperimentKind::tail_bench) return robot;
+
+  std::vector<std::string> commanded;
+  if (dataset.script) commanded = dataset.script->joints;
+  if (!dataset.script) commanded = {"tail"};
+  for (const model::Coordinate& c : std::vector<model::Coordinate>(robot.planar.coordinates)) {
+    if (std::find(commanded.begin(), commanded.end(), c.name) != commanded.end()) continue;
+    const double middle =
+        std::isfinite(c.range.lower + c.range.upper) ? 0.5 * (c.range.lower + c.range.upper) : 0.0;
+    robot.planar = model::lock(robot.planar, c.name,
+                               value_or(dataset.initial, c.name, c.name == "z" ? 1.0 : middle));
+  }
+
+  robot.notes.emplace_back("tail bench: the base and every coordinate without a command are held");
+  return robot;
+}
+
+Plant dataset_plant(const trajectory::Dataset& dataset, const model::PlanarModel& model) {
+  Plant plant = nominal_plant(model);
+  for (const auto& [joint, stop] : dataset.stops) {
+    if (model.body_of_joint(joint) < 0) {
+      std::vector<std::string> joints;
+      for (const model::PlanarBody& body : model.bodies)
+        if (!body.joint.empty()) joints.push_back(body.joint);
+      const auto near = yaml::nearest_name(joint, joints);
+      throw InputError(fmt::format("stops: '{}' is no joint of this robot{}", joint,
+                                   near ? fmt::format(", did you mean '{}'?", *near) : ""));
+    }
+    plant.stops.push_back({joint, stop.range, stop.restitution});
+  }
+  return plant;
+}
+
+Controller experiment_controller(const Experiment& experiment, const model::PlanarModel& model) {
+  const trajectory::StatedController& stated = experiment.setup.controller;
+  if (!stated.gains_stated)
+    throw InputError(
+        fmt::format("{}: controller: kp and kd are missing; a simulation needs them as numbers",
+                    experiment.name));
+  for (const auto* gains : {&stated.kp, &stated.kd}) {
+    for (const auto& [joint, gain] : *gains) {
+      if (!gain.known())
+        throw InputError(
+            fmt::format("{}: controller: {}.{}: unknown or a range; a simulation needs a number",
+                        experiment.name, gains == &stated.kp ? "kp" : "kd", joint));
+    }
+  }
+
+  trajectory::Dataset setup = experiment.setup;
+  if (setup.experiment == trajectory::ExperimentKind::tail_bench) {
+    // What is held has left the model; only what remains can be set.
+    std::erase_if(setup.initial, [&](const auto& entry) {
+      return model.coordinate_index(entry.first) < 0 &&
+             dataset_robot(experiment.setup).planar.body_of_joint(entry.first) < 0;
+    });
+  }
+
+  // names the file; a dataset's plan is always plan.csv
+  if (setup.plan && !experiment.plan_file.empty())
+    (void)plan_reference(*setup.plan, model, stated.quantity, 1.0, experiment.plan_file);
+  return stated_controller(setup, model, {});
+}
+
+TrialRun run_trial(const Experiment& experiment, const Plant& plant, const Controller& controller,
+                   int index, std::uint64_t seed) {
+  const std::uint64_t own = task_seed(seed, index);
+  Random random(own);
+  TrialRun run;
+  run.start = scattered_start(experiment, plant, controller, random);
+  SimulationOptions options;
+  const double steps = std::ceil(experiment.duration / kTruthStep);
+  options.duration = steps * kTruthStep;
+  options.sample_times = Vector::LinSpaced(std::lround(steps) + 1, 0.0, options.duration);
+  run.truth = simulate(plant, controller, run.start, options);
+  run.trial.name = fmt::format("trial_{:02}", index + 1);
+  if (run.truth.time.size() == 0) return run;
+  for (std::size_t i = 0; i < experiment.streams.size(); ++i) {
+    Random random(task_seed(own, 100 + i));
+    run.trial.streams.push_back(
+        read_sensor(experiment, experiment.streams[i], plant, run.truth, random));
+  }
+  return run;
+}
+
+}  // namespace jaculus::simulation

@@ -1,0 +1,160 @@
+// The states that runs begin in: poses from named values, feet on the floor.
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+
+#include "jaculus/core/error.h"
+#include "jaculus/core/yaml.h"
+#include "jaculus/dynamics/rigid_body.h"
+#include "jaculus/simulation/simulate.h"
+#include "simulation/plant/named_values.h"
+
+namespace jaculus::simulation {
+
+namespace {
+
+/// Coordinates from named values: of coordinates themselves and of joints that follow from them.
+Vector initial_coordinates(const model::PlanarModel& model,
+                           const std::map<std::string, double>& values) {
+  std::vector<Eigen::RowVectorXd> rows;
+  std::vector<double> right;
+  std::vector<std::string> known;
+  for (const model::Coordinate& c : model.coordinates) known.push_back(c.name);
+  for (const model::PlanarBody& body : model.bodies) known.push_back(body.joint);
+  for (const auto& [name, value] : values) {
+    const int i = model.coordinate_index(name), b = model.body_of_joint(name);
+    if (i >= 0) {
+      rows.emplace_back(Eigen::RowVectorXd::Unit(model.size(), i));
+      right.push_back(value);
+    } else if (b >= 0) {
+      if (std::find(model.dependent.begin(), model.dependent.end(), b) != model.dependent.end())
+        continue;
+      if (model.joint_map.row(b).isZero(0.0)) continue;  // locked
+      rows.emplace_back(model.joint_map.row(b));
+      right.push_back(value - model.joint_offset[b]);
+    } else {
+      const auto near = yaml::nearest_name(name, known);
+      throw InputError(fmt::format("initial: '{}' is no coordinate or joint of the robot{}", name,
+                                   near ? fmt::format("; did it mean '{}'?", *near) : ""));
+    }
+  }
+
+  // a base that is not mentioned is level at the origin
+  for (const char* name : {"x", "z", "pitch"}) {
+    const int i = model.coordinate_index(name);
+    if (i < 0 || values.count(name) > 0) continue;
+    rows.emplace_back(Eigen::RowVectorXd::Unit(model.size(), i));
+    right.push_back(0.0);
+  }
+
+  Matrix map(rows.size(), model.size());
+  Vector b(map.rows());
+  for (Eigen::Index r = 0; r < map.rows(); ++r) {
+    map.row(r) = rows[r];
+    b[r] = right[r];
+  }
+
+  const Eigen::ColPivHouseholderQR<Matrix> qr(map);
+  if (qr.rank() < model.size()) {
+    std::vector<std::string> missing;
+    for (const model::Coordinate& c : model.coordinates) {
+      const int i = model.coordinate_index(c.name);
+      if (map.col(i).isZero(0.0)) missing.push_back(c.name);
+    }
+    throw InputError(fmt::format("initial: the pose leaves {} open; every coordinate needs a value",
+                                 missing.empty()
+                                     ? std::string("coordinates")
+                                     : fmt::format("'{}'", fmt::join(missing, "', '"))));
+  }
+
+  return qr.solve(b);
+}
+
+/// Turns and lifts the base until both feet of a standing robot touch: stated poses close to some
+/// 0.1 mm only, and a robot that stood on one foot would tip before its first command. One whose
+/// feet are meant to differ stays as it is.
+void level(const Plant& plant, const dynamics::AbsoluteTree& tree, Vector& q) {
+  const model::PlanarModel& model = plant.model;
+  const int z = model.coordinate_index("z"), pitch = model.coordinate_index("pitch");
+  constexpr double kMeant = 0.01;  // difference of foot heights that is no error [m]
+  if (pitch < 0 || model.feet.size() != 2) return;
+
+  const int x = model.coordinate_index("x");
+  const double base_x = x >= 0 ? q[x] : model.base_pose[0];
+  dynamics::Motion motion(tree);
+  const Vector stated = q;
+  for (int i = 0; i < 20; ++i) {
+    if (!dynamics::set_configuration(tree, q, motion)) break;
+    const Vec2 a = dynamics::foot_position(tree, motion, 0),
+               b = dynamics::foot_position(tree, motion, 1);
+    const double floor = plant.ground.height + plant.ground.foot_radius;
+    if (i == 0 && (std::abs(a.y() - b.y()) > kMeant || std::abs(a.x() - b.x()) < kMeant)) break;
+    if (std::abs(a.y() - b.y()) < 1e-13 && std::abs(a.y() - floor) < 1e-13) return;
+    // Height of a point falls by its distance ahead of the base for a unit of pitch, which is
+    // nose-down.
+    const double turn = (a.y() - b.y()) / (a.x() - b.x());
+    q[pitch] += turn;
+    q[z] += floor - a.y() + turn * (a.x() - base_x);
+  }
+
+  q = stated;
+}
+
+/// Joints with motors are brought to where their encoders, as they read, show the stated pose.
+void place_by_encoders(const Plant& plant, Vector& q) {
+  const model::PlanarModel& model = plant.model;
+  const auto motors = std::ssize(model.motors);
+  Matrix map(motors, model.size());
+  Vector change(motors);
+  for (Eigen::Index m = 0; m < motors; ++m) {
+    const model::PlanarMotor& motor = model.motors[m];
+    map.row(m) = model.joint_map.row(motor.body);
+    const double angle = map.row(m).dot(q) + model.joint_offset[motor.body];
+    const double offset = value_or(plant.sensing.offset, motor.joint, 0.0);
+    change[m] = (angle - offset) / value_or(plant.sensing.scale, motor.joint, 1.0) - angle;
+  }
+  if (!change.isZero(0.0)) q += map.completeOrthogonalDecomposition().solve(change);
+}
+
+}  // namespace
+
+void level_feet(const Plant& plant, Vector& q) {
+  level(plant, dynamics::AbsoluteTree(plant.model), q);
+}
+
+StartState reference_start(const Plant& plant, const Reference& reference) {
+  const model::PlanarModel& model = plant.model;
+  StartState start{initial_coordinates(model, reference.initial), Vector::Zero(model.size())};
+  place_by_encoders(plant, start.q);
+  const int z = model.coordinate_index("z");
+  if (z < 0 || model.feet.empty()) return start;
+  const dynamics::AbsoluteTree tree(model);
+  dynamics::Motion motion(tree);
+  if (!dynamics::set_configuration(tree, start.q, motion))
+    throw InputError("initial: the loops can't be closed in this pose");
+  double lowest = kInfinity;
+  for (int f = 0; f < count_of(model.feet); ++f)
+    lowest =
+        std::min(lowest, dynamics::foot_position(tree, motion, f).y() - plant.ground.foot_radius);
+  constexpr double kDrop = 0.05;  // higher above the floor than any plan's own error [m]
+  if (lowest - plant.ground.height > kDrop) return start;
+  start.q[z] += plant.ground.height - lowest;
+  level(plant, tree, start.q);
+  if (plant.ground.compliance == 0.0) return start;
+
+  // The floor gives way until it carries the weight, by the feet that touch.
+  int touching = 0;
+  for (int f = 0; f < count_of(model.feet); ++f) {
+    const double height = dynamics::foot_position(tree, motion, f).y() - plant.ground.foot_radius;
+    if (height - lowest < 1e-4) touching += model.feet[f].count;
+  }
+
+  start.q[z] -= model.total_mass() * model.gravity * plant.ground.compliance / touching;
+  return start;
+}
+
+}  // namespace jaculus::simulation

@@ -1,0 +1,131 @@
+#include "simulation/integrate/stepper.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace jaculus::simulation::detail {
+
+namespace {
+
+constexpr double kShortestStep = 1e-13;  ///< [s]
+constexpr double kRestart = 1e-4;        ///< length to start with after an event [s]
+/// steps for which Kutta's method rests after one that it could not take
+constexpr int kPause = 16;
+
+}  // namespace
+
+Stepper::Stepper(double relative_tolerance, double absolute_tolerance, int states)
+    : relative_tolerance_(relative_tolerance), absolute_tolerance_(absolute_tolerance) {
+  for (State* s : {&error_, &y_stage_, &k2_, &k3_, &k4_}) s->assign(states, 0.0);
+}
+
+void Stepper::restart() { next_length_ = std::max(next_length_, kRestart); }
+
+StepResult Stepper::take(const RightHandSide& f, double limit, Step& step) {
+  step.y_end.resize(step.y.size());
+  step.dydt_end.resize(step.y.size());
+  // Once the equations have failed, the attempt is lost and the rest of its stages without use.
+  const RightHandSide guarded = [&](double t, const State& y, State& dydt) {
+    if (!broken_ && !f(t, y, dydt)) {
+      broken_ = true;
+      std::fill(dydt.begin(), dydt.end(), 0.0);
+    }
+    return !broken_;
+  };
+
+  while (!attempt(guarded, limit, step))
+    if (next_length_ < kShortestStep)
+      return broken_ ? StepResult::equations_fail : StepResult::no_step_is_short_enough;
+  return StepResult::accepted;
+}
+
+/// Largest error of the step beside its tolerance.
+double Stepper::worst_error(const Step& step) {
+  double worst = 0.0;
+  for (std::size_t i = 0; i < step.y.size(); ++i) {
+    const double size = std::max(std::abs(step.y[i]), std::abs(step.y_end[i]));
+    worst =
+        std::max(worst, std::abs(error_[i]) / (absolute_tolerance_ + relative_tolerance_ * size));
+    if (!std::isfinite(error_[i]) || !std::isfinite(step.y_end[i])) broken_ = true;
+  }
+  return worst;
+}
+
+/// Over the whole of the step's length. False where it errs by more than the tolerance: nothing is
+/// lost but the time.
+bool Stepper::attempt_kutta(const RightHandSide& f, Step& step) {
+  step.kutta = true;
+  const double t = step.t, h = step.length;
+  const State &y = step.y, &k1 = step.dydt;
+  const auto stage = [&](double share, const State& slope) {
+    for (std::size_t i = 0; i < y.size(); ++i) y_stage_[i] = y[i] + share * h * slope[i];
+  };
+
+  stage(0.5, k1);
+  if (!f(t + 0.5 * h, y_stage_, k2_)) return false;
+  stage(0.5, k2_);
+  if (!f(t + 0.5 * h, y_stage_, k3_)) return false;
+  stage(1.0, k3_);
+  if (!f(t + h, y_stage_, k4_)) return false;
+  for (std::size_t i = 0; i < y.size(); ++i)
+    step.y_end[i] = y[i] + h / 6.0 * (k1[i] + 2.0 * (k2_[i] + k3_[i]) + k4_[i]);
+  if (!f(t + h, step.y_end, step.dydt_end)) return false;
+
+  for (std::size_t i = 0; i < y.size(); ++i) error_[i] = h / 6.0 * (k4_[i] - step.dydt_end[i]);
+  return worst_error(step) <= 1.0 && !broken_;
+}
+
+bool Stepper::attempt(const RightHandSide& f, double limit, Step& step) {
+  const double left = limit - step.t;
+  const bool whole = next_length_ > 0.999 * left;
+  step.length = whole ? left : (next_length_ > 0.5 * left ? 0.5 * left : next_length_);
+  broken_ = false;
+  if (whole && pause_ == 0) {
+    if (attempt_kutta(f, step)) {
+      step.end = limit;
+      return true;
+    }
+    pause_ = kPause;
+    broken_ = false;
+  }
+
+  pause_ = std::max(0, pause_ - 1);
+  step.kutta = false;
+  dopri5_.do_step([&](const State& y, State& dydt, double t) { f(t, y, dydt); }, step.y, step.dydt,
+                  step.t, step.y_end, step.dydt_end, step.length, error_);
+  const double worst = worst_error(step);
+  if (broken_) {
+    next_length_ = 0.2 * step.length;
+    return false;
+  }
+
+  const double factor = worst == 0.0 ? 5.0 : std::clamp(0.9 * std::pow(worst, -0.2), 0.2, 5.0);
+  if (worst > 1.0) {
+    next_length_ = step.length * std::min(0.9, factor);
+    return false;
+  }
+
+  // A step that a limit cut short says little about the next.
+  const bool cut = step.length < next_length_;
+  next_length_ = cut ? std::max(next_length_, factor * step.length) : factor * step.length;
+  step.end = whole ? limit : step.t + step.length;
+  return true;
+}
+
+/// Dormand and Prince's interpolant of order four, or the cubic through both ends and their slopes.
+void Stepper::dense(const Step& step, double t, State& out) {
+  if (!step.kutta) {
+    dopri5_.calc_state(t, out, step.y, step.dydt, step.t, step.y_end, step.dydt_end,
+                       step.t + step.length);
+    return;
+  }
+
+  const double s = (t - step.t) / step.length, c = 1.0 - s;
+  const double to = s * s * (3.0 - 2.0 * s), slope = s * c * c * step.length,
+               slope_end = -s * s * c * step.length;
+  for (std::size_t i = 0; i < step.y.size(); ++i)
+    out[i] = step.y[i] + to * (step.y_end[i] - step.y[i]) + slope * step.dydt[i] +
+             slope_end * step.dydt_end[i];
+}
+
+}  // namespace jaculus::simulation::detail

@@ -1,0 +1,143 @@
+#include "simulation/plant/drive.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <boost/math/tools/toms748_solve.hpp>
+#include <cmath>
+
+#include "jaculus/components/motor.h"
+#include "jaculus/core/error.h"
+
+namespace jaculus::simulation::detail {
+
+namespace {
+
+constexpr double kBrownOut = 0.3;  // share of the open voltage below which the bus is not followed
+
+/// Whether a limit took more than rounding off a command; plans lie on their limits.
+bool cut(double command, double taken) {
+  return std::abs(command - taken) > 1e-6 * (1.0 + std::abs(taken));
+}
+
+}  // namespace
+
+Drive::Drive(const Plant& plant, Quantity quantity)
+    : resistance_(plant.battery.resistance), open_voltage_(kInfinity) {
+  warm_ = plant.winding.heat != 0.0 || plant.winding.initial != 0.0;
+  for (const model::PlanarMotor& motor : plant.model.motors) {
+    if (motor.ideal() && quantity != Quantity::torque)
+      throw InputError(fmt::format(
+          "motor of '{}': it is ideal, so it takes torque, no duty or voltage", motor.joint));
+    const auto scale = plant.actuation.torque_scale.find(motor.joint);
+    const double ratio = motor.gear * motor.efficiency;
+    data_.push_back(
+        {motor, ratio,
+         motor.ideal() ? motor.torque_limit : components::largest_joint_torque(motor).value / ratio,
+         scale == plant.actuation.torque_scale.end() ? 1.0 : scale->second});
+    if (!motor.ideal()) open_voltage_ = std::min(open_voltage_, motor.voltage);
+  }
+  motors.resize(data_.size());
+}
+
+MotorState Drive::one(std::size_t m, Quantity quantity, const Command& command, double rate,
+                      double temperature, double bus) const {
+  if (!command.on) return {};
+  const Motor& motor = data_[m];
+  const model::PlanarMotor& d = motor.data;
+  if (d.ideal()) {
+    const double t = std::clamp(command.value, -motor.largest, motor.largest);
+    return {motor.scale * motor.ratio * t, 0.0, 0.0, cut(command.value, t)};
+  }
+
+  const double strength = 1.0 - 0.001 * temperature;
+  const double resistance = warm_ ? d.resistance * (1.0 + 0.0039 * temperature) : d.resistance;
+  const double emf = (warm_ ? d.torque_constant * strength : d.torque_constant) * d.gear * rate;
+  const auto torque_at = [&](double voltage) {
+    const double t = components::saturated_torque(d.saturation_linear, d.saturation_cubic,
+                                                  (voltage - emf) / resistance);
+    return warm_ ? t * strength : t;
+  };
+
+  // Of a torque, or of what a driver that believes in a cold motor takes for it.
+  const auto current_of_cold = [&](double t) {
+    return t * (d.saturation_linear + d.saturation_cubic * t * t);
+  };
+
+  const auto current_of = [&](double t) { return current_of_cold(warm_ ? t / strength : t); };
+  // limits are of the current
+  const double largest = warm_ ? motor.largest * strength : motor.largest;
+  MotorState state;
+  double t = command.value;
+  if (quantity == Quantity::torque) {
+    t = std::clamp(t, -motor.largest, motor.largest);
+    state.limited = cut(command.value, t);
+    state.current = current_of_cold(t);
+    if (warm_) t *= strength;
+    state.voltage = resistance * state.current + emf;
+    if (std::abs(state.voltage) > bus) {
+      state.voltage = std::copysign(bus, state.voltage);
+      const double clamped = std::clamp(torque_at(state.voltage), -largest, largest);
+      state.limited = state.limited || cut(t, clamped);
+      t = clamped;
+      state.current = current_of(t);
+    }
+  } else {
+    const double wanted = quantity == Quantity::duty ? command.value * bus : command.value;
+    state.voltage = std::clamp(wanted, -bus, bus);
+    const double free = torque_at(state.voltage);
+    t = std::clamp(free, -largest, largest);
+    state.limited = cut(free, t) || cut(wanted, state.voltage);
+    state.current = current_of(t);
+    if (t != free) state.voltage = resistance * state.current + emf;
+  }
+
+  state.torque = motor.scale * motor.ratio * t;
+  return state;
+}
+
+double Drive::set_at(double bus, Quantity quantity, const Command* commands, const double* rates,
+                     const double* temperatures) {
+  double power = 0.0;
+  for (std::size_t m = 0; m < data_.size(); ++m) {
+    const double limit = std::min(bus, data_[m].data.voltage);
+    motors[m] =
+        one(m, quantity, commands[m], rates[m], temperatures == nullptr ? 0.0 : temperatures[m],
+            resistance_ == 0.0 ? data_[m].data.voltage : limit);
+    power += data_[m].data.count * motors[m].voltage * motors[m].current;
+  }
+  return power;
+}
+
+double Drive::set(Quantity quantity, const Command* commands, const double* rates,
+                  const double* temperatures) {
+  if (resistance_ == 0.0 || std::isinf(open_voltage_)) {
+    set_at(open_voltage_, quantity, commands, rates, temperatures);
+    return open_voltage_;
+  }
+
+  // V_0 - R_b P(V)/V - V falls with V near the working point. Motors at their voltage limit take
+  // less at less voltage, so that there is one even below half of V_0, where a battery gives no
+  // more power.
+  const auto gap = [&](double bus) {
+    return open_voltage_ -
+           resistance_ * set_at(bus, quantity, commands, rates, temperatures) / bus - bus;
+  };
+
+  double low = kBrownOut * open_voltage_, high = open_voltage_;
+  double at_low = gap(low), at_high = gap(high);
+  // braking motors feed it
+  while (at_high > 0.0 && high < 4.0 * open_voltage_) at_high = gap(high *= 1.25);
+  double bus = at_low <= 0.0 ? low : high;
+  if (at_low > 0.0 && at_high < 0.0) {
+    std::uintmax_t iterations = 60;
+    const auto close = [&](double a, double b) { return b - a <= 1e-13 * open_voltage_; };
+    const auto root =
+        boost::math::tools::toms748_solve(gap, low, high, at_low, at_high, close, iterations);
+    bus = 0.5 * (root.first + root.second);
+  }
+  set_at(bus, quantity, commands, rates, temperatures);
+  return bus;
+}
+
+}  // namespace jaculus::simulation::detail

@@ -1,0 +1,67 @@
+#pragma once
+// Motors, battery and winding: from a command to the torque at the joint.
+//
+// With the motor's torque t before the gear, k_t and R of the warm winding, w the joint's rate:
+//     i = t'(a + c t'^2), t' = t/(1 - 0.001 T)      V = R i + k_t G w
+//       R = R_0 (1 + 0.0039 T), k_t = k_t0 (1 - 0.001 T)
+//     torque command:   t = command within +- the torque and current limits; |V| <= bus, else t is
+//                       what V = +-bus makes
+//     voltage command:  V within +- bus, t by the inverse;  duty: V = duty bus, |duty| <= 1
+//     joint torque    = G eta t times the joint's scale.
+// The battery feeds drivers that keep power: sum of count V i / V_bus flows through its resistance,
+//     V_bus = V_0 - R_b sum count V i / V_bus,
+// solved for V_bus by a bracketed root finder, since V and i depend on it where a motor is limited
+// or driven by duty.
+
+#include <vector>
+
+#include "jaculus/simulation/plant.h"
+#include "jaculus/trajectory/quantity.h"
+
+namespace jaculus::simulation::detail {
+
+using trajectory::Quantity;
+
+/// A command for one motor; one that is off makes no torque.
+struct Command {
+  bool on = false;
+  double value = 0.0;  ///< in the quantity [N m before the gear, -, V]
+};
+
+struct MotorState {
+  double torque = 0.0;   ///< at the joint, scaled [N m]
+  double current = 0.0;  ///< [A]
+  double voltage = 0.0;  ///< at the terminals [V]
+  bool limited = false;  ///< by voltage, current or torque
+};
+
+class Drive {
+ public:
+  /// InputError where a motor can't take a command of `quantity`.
+  Drive(const Plant& plant, Quantity quantity);
+
+  /// States of all motors by their commands, at their joints' rates [rad/s] and windings'
+  /// temperatures [K] (null: cold). Returns the bus voltage.
+  double set(Quantity quantity, const Command* commands, const double* rates,
+             const double* temperatures);
+
+  std::vector<MotorState> motors;  ///< as set() left them
+
+ private:
+  [[nodiscard]] MotorState one(std::size_t m, Quantity quantity, const Command& command,
+                               double rate, double temperature, double bus) const;
+  double set_at(double bus, Quantity quantity, const Command* commands, const double* rates,
+                const double* temperatures);
+
+  struct Motor {
+    model::PlanarMotor data;
+    double ratio;    ///< G eta
+    double largest;  ///< motor torque by current and torque limits [N m]
+    double scale;    ///< torque that arrives [-]
+  };
+  std::vector<Motor> data_;
+  double resistance_, open_voltage_;
+  bool warm_;
+};
+
+}  // namespace jaculus::simulation::detail

@@ -1,0 +1,228 @@
+// The table of rules, rule by rule; probabilities as stated.
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "diagnosis/verdict/calibration.h"
+#include "diagnosis/verdict/rules.h"
+#include "jaculus/core/error.h"
+
+namespace jaculus::diagnosis {
+namespace {
+
+/// One effect that takes a plain gap.
+VerdictEvidence plain() {
+  VerdictEvidence e;
+  e.naming = Naming::sure;
+  e.effects = 1;
+  e.gap.valid = true;
+  e.gap.before = 10.0;
+  e.gap.after = 1.1;
+  e.gap.log_gain = 100.0;
+  e.gap.shrink = 0.99;
+  return e;
+}
+
+std::string rule_of(const VerdictEvidence& e) { return decide(e, {}).name; }
+
+TEST(VerdictRules, OneTrialStatesNothingWhateverItFits) {
+  VerdictEvidence e = plain();
+  e.one_trial = true;
+  EXPECT_EQ(decide(e, {}).verdict, Verdict::insufficient);
+  EXPECT_EQ(rule_of(e), "one trial");
+}
+
+TEST(VerdictRules, NoneWhereItIsProbable) {
+  VerdictEvidence e = plain();
+  e.naming = Naming::nothing;
+  e.none = 0.9;
+  e.gap.after = e.gap.before;
+  EXPECT_EQ(rule_of(e), "none probable");
+  EXPECT_EQ(decide(e, {}).verdict, Verdict::none);
+}
+
+TEST(VerdictRules, NoneWhereASmallGapIsHardlyPredictedBetter) {
+  VerdictEvidence e = plain();
+  e.gap.before = 1.2;
+  e.gap.after = 1.17;  // 2.5 % of a small gap
+  e.gap.shrink.reset();
+  EXPECT_EQ(rule_of(e), "small gap");
+  e.naming = Naming::nothing;
+  e.unexplained = 0.9;
+  EXPECT_EQ(decide(e, {}).verdict, Verdict::none);
+  e = plain();
+  e.gap.before = 1.4;
+  e.gap.after = 1.0;
+  e.gap.log_gain = 19.0;
+  EXPECT_EQ(rule_of(e), "small gap");
+  e.gap.log_gain = 21.0;
+  EXPECT_EQ(rule_of(e), "one effect");
+}
+
+TEST(VerdictRules, UnexplainedWhereStructureIsUnknown) {
+  VerdictEvidence e = plain();
+  e.naming = Naming::nothing;
+  e.unexplained = 0.9;
+  EXPECT_EQ(rule_of(e), "unknown structure");
+  EXPECT_EQ(decide(e, {}).verdict, Verdict::unexplained);
+}
+
+TEST(VerdictRules, UnexplainedWhereHeldOutDataAreNotPredictedBetter) {
+  VerdictEvidence e = plain();
+  e.gap.before = 4.0;
+  e.gap.after = 3.9;
+  EXPECT_EQ(rule_of(e), "no better prediction");
+  e = plain();
+  e.gap.log_gain = 2.0;
+  EXPECT_EQ(rule_of(e), "no better prediction");
+}
+
+TEST(VerdictRules, UnexplainedWhereTooMuchIsLeft) {
+  VerdictEvidence e = plain();
+  e.gap.before = 20.0;
+  e.gap.after = 3.5;
+  e.gap.shrink = 1.0 - 2.5 / 19.0;
+  EXPECT_EQ(rule_of(e), "too much left");
+  e.gap.after = 2.0;
+  e.gap.shrink = 0.7;
+  EXPECT_EQ(rule_of(e), "too much left");
+  e.gap.shrink = 0.8;
+  EXPECT_EQ(rule_of(e), "one effect");
+}
+
+TEST(VerdictRules, GapsThatCouldNotBeJudgedRefuseNothing) {
+  VerdictEvidence e = plain();
+  e.gap = {};
+  EXPECT_EQ(rule_of(e), "one effect");
+}
+
+TEST(VerdictRules, NamesOneSeveralOrRivals) {
+  VerdictEvidence e = plain();
+  EXPECT_EQ(decide(e, {}).verdict, Verdict::effect);
+  e.effects = 2;
+  EXPECT_EQ(decide(e, {}).verdict, Verdict::several);
+  e.naming = Naming::rivals;
+  EXPECT_EQ(decide(e, {}).verdict, Verdict::ambiguous);
+}
+
+TEST(VerdictRules, HaveNamesOfTheirOwnAndSettingsMoveThem) {
+  std::set<std::string> names;
+  for (const VerdictRule& rule : verdict_rules()) names.insert(rule.name);
+  EXPECT_EQ(names.size(), verdict_rules().size());
+
+  VerdictEvidence e = plain();
+  e.gap.after = 2.5;
+  e.gap.shrink = 0.83;
+  EXPECT_EQ(rule_of(e), "one effect");
+  Settings strict;
+  strict.most_left = 2.0;
+  EXPECT_STREQ(decide(e, strict).name, "too much left");
+}
+
+TEST(Verdict, ReadsBackFromItsText) {
+  for (const Verdict v : {Verdict::insufficient, Verdict::none, Verdict::unexplained,
+                          Verdict::effect, Verdict::several, Verdict::ambiguous})
+    EXPECT_EQ(verdict_from(to_text(v), "test"), v);
+  EXPECT_THROW(verdict_from("maybe", "test"), InputError);
+}
+
+/// What is to be calibrated.
+struct Stated {
+  std::vector<FoundEffect> effects;
+  HeldOut gap;
+  std::vector<Ranked> ranking;
+};
+
+Stated stated(const std::vector<std::string>& effects) {
+  Stated out;
+  for (const std::string& name : effects) out.effects.push_back({name, "", 1.0, {}, {}});
+  out.gap.valid = true;
+  out.gap.before = 4.0;
+  out.gap.after = 1.0;
+  out.ranking = {{"a + b", 50.0, 1.0, 0.9, {"a", "b"}},
+                 {"a", 45.0, 1.0, 0.1, {"a"}},
+                 {"c", 3.0, 2.0, 0.0, {"c"}},
+                 {"unexplained", 40.0, kNaN, 0.0, {}},
+                 {"none", 0.0, 4.0, 0.0, {}}};
+  return out;
+}
+
+double probability(const std::vector<Ranked>& ranking, const std::string& name) {
+  for (const Ranked& row : ranking)
+    if (row.effect == name) return row.probability;
+  return kNaN;
+}
+
+TEST(Calibration, GivesEveryVerdictItsShareAndSumsToOne) {
+  for (const auto& [verdict, effects] :
+       {std::pair<Verdict, std::vector<std::string>>{Verdict::effect, {"a"}},
+        {Verdict::several, {"a", "b"}},
+        {Verdict::none, {}},
+        {Verdict::unexplained, {}}}) {
+    SCOPED_TRACE(to_text(verdict));
+    const Stated s = stated(effects);
+    const Calibrated c = calibrate(verdict, false, s.effects, s.ranking);
+    double sum = 0.0;
+    for (const Ranked& row : c.ranking) sum += row.probability;
+    EXPECT_NEAR(sum, 1.0, 1e-12);
+    for (std::size_t i = 1; i < c.ranking.size(); ++i)
+      EXPECT_GE(c.ranking[i - 1].probability, c.ranking[i].probability);
+    // nothing is impossible
+    for (const Ranked& row : c.ranking) EXPECT_GT(row.probability, 0.0) << row.effect;
+    for (const FoundEffect& e : c.effects) EXPECT_LT(e.probability, 1.0);
+  }
+}
+
+TEST(Calibration, HasLowConfidenceInAnEffectThatHeldOutDataDoNotSetApart) {
+  const Stated clear = stated({"a"});
+  Stated rivalled = clear, small = clear, left = clear, unjudged = clear;
+  unjudged.gap.valid = false;
+  rivalled.ranking[2].held_out_error = 1.05;  // c leaves hardly more
+  small.gap.before = 1.4;
+  left.gap.after = 1.8;
+  EXPECT_TRUE(doubts(Verdict::effect, clear.gap, clear.effects, clear.ranking, {}).empty());
+  EXPECT_GT(
+      probability(calibrate(Verdict::effect, false, clear.effects, clear.ranking).ranking, "a"),
+      0.9);
+
+  for (const Stated* s : {&rivalled, &small, &left, &unjudged}) {
+    EXPECT_EQ(doubts(Verdict::effect, s->gap, s->effects, s->ranking, {}).size(), 1u);
+    const Calibrated c = calibrate(Verdict::effect, true, s->effects, s->ranking);
+    EXPECT_LT(probability(c.ranking, "a"), 0.8);
+    EXPECT_NEAR(c.effects.front().probability, probability(c.ranking, "a"), 1e-12);
+    EXPECT_GT(probability(c.ranking, "a"), probability(c.ranking, "c"));
+  }
+  const auto said = doubts(Verdict::effect, rivalled.gap, rivalled.effects, rivalled.ranking, {});
+  EXPECT_NE(said.front().find("c predicts"), std::string::npos) << said.front();
+}
+
+TEST(Calibration, LetsAVerdictOfHeldOutDataOverruleThePosterior) {
+  const Stated s = stated({});
+  const Calibrated c = calibrate(Verdict::none, false, s.effects, s.ranking);
+  EXPECT_EQ(c.ranking.front().effect, "none");
+  EXPECT_GT(probability(c.ranking, "none"), 0.5);
+  EXPECT_GT(probability(c.ranking, "a + b"), probability(c.ranking, "a"));
+  EXPECT_GT(probability(c.ranking, "a"), probability(c.ranking, "c"));
+}
+
+TEST(Calibration, LeavesWhatCouldNotBeJudged) {
+  const Stated s = stated({});
+  EXPECT_EQ(
+      probability(calibrate(Verdict::insufficient, false, s.effects, s.ranking).ranking, "a + b"),
+      0.9);
+}
+
+TEST(Calibration, StatesNoMoreThanTheUpperEndOfWhatWasCounted) {
+  for (const Reliability& r : reliabilities()) {
+    const double n = r.cases, p = r.right / n, z = 1.96;
+    const double centre = (p + z * z / (2 * n)) / (1 + z * z / n);
+    const double half = z / (1 + z * z / n) * std::sqrt(p * (1 - p) / n + z * z / (4 * n * n));
+    EXPECT_LE(r.stated, centre + half + 1e-9) << to_text(r.verdict);
+    EXPECT_GE(r.stated, centre - half - 1e-9) << to_text(r.verdict);
+    EXPECT_NEAR(r.unexplained + r.none + r.others, 1.0, 1e-12) << to_text(r.verdict);
+  }
+}
+
+}  // namespace
+}  // namespace jaculus::diagnosis

@@ -1,0 +1,135 @@
+// Which joints an effect acts on: groups derived from the model, parts of the legs, one joint.
+
+#include "effects/scope.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "experiments.h"
+#include "jaculus/core/installation.h"
+#include "jaculus/model/robot.h"
+#include "support/sample_models.h"
+
+namespace jaculus::effects {
+namespace {
+
+using Names = std::vector<std::string>;
+
+const model::PlanarModel& tailed() {
+  static const model::PlanarModel model =
+      model::read_robot(source_folder() / "models" / "minitaur_tail").planar;
+  return model;
+}
+
+TEST(JointGroups, AreDerivedFromTheModel) {
+  const JointGroups groups = joint_groups(tailed());
+  EXPECT_EQ(groups.tail.joints, Names{"tail"});
+  EXPECT_EQ(groups.front.joints, (Names{"front_a", "front_b"}));
+  EXPECT_EQ(groups.rear.joints, (Names{"rear_a", "rear_b"}));
+  EXPECT_TRUE(groups.other.joints.empty());
+
+  // A tail that is held is no joint any more; its drag stays.
+  const JointGroups held = joint_groups(model::lock(tailed(), "tail", 0.0));
+  EXPECT_TRUE(held.tail.joints.empty());
+  EXPECT_EQ(held.front.joints.size(), 2u);
+}
+
+TEST(JointGroups, OfEveryModelShareNoJoint) {
+  for (const test_support::NamedModel& sample : test_support::sample_models()) {
+    const JointGroups groups = joint_groups(sample.model);
+    EXPECT_EQ(groups.tail.joints.size() + groups.front.joints.size() + groups.rear.joints.size() +
+                  groups.other.joints.size(),
+              sample.model.motors.size())
+        << sample.name;
+  }
+}
+
+TEST(OneJoint, IsThatJointAndWhatItCarries) {
+  const model::PlanarModel& model = test::two_joints().plant.model;
+  const JointSet shoulder = one_joint(other_scope(), "shoulder").select(model);
+  EXPECT_EQ(shoulder.joints, Names{"shoulder"});
+  EXPECT_EQ(shoulder.bodies, (std::vector<int>{1, 2}));
+  const JointSet elbow = one_joint(other_scope(), "elbow").select(model);
+  EXPECT_EQ(elbow.joints, Names{"elbow"});
+  EXPECT_EQ(elbow.bodies, std::vector<int>{2});
+  EXPECT_TRUE(one_joint(other_scope(), "wrist").select(model).joints.empty());
+}
+
+TEST(OneJoint, LeavesTheOtherAlone) {
+  const model::PlanarModel& model = test::two_joints().plant.model;
+  for (const Effect& effect : effects_on(one_joint(other_scope(), "elbow"))) {
+    simulation::Plant plant = simulation::nominal_plant(model);
+    ASSERT_TRUE(effect.applies(model)) << effect.name;
+    effect.apply(effect.probed(), plant);
+    EXPECT_TRUE(effect.name.starts_with("elbow_")) << effect.name;
+    for (const simulation::JointFriction& friction : plant.friction)
+      EXPECT_EQ(friction.joint, "elbow");
+    for (const simulation::Transmission& transmission : plant.transmissions)
+      EXPECT_EQ(transmission.joint, "elbow");
+    EXPECT_EQ(plant.model.motors[0].rotor_inertia, model.motors[0].rotor_inertia) << effect.name;
+    EXPECT_EQ(plant.model.bodies[1].mass, model.bodies[1].mass) << effect.name;
+    EXPECT_FALSE(plant.sensing.offset.contains("shoulder")) << effect.name;
+    EXPECT_FALSE(plant.sensing.scale.contains("shoulder")) << effect.name;
+  }
+}
+
+/// What an effect can do to one joint and its link, as numbers.
+std::vector<double> at_joint(const simulation::Plant& plant, const std::string& joint) {
+  std::vector<double> values;
+  for (const simulation::JointFriction& f : plant.friction)
+    if (f.joint == joint)
+      values.insert(values.end(), {f.coulomb, f.viscous, f.stribeck, f.stribeck_rate, f.load});
+  for (const simulation::Transmission& t : plant.transmissions)
+    if (t.joint == joint) values.insert(values.end(), {t.compliance, t.damping_ratio, t.play});
+  const model::PlanarMotor& motor = plant.model.motors[plant.model.motor_index(joint)];
+  const model::PlanarBody& link = plant.model.bodies[motor.body];
+  values.insert(values.end(), {motor.rotor_inertia, link.mass, link.inertia});
+  return values;
+}
+
+TEST(Parts, OfAnEffectOnLegsAreItsFrontAndItsRear) {
+  const simulation::Plant nominal = simulation::nominal_plant(tailed());
+  int parted = 0;
+  for (const Effect& effect : effect_catalogue()) {
+    if (effect.parts.empty()) {
+      EXPECT_EQ(in_parts(effect), std::vector<const Effect*>{&effect}) << effect.name;
+      continue;
+    }
+
+    ++parted;
+    simulation::Plant whole = nominal, front = nominal, rear = nominal;
+    effect.apply(effect.probed(), whole);
+    ASSERT_EQ(in_parts(effect).size(), 2u) << effect.name;
+    in_parts(effect)[0]->apply(effect.probed(), front);
+    in_parts(effect)[1]->apply(effect.probed(), rear);
+    for (const char* joint : {"front_a", "front_b"}) {
+      EXPECT_EQ(at_joint(front, joint), at_joint(whole, joint)) << effect.name;
+      EXPECT_EQ(at_joint(rear, joint), at_joint(nominal, joint)) << effect.name;
+    }
+    for (const char* joint : {"rear_a", "rear_b"}) {
+      EXPECT_EQ(at_joint(rear, joint), at_joint(whole, joint)) << effect.name;
+      EXPECT_EQ(at_joint(front, joint), at_joint(nominal, joint)) << effect.name;
+    }
+    EXPECT_EQ(at_joint(whole, "tail"), at_joint(nominal, "tail")) << effect.name;
+  }
+  EXPECT_GT(parted, 0);
+}
+
+TEST(Parts, HaveTheParametersOfTheWhole) {
+  for (const Effect& effect : effect_catalogue()) {
+    for (const Effect& part : effect.parts) {
+      EXPECT_TRUE(effect_faults(part).empty()) << part.name;
+      EXPECT_EQ(part.nominal(), effect.nominal()) << part.name;
+      EXPECT_EQ(part.probed(), effect.probed()) << part.name;
+      EXPECT_EQ(part.excited_by, effect.excited_by) << part.name;
+    }
+    if (!effect.parts.empty()) {
+      EXPECT_EQ(effect.parts[0].where.front(), Component::front_legs) << effect.name;
+      EXPECT_EQ(effect.parts[1].where.front(), Component::rear_legs) << effect.name;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace jaculus::effects

@@ -1,0 +1,180 @@
+#include "jaculus/export/export.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "jaculus/core/yaml.h"
+#include "support/input_error.h"
+#include "support/temporary_folder.h"
+
+namespace jaculus::exporting {
+namespace {
+
+using test::holds;
+using test::input_error_of;
+using transcription::InputHold;
+
+/// Two intervals of 0.1 s, theta = t^3, torque 1 then -2.
+Source source(InputHold hold) {
+  Source s;
+  s.name = "2 steps";
+  s.hold = hold;
+  s.table.columns = {
+      {"time", "s"}, {"arm", "rad"}, {"arm_velocity", "rad/s"}, {"arm_torque", "N m"}};
+  s.table.values.resize(3, 4);
+  const double tau[] = {1.0, -2.0, -2.0};
+  for (int k = 0; k < 3; ++k) {
+    const double t = 0.1 * k;
+    s.table.values.row(k) << t, t * t * t, 3.0 * t * t, tau[k];
+  }
+  solver::MotorFigures motor;
+  motor.joint = "arm";
+  motor.count = 2;
+  motor.gear = 4.0;
+  motor.efficiency = 0.5;
+  motor.torque_constant = 0.1;
+  motor.resistance = 0.2;
+  motor.saturation_linear = 9.0;
+  motor.saturation_cubic = 0.5;
+  motor.torque_limit = 1.0;
+  motor.voltage_limit = 2.0;
+  s.motors = {motor};
+  s.limits_known = true;
+  return s;
+}
+
+TEST(Resample, CubicMotionIsExactBetweenSamples) {
+  const Export plan = resample(source(InputHold::held), 1000.0, Side::joint);
+  ASSERT_EQ(plan.time.size(), 201u);
+  for (std::size_t k = 0; k < plan.time.size(); ++k) {
+    const double t = plan.time[k];
+    EXPECT_NEAR(plan.motors[0].position[k], t * t * t, 1e-15);
+    EXPECT_NEAR(plan.motors[0].velocity[k], 3.0 * t * t, 1e-13);
+  }
+}
+
+TEST(Resample, HonoursTheHoldOfTheInputs) {
+  const Export held = resample(source(InputHold::held), 40.0, Side::joint);
+  EXPECT_EQ(held.motors[0].torque[3], 1.0);
+  EXPECT_EQ(held.motors[0].torque[4], -2.0);
+  const Export linear = resample(source(InputHold::linear), 40.0, Side::joint);
+  EXPECT_NEAR(linear.motors[0].torque[2], -0.5, 1e-12);
+}
+
+TEST(Resample, AtTheBorderOfTwoPhasesTheLaterCounts) {
+  Source s = source(InputHold::held);
+  Matrix values(4, 4);
+  values.topRows(2) = s.table.values.topRows(2);
+  values.bottomRows(2) = s.table.values.bottomRows(2);
+  values(1, 3) = 1.0;
+  values.row(2) = s.table.values.row(1);
+  s.table.values = values;
+  EXPECT_EQ(resample(s, 10.0, Side::joint).motors[0].torque[1], -2.0);
+}
+
+TEST(Resample, MotorSideIsBeforeTheGear) {
+  const Export plan = resample(source(InputHold::held), 10.0, Side::motor);
+  EXPECT_NEAR(plan.motors[0].torque[0], 1.0 / (4.0 * 0.5), 1e-15);
+  EXPECT_NEAR(plan.motors[0].position[2], 4.0 * 0.008, 1e-15);
+  EXPECT_NEAR(plan.motors[0].velocity[2], 4.0 * 0.12, 1e-15);
+}
+
+TEST(Resample, ChecksLimitsAtBothEndsOfASample) {
+  const Export plan = resample(source(InputHold::held), 10.0, Side::joint);
+  ASSERT_EQ(plan.checks.size(), 3u);
+  EXPECT_EQ(plan.checks[0].quantity, trajectory::Quantity::torque);
+  EXPECT_NEAR(plan.checks[0].peak, 1.0, 1e-12);
+  EXPECT_FALSE(plan.checks[0].exceeded);  // just at its limit
+  EXPECT_FALSE(plan.checks[1].exceeded);  // no limit on current
+  // 9 A and 0.5 A through 0.2 ohm at the second sample, less what the motion induces.
+  EXPECT_NEAR(plan.checks[2].peak, 0.2 * 9.5 - 0.1 * 4.0 * 0.03, 1e-12);
+  EXPECT_FALSE(plan.checks[2].exceeded);
+  Source tight = source(InputHold::held);
+  tight.motors[0].voltage_limit = 1.5;
+  EXPECT_TRUE(resample(tight, 10.0, Side::joint).checks[2].exceeded);
+}
+
+TEST(ExportFormats, JointTrajectoryIsYamlWithAllPoints) {
+  const Export plan = resample(source(InputHold::held), 10.0, Side::joint);
+  const yaml::Node node = yaml::Node::parse(to_joint_trajectory(plan), "export");
+  node.only({"header", "joint_names", "points"});
+  EXPECT_EQ(node.at("joint_names").texts(), std::vector<std::string>{"arm"});
+  const auto points = node.at("points").items();
+  ASSERT_EQ(points.size(), 3u);
+  EXPECT_EQ(points[1].at("effort").numbers(dimension::none).at(0), -2.0);
+  EXPECT_EQ(points[1].at("time_from_start").at("nanosec").integer(0, 999999999), 100000000);
+}
+
+TEST(ExportFormats, StateSideHoldAndExceededLimits) {
+  Source s = source(InputHold::linear);
+  s.motors[0].voltage_limit = 0.5;
+  const Export plan = resample(s, 10.0, Side::motor);
+  const std::string text = to_c(plan);
+  EXPECT_TRUE(holds(text, "motor side"));
+  EXPECT_TRUE(holds(text, "inputs were linear"));
+  EXPECT_TRUE(holds(text, "LIMIT EXCEEDED: arm voltage"));
+  EXPECT_TRUE(holds(text, "_2_steps_torque[3][1]"));
+  EXPECT_EQ(std::count(text.begin(), text.end(), '{'), std::count(text.begin(), text.end(), '}'));
+  const auto json = nlohmann::json::parse(to_json(plan));
+  EXPECT_EQ(json["side"], "motor");
+  EXPECT_EQ(json["plan_hold"], "linear");
+  EXPECT_EQ(json["motors"][0]["torque_N_m"].size(), 3u);
+}
+
+TEST(ExportFormats, CsvReadsBack) {
+  const test::TemporaryFolder folder;
+  const Export plan = resample(source(InputHold::held), 1000.0, Side::joint);
+  const trajectory::Table table = trajectory::read_csv(folder.write("e.csv", to_csv(plan)));
+  const auto column = table.values.col(table.column("arm_torque"));
+  ASSERT_EQ(column.size(), plan.time.size());
+  for (Eigen::Index k = 0; k < column.size(); ++k) EXPECT_EQ(column[k], plan.motors[0].torque[k]);
+  EXPECT_GE(table.column("arm_voltage"), 0);
+}
+
+TEST(ExportSource, FindsThePlanAndItsHold) {
+  const test::TemporaryFolder folder;
+  folder.write("plan.csv",
+               "time [s],arm [rad],arm_velocity [rad/s],arm_torque [N m]\n0,0,0,1\n1,1,0,1\n");
+  const auto read = [&](const std::string& name, const std::optional<InputHold>& hold) {
+    return read_source(name.empty() ? folder.path() : folder / name, hold);
+  };
+  EXPECT_EQ(read("plan.csv", InputHold::held).motors[0].joint, "arm");
+  EXPECT_FALSE(read("", InputHold::linear).limits_known);
+  EXPECT_TRUE(holds(input_error_of([&] { static_cast<void>(read("", std::nullopt)); }), "--hold"));
+  solver::Summary summary;
+  summary.name = "s";
+  summary.status = solver::Status::optimal;
+  summary.input_hold = InputHold::held;
+  solver::MotorFigures motor;
+  motor.joint = "arm";
+  summary.motors = {motor};
+  folder.write("summary.json", solver::to_json(summary).dump());
+  EXPECT_EQ(read("plan.csv", std::nullopt).hold, InputHold::held);
+  EXPECT_TRUE(read("plan.csv", std::nullopt).limits_known);
+  EXPECT_TRUE(
+      holds(input_error_of([&] { static_cast<void>(read("", InputHold::linear)); }), "are held"));
+  folder.write("summary.json", "{");
+  EXPECT_TRUE(
+      holds(input_error_of([&] { static_cast<void>(read("", std::nullopt)); }), "not JSON"));
+}
+
+TEST(ExportSource, RefusesPlansThatCantBePlayed) {
+  const test::TemporaryFolder folder;
+  const auto error = [&](const std::string& text) {
+    folder.write("plan.csv", text);
+    return input_error_of([&] { static_cast<void>(read_source(folder.path(), InputHold::held)); });
+  };
+  EXPECT_TRUE(holds(error("time [s],arm [rad]\n0,0\n"), "<joint>_torque"));
+  EXPECT_TRUE(
+      holds(error("time [s],arm [rad],arm_torque [N m]\n0,0,0\n"), "'arm_velocity' is missing"));
+  EXPECT_TRUE(holds(error("time [s],arm [rad],arm_velocity [rad/s],arm_torque [N m]\n0,0,0,\n"),
+                    "empty cells"));
+  EXPECT_TRUE(
+      holds(error("time [s],arm [rad],arm_velocity [rad/s],arm_torque [N m]\n1,0,0,0\n0,0,0,0\n"),
+            "plan.csv:3"));
+}
+
+}  // namespace
+}  // namespace jaculus::exporting
