@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "testbed/forces.h"
 
@@ -16,7 +17,33 @@ constexpr double kAdhesionRange = 4e-3;                  ///< over which a stick
 constexpr double kRippleWaves = 14.0;                    ///< magnet pairs of a brushless motor
 constexpr double kPushStart = 0.08, kPushLength = 0.02;  ///< [s]
 
+/// What the robot feels of a floor or bench that sways along x, seen from there.
+void add_shaking(const Forces& forces, mjData& d) {
+  const Disturbances& o = forces.changes->outside;
+  const mjModel& m = *forces.machine->model;
+  const double phase = 2.0 * std::numbers::pi * o.shaking_frequency * d.time;
+  const double sway = o.shaking * std::sin(phase);
+  for (int body = 1; body < m.nbody; ++body) d.xfrc_applied[6 * body] -= m.body_mass[body] * sway;
+}
+
+void add_pushes(const Forces& forces, mjData& d) {
+  const Disturbances& o = forces.changes->outside;
+  d.xfrc_applied[std::ptrdiff_t{6} * forces.machine->base] += push_at(o.base_push, d.time);
+  if (o.joint_push.empty()) return;
+  for (int i = 0; i < count_of(forces.files->drives); ++i) {
+    const auto push = o.joint_push.find(forces.files->drives[i].planar);
+    if (push == o.joint_push.end()) continue;
+    d.qfrc_applied[forces.machine->drives[i].dof] += push_at(push->second, d.time);
+  }
+}
+
 }  // namespace
+
+double push_at(const Push& push, double time) {
+  const double into = time - push.start;
+  if (push.peak == 0.0 || into <= 0.0 || into >= push.length) return 0.0;
+  return push.peak * std::sin(std::numbers::pi * into / push.length);
+}
 
 FailingDrives failing_drives(const RobotFiles& files) {
   const std::vector<std::string> rear = files.motors_of(Limb::rear_leg);
@@ -62,6 +89,8 @@ void add_disturbances(const Forces& forces, mjData& d) {
   }
 
   if (o.push != 0.0 && d.time >= kPushStart && d.time < kPushStart + kPushLength) base[0] += o.push;
+  add_pushes(forces, d);
+  if (o.shaking != 0.0) add_shaking(forces, d);
   if (o.adhesion == 0.0) return;
   for (std::size_t i = 0; i < machine.toes.size(); ++i) {
     if (forces.files->toes[i].limb != Limb::rear_leg) continue;

@@ -37,9 +37,10 @@ Drives::Drives(const RobotFiles& files, const Changes& changes, Quantity quantit
   battery_ = kInfinity;
 
   for (const testbed::Drive& drive : files.drives) {
-    const auto scale = changes.torque_scale.find(drive.planar);
-    all_.push_back({drive.motor, scale == changes.torque_scale.end() ? 1.0 : scale->second,
-                    changes.torque_constant * drive.constant, changes.winding_rise});
+    const auto own = changes.joint_torque_constant.find(drive.planar);
+    const double of_joint = own == changes.joint_torque_constant.end() ? 1.0 : own->second;
+    all_.push_back(
+        {drive.motor, changes.torque_constant * of_joint * drive.constant, changes.winding_rise});
     if (drive.motor.ideal()) {
       if (quantity == Quantity::torque) continue;
       throw InputError(
@@ -59,8 +60,8 @@ DriveState Drives::one(const One& drive, double command, double rate, double bus
 
   const double gearing = motor.gear * motor.efficiency;
   if (motor.ideal()) {
-    state.torque = drive.scale * drive.constant * gearing *
-                   std::clamp(command, -motor.torque_limit, motor.torque_limit);
+    state.torque =
+        drive.constant * gearing * std::clamp(command, -motor.torque_limit, motor.torque_limit);
     return state;
   }
 
@@ -83,7 +84,7 @@ DriveState Drives::one(const One& drive, double command, double rate, double bus
   current = std::clamp(current, (-bus - back_emf) / resistance, (bus - back_emf) / resistance);
   state.current = current;
   state.voltage = resistance * current + back_emf;
-  state.torque = drive.scale * gearing * strength * torque_of_current(motor, current);
+  state.torque = gearing * strength * torque_of_current(motor, current);
   return state;
 }
 

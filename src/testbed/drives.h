@@ -34,7 +34,6 @@ class Drives {
  private:
   struct One {
     model::PlanarMotor motor;
-    double scale = 1.0;        ///< on the torque that arrives
     double constant = 1.0;     ///< on the torque constant, true over believed
     double temperature = 0.0;  ///< above that of the stated resistance [K]
   };

@@ -73,6 +73,8 @@ Values values_of(const std::string& given, const std::string& text, const BenchE
 
 }  // namespace
 
+std::string name_without_joint(const std::string& name) { return name.substr(0, name.find('@')); }
+
 const BenchEffect* find_bench_effect(const std::vector<BenchEffect>& effects,
                                      const std::string& name) {
   for (const BenchEffect& effect : effects)

@@ -101,7 +101,6 @@ void add_friction(EffectRows& rows) {
                       1.0 / 10000.0, 1.0 / 150.0});
   if (!s.legs.joints.empty()) return;
 
-  static const Experiments kPendulum = {Kind::pendulum};
   add_friction(rows, {"joint", "actuation", &Changes::leg_friction, s.other, kPendulum, 1.0 / 5.0,
                       1.0 / 600.0, 1.0 / 10000.0, 1.0 / 150.0});
 }
@@ -128,7 +127,7 @@ void add_sensing(EffectRows& rows) {
     rows.add("tail_offset", "the tail's encoder is set wrong", "sensing",
              {{"offset", "rad", 0.0, -0.15, 0.15}}, kLeap,
              [joints = s.tail.joints](const Values& v, Changes& c) {
-               for (const std::string& joint : joints) c.joint_offset[joint] = v[0];
+               for (const std::string& joint : joints) c.joint_offset[joint] += v[0];
              });
   }
 
@@ -138,8 +137,8 @@ void add_sensing(EffectRows& rows) {
     if (!s.rear.joints.empty()) sides.push_back({"rear", "rad", 0.0, -0.1, 0.1});
     rows.add("leg_offset", "leg encoders are set wrong", "", sides, kLeap,
              [front = s.front.joints, rear = s.rear.joints](const Values& v, Changes& c) {
-               for (const std::string& joint : front) c.joint_offset[joint] = v.front();
-               for (const std::string& joint : rear) c.joint_offset[joint] = v.back();
+               for (const std::string& joint : front) c.joint_offset[joint] += v.front();
+               for (const std::string& joint : rear) c.joint_offset[joint] += v.back();
              });
   }
 

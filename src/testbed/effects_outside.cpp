@@ -80,6 +80,8 @@ void add_outside(EffectRows& rows) {
                      [](const Values& v, Changes& c) { c.outside.loose_mass = v[0]; });
   }
   if (feet) {
+    rows.add_outside("tilted_floor", "the floor is not level", {{"angle", "rad", 0.0, -0.1, 0.1}},
+                     kLeap, [](const Values& v, Changes& c) { c.outside.floor_tilt = v[0]; });
     rows.add_outside("bent_leg", "one rear toe reaches further than the other",
                      {strength("length", "m", 0.00147 * s.length, 0.059 * s.length)}, kLeap,
                      [](const Values& v, Changes& c) { c.outside.bent_link = v[0]; });

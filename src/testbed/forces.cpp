@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "testbed/joint_changes.h"
+
 namespace jaculus::testbed {
 namespace {
 
@@ -70,6 +72,16 @@ void add_drag(const Machine& machine, std::size_t index, const model::PlanarDrag
   }
 }
 
+void Forces::begin(const mjData& d) {
+  start_x = machine->base_x.qpos < 0 ? 0.0 : d.qpos[machine->base_x.qpos];
+  sizes.clear();
+  memory.clear();
+  for (int i = 0; i < count_of(files->drives); ++i) {
+    sizes.push_back(size_of(*files, files->drives[i]));
+    memory.push_back({d.qpos[machine->drives[i].qpos]});
+  }
+}
+
 void Forces::apply(mjData& d) {
   const mjModel& m = *machine->model;
   std::fill_n(d.qfrc_applied, m.nv, 0.0);
@@ -79,7 +91,10 @@ void Forces::apply(mjData& d) {
   bus = drives->run(commands, rates, states);
   for (int i = 0; i < count_of(rates); ++i) {
     states[i].torque = disturbed_torque(*this, i, states[i].torque, d);
-    d.qfrc_applied[machine->drives[i].dof] += states[i].torque;
+    const JointPlace& joint = machine->drives[i];
+    const JointMotion now{d.qpos[joint.qpos], d.qvel[joint.dof], states[i].torque};
+    d.qfrc_applied[joint.dof] += now.torque + torque_of_laws(changes->outside.joints, sizes[i],
+                                                             files->drives[i], memory[i], now);
   }
   for (std::size_t i = 0; i < files->drags.size(); ++i)
     add_drag(*machine, i, files->drags[i], *changes, d);
@@ -87,16 +102,16 @@ void Forces::apply(mjData& d) {
 }
 
 void Forces::renew_friction() {
-  for (std::size_t i = 0; i < machine->drives.size(); ++i) {
-    const DryFriction& f =
-        files->drives[i].limb == Limb::tail ? changes->tail_friction : changes->leg_friction;
-    const double always = files->drives[i].friction + f.coulomb;
-    if (always == 0.0 && f.stribeck == 0.0 && f.load == 0.0) continue;
-    const int dof = machine->drives[i].dof;
-    const double ratio = machine->data->qvel[dof] / f.stribeck_rate;
-    const double torque = i < states.size() ? std::abs(states[i].torque) : 0.0;
-    machine->model->dof_frictionloss[dof] =
-        always + f.stribeck * std::exp(-ratio * ratio) + f.load * torque;
+  const JointDisturbances& o = changes->outside.joints;
+  for (int i = 0; i < count_of(machine->drives); ++i) {
+    const JointPlace& joint = machine->drives[i];
+    memory[i] = moved(o, sizes[i], memory[i], machine->data->qpos[joint.qpos]);
+
+    const double torque = i < count_of(states) ? std::abs(states[i].torque) : 0.0;
+    const double rate = machine->data->qvel[joint.dof];
+    machine->model->dof_frictionloss[joint.dof] =
+        dry_friction(*changes, files->drives[i], rate, torque) +
+        friction_of_laws(o, sizes[i], files->drives[i], memory[i]);
   }
 }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "testbed/drives.h"
+#include "testbed/joint_laws.h"
 #include "testbed/machine.h"
 
 namespace jaculus::testbed {
@@ -28,10 +29,14 @@ struct Forces {
   std::vector<double> rates;       ///< scratch
   double start_x = 0.0;            ///< of the base [m]
   FailingDrives failing;
+  std::vector<JointSize> sizes;     ///< of each drive
+  std::vector<JointMemory> memory;  ///< of each drive's joint
 
+  /// Takes the pose in which the robot starts.
+  void begin(const mjData& d);
   /// Sets qfrc_applied and xfrc_applied for the state in `d`.
   void apply(mjData& d);
-  /// Renews friction levels for the coming step.
+  /// Renews friction levels and what joints remember for the coming step.
   void renew_friction();
 };
 
@@ -54,5 +59,7 @@ void add_drag(const Machine& machine, std::size_t index, const model::PlanarDrag
 void add_disturbances(const Forces& forces, mjData& d);
 /// Torque of drive `i` as it arrives, [N m].
 double disturbed_torque(const Forces& forces, int i, double torque, const mjData& d);
+/// A push at a time [N m or N].
+double push_at(const Push& push, double time);
 
 }  // namespace jaculus::testbed

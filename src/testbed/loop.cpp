@@ -4,9 +4,18 @@
 #include <cmath>
 
 #include "jaculus/trajectory/dataset.h"
+#include "testbed/joint_laws.h"
 
 namespace jaculus::testbed {
 namespace {
+
+constexpr double kBurstPeriod = 0.1;  ///< of packets that get lost [s]
+
+/// A driver's full command in the quantity that it hears: the torque limit, all duty, the bus.
+double full_command(const Drive& drive, const JointSize& size, trajectory::Quantity quantity) {
+  if (quantity == trajectory::Quantity::torque) return size.motor_torque;
+  return quantity == trajectory::Quantity::duty ? 1.0 : drive.motor.voltage;
+}
 
 /// Cubic through two places and rates at a share s of the interval `h`.
 double hermite(double p0, double v0, double p1, double v1, double h, double s) {
@@ -20,7 +29,7 @@ double hermite(double p0, double v0, double p1, double v1, double h, double s) {
 
 Loop::Loop(const RobotFiles& files, const Changes& changes, const Commands& commands,
            const LoopSensors& sensors)
-    : commands_(commands), sensors_(sensors), random_(sensors.seed) {
+    : commands_(commands), outside_(changes.outside), sensors_(sensors), random_(sensors.seed) {
   period_ = 1.0 / commands.rate_hz;
   delay_ = changes.delay;
   late_ = changes.late_start;
@@ -33,8 +42,11 @@ Loop::Loop(const RobotFiles& files, const Changes& changes, const Commands& comm
     gear_.push_back(drive.motor.gear);
     scale_.push_back(value_of(changes.scale, drive.planar, 1.0));
     offset_.push_back(drive.encoder_zero + value_of(changes.joint_offset, drive.planar, 0.0));
+    sizes_.push_back(size_of(files, drive));
+    full_.push_back(full_command(drive, sizes_.back(), commands.quantity));
   }
   now_.assign(files.drives.size(), kNaN);
+  driven_.assign(files.drives.size(), 0.0);
 }
 
 double Loop::instant() const { return late_ + static_cast<double>(index_) * period_; }
@@ -47,7 +59,11 @@ double Loop::next() const {
 
 void Loop::update(double t, const std::vector<double>& angles, const std::vector<double>& rates) {
   while (read_time() <= t + 1e-12) {
-    sent_.push_back({instant() + delay_, evaluate(instant() - late_, angles, rates)});
+    std::vector<double> commands = evaluate(instant() - late_, angles, rates);
+    if (!loses()) {
+      for (std::size_t i = 0; i < commands.size(); ++i) commands[i] = driven(i, commands[i]);
+      sent_.push_back({instant() + delay_, std::move(commands)});
+    }
     ++index_;
   }
   while (!sent_.empty() && sent_.front().arrives <= t + 1e-12) {
@@ -55,6 +71,29 @@ void Loop::update(double t, const std::vector<double>& angles, const std::vector
     waiting_ = false;
     sent_.pop_front();
   }
+}
+
+bool Loop::loses() const {
+  const CommandDisturbances& o = outside_.commands;
+  if (o.lost_time == 0.0 || index_ == 0) return false;
+  return std::fmod(instant() + o.lost_phase, kBurstPeriod) < o.lost_time;
+}
+
+double Loop::driven(std::size_t i, double command) {
+  const CommandDisturbances& o = outside_.commands;
+  if (std::isnan(command)) {
+    driven_[i] = 0.0;
+    return command;
+  }
+
+  const double dead = o.dead_band * full_[i], step = o.step * full_[i];
+  if (dead > 0.0) command -= std::clamp(command, -dead, dead);
+  if (step > 0.0) command = step * std::round(command / step);
+  if (o.slew_time > 0.0) {
+    const double most = full_[i] * period_ / o.slew_time;
+    command = driven_[i] + std::clamp(command - driven_[i], -most, most);
+  }
+  return driven_[i] = command;
 }
 
 std::vector<double> Loop::evaluate(double moment, const std::vector<double>& angles,
@@ -80,9 +119,12 @@ std::vector<double> Loop::evaluate(double moment, const std::vector<double>& ang
     }
     if (tracks) {
       const double step = sensors_.resolution / gear_[i];
+      const JointDisturbances& o = outside_.joints;
       double seen = scale_[i] * angles[i] + offset_[i] + sensors_.position_noise * normal(random_);
+      seen += misreading(o, sizes_[i], angles[i]);
       if (step > 0.0) seen = step * std::round(seen / step);
-      const double speed = scale_[i] * rates[i] + sensors_.rate_noise * normal(random_);
+      const double speed = (scale_[i] + misreading_rate(o, sizes_[i], angles[i])) * rates[i] +
+                           sensors_.rate_noise * normal(random_);
       const auto& p = commands_.position;
       const auto& v = commands_.velocity;
       const double place = hermite(p(r, k), v(r, k), p(r, l), v(r, l), h, s);

@@ -10,7 +10,7 @@
 
 #include "jaculus/testbed/changes.h"
 #include "jaculus/testbed/motor_commands.h"
-#include "testbed/robot_files.h"
+#include "testbed/sizes.h"
 
 namespace jaculus::testbed {
 
@@ -44,10 +44,18 @@ class Loop {
   [[nodiscard]] double read_time() const;  ///< when its encoders are read [s]
   std::vector<double> evaluate(double moment, const std::vector<double>& angles,
                                const std::vector<double>& rates);
+  /// Whether what is sent at the present instant gets lost; the first never is.
+  [[nodiscard]] bool loses() const;
+  /// What the driver of drive `i` makes of a command that it hears.
+  double driven(std::size_t i, double command);
 
   const Commands& commands_;
   std::vector<Eigen::Index> row_;  ///< of each drive in the commands, -1 where it hears none
   std::vector<double> kp_, kd_, gear_, scale_, offset_;
+  std::vector<double> full_;      ///< command of each driver that is all it can [its quantity]
+  std::vector<double> driven_;    ///< command that each driver made last
+  std::vector<JointSize> sizes_;  ///< of each drive
+  const Disturbances& outside_;
   double period_ = 1e-3, delay_ = 0.0, late_ = 0.0, latency_ = 0.0;
   LoopSensors sensors_;
   std::mt19937_64 random_;

@@ -270,7 +270,8 @@ void settle(Machine& machine) {
       const double pull = -d.qfrc_bias[m.jnt_dofadr[j]];
       double& q = d.qpos[m.jnt_qposadr[j]];
       if (name.ends_with("_play")) q = pull > 0.0 ? m.jnt_range[2 * j + 1] : m.jnt_range[2 * j];
-      if (name.starts_with("tail_bend")) q = pull / m.jnt_stiffness[j];
+      const bool sags = name.starts_with("tail_bend") || name == "sliding_load";
+      if (sags) q = pull / m.jnt_stiffness[j];
     }
   }
   sink(machine);

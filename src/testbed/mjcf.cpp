@@ -9,6 +9,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "testbed/additions.h"
+#include "testbed/joint_changes.h"
 #include "testbed/limbs.h"
 #include "testbed/parts.h"
 
@@ -64,16 +66,19 @@ class Writer {
 
  private:
   void head() {
+    // Motion capture is levelled on the floor, so a floor that tilts is gravity that leans.
+    const double tilt = setting_.floor ? changes_.outside.floor_tilt : 0.0;
     out_ = fmt::format(
         "<mujoco model=\"{}\">\n<compiler angle=\"radian\" inertiafromgeom=\"false\" "
         "balanceinertia=\"false\" "
         "boundmass=\"0\" boundinertia=\"0\"/>\n"
         "<option timestep=\"{:.17g}\" integrator=\"{}\" cone=\"elliptic\" solver=\"Newton\" "
         "iterations=\"100\" "
-        "tolerance=\"1e-14\" impratio=\"{:.17g}\" gravity=\"0 0 {:.17g}\"/>\n<option><flag "
+        "tolerance=\"1e-14\" impratio=\"{:.17g}\" gravity=\"{:.17g} 0 {:.17g}\"/>\n<option><flag "
         "refsafe=\"disable\"/></option>\n<size nconmax=\"64\" njmax=\"256\"/>\n",
         files_.name, numerics_.step, numerics_.runge_kutta ? "RK4" : "Euler",
-        numerics_.friction_impedance, -files_.gravity);
+        numerics_.friction_impedance, files_.gravity * std::sin(tilt),
+        -files_.gravity * std::cos(tilt));
   }
 
   /// solref and solimp of everything that is rigid.
@@ -110,8 +115,11 @@ class Writer {
 
   void base() {
     const model::SpatialLink& root = tree_.links[tree_.root];
+    const bool fixed = setting_.base_fixed || !files_.floating;
+    const bool sways = fixed && changes_.outside.mount_compliance > 0.0;
+    if (sways) out_ += mount_below(files_, changes_);
     out_ += fmt::format("<body name=\"{}\">\n", root.name);
-    if (!setting_.base_fixed && files_.floating) {
+    if (!fixed) {
       out_ +=
           "<joint name=\"base_x\" type=\"slide\" axis=\"1 0 0\"/><joint name=\"base_z\" "
           "type=\"slide\" axis=\"0 0 1\"/>"
@@ -123,28 +131,9 @@ class Writer {
     Part part = root.mass > 0.0 ? own_share(tree_, tree_.root, whole) : Part{};
     part.mass -= changes_.outside.loose_mass;
     if (part.mass > 0.0) out_ += inertial(part);
-    additions();
+    out_ += additions_to_base(changes_);
     children(tree_.root, model::Vec3::Zero());
-    out_ += "</body>\n";
-  }
-
-  /// Payload, and a battery that came loose.
-  void additions() {
-    if (changes_.payload > 0.0) {
-      out_ += fmt::format(
-          "<body name=\"payload\" pos=\"{:.17g} 0 {:.17g}\"><inertial pos=\"0 0 0\" "
-          "mass=\"{:.17g}\" "
-          "diaginertia=\"1e-6 1e-6 1e-6\"/></body>\n",
-          changes_.payload_place.x(), changes_.payload_place.y(), changes_.payload);
-    }
-    if (const double m = changes_.outside.loose_mass; m > 0.0) {
-      out_ += fmt::format(
-          "<body name=\"loose\"><joint name=\"loose\" type=\"slide\" axis=\"1 0 0\" "
-          "stiffness=\"{:.17g}\" "
-          "damping=\"{:.17g}\"/><inertial pos=\"0 0 0\" mass=\"{:.17g}\" diaginertia=\"1e-6 1e-6 "
-          "1e-6\"/></body>\n",
-          400.0 * m, 4.0 * m, m);
-    }
+    out_ += sways ? "</body>\n</body>\n" : "</body>\n";
   }
 
   void children(int link, const model::Vec3& shift) {
@@ -160,9 +149,8 @@ class Writer {
     return nullptr;
   }
 
-  [[nodiscard]] double play_of(const Drive* drive) const {
-    if (drive == nullptr) return 0.0;
-    return drive->limb == Limb::tail ? changes_.tail_play : changes_.leg_play;
+  [[nodiscard]] double play_behind(const Drive* drive) const {
+    return drive == nullptr ? 0.0 : play_of(changes_, *drive);
   }
 
   /// One body on its joint, with what lies between the motor and it. `shift`: origin of the
@@ -174,7 +162,7 @@ class Writer {
         fmt::format("pos=\"{}\" quat=\"{:.17g} {:.17g} {:.17g} {:.17g}\"",
                     numbers(joint.origin + shift), turn.w(), turn.x(), turn.y(), turn.z());
     const Drive* drive = drive_of(joint.name);
-    const double play = play_of(drive);
+    const double play = play_behind(drive);
     const bool tail = link.name == tail_link_;
     int open = 1;
     if (play > 0.0) {
@@ -223,7 +211,7 @@ class Writer {
   void stops_behind_play() {
     out_ += "<tendon>\n";
     for (const model::SpatialJoint& joint : tree_.joints) {
-      if (!stops_at(joint) || play_of(drive_of(joint.name)) == 0.0) continue;
+      if (!stops_at(joint) || play_behind(drive_of(joint.name)) == 0.0) continue;
       out_ += fmt::format(
           "<fixed name=\"{0}_stop\"{1}><joint joint=\"{0}\" coef=\"1\"/>"
           "<joint joint=\"{0}_play\" coef=\"1\"/></fixed>\n",
@@ -233,22 +221,20 @@ class Writer {
   }
 
   std::string motor_joint(const model::SpatialJoint& joint, const Drive* drive) {
-    const bool tail = drive != nullptr && drive->limb == Limb::tail;
-    double armature = 0.0;
+    double armature = 0.0, viscous = 0.0;
     if (drive != nullptr) {
-      const double added = tail ? changes_.tail_rotor_inertia : changes_.leg_rotor_inertia;
-      armature = drive->motor.gear * drive->motor.gear * (drive->motor.rotor_inertia + added);
+      const double gear = drive->motor.gear, added = added_rotor_inertia(changes_, *drive);
+      armature = gear * gear * (drive->motor.rotor_inertia + added);
+      viscous = viscous_friction(changes_, *drive);
     }
     std::string range;
-    if (stops_at(joint) && play_of(drive) == 0.0) range = stop_of(joint, "limit");
-    const DryFriction& f = tail ? changes_.tail_friction : changes_.leg_friction;
-    const bool rubs = drive != nullptr && drive->friction + f.coulomb + f.stribeck + f.load > 0.0;
+    if (stops_at(joint) && play_behind(drive) == 0.0) range = stop_of(joint, "limit");
+    const bool dry = drive != nullptr && rubs(changes_, *drive);
     return fmt::format(
         "<joint name=\"{}\" type=\"{}\" axis=\"{}\" armature=\"{:.17g}\" damping=\"{:.17g}\" "
         "frictionloss=\"{}\" solreffriction=\"0.001 1\" solimpfriction=\"0.999 0.999 0.001\"{}/>\n",
         joint.name, joint.kind == model::SpatialJointKind::prismatic ? "slide" : "hinge",
-        numbers(joint.axis), armature, drive != nullptr ? f.viscous : 0.0, rubs ? "1e-6" : "0",
-        range);
+        numbers(joint.axis), armature, viscous, dry ? "1e-6" : "0", range);
   }
 
   /// The rest of a link that is one piece: mass, toes, pins, and what hangs on it.
@@ -266,7 +252,10 @@ class Writer {
     } else {
       part.inertia *= leg_factor(index);
     }
+    const bool loaded = changes_.outside.sliding_load > 0.0 && index == loaded_link(files_);
+    if (loaded) part.mass -= changes_.outside.sliding_load;
     if (part.mass > 0.0) out_ += inertial(part);
+    if (loaded) out_ += load_on_link(files_, changes_);
     marks(link.name);
     children(index, model::Vec3::Zero());
   }

@@ -106,7 +106,12 @@ StartPose start_pose(const RobotFiles& files, const Changes& changes, const Play
     if (sides.empty()) pose.joints[name] = (value - by) / factor;
     for (const int i : sides) {
       const Drive& drive = files.drives[i];
-      pose.joints[drive.joint] = (value - drive.encoder_zero - by) / factor;
+      const JointSize size = size_of(files, drive);
+      const double seen = value - drive.encoder_zero - by;
+      double& angle = pose.joints[drive.joint] = seen / factor;
+      // contracts by the runout, a tenth at most, each time
+      for (int k = 0; k < 16; ++k)
+        angle = (seen - misreading(changes.outside.joints, size, angle)) / factor;
     }
   }
   if (!options.floor && std::isnan(pose.z)) pose.z = 0.0;
@@ -154,11 +159,11 @@ Recording play(const RobotFiles& files, const Changes& changes, const Commands& 
   forces.drives = &drives;
   forces.failing = failing_drives(files);
   forces.commands.assign(files.drives.size(), kNaN);
-  const ForcesGuard guard(forces);
   place(machine, files, start_pose(files, changes, options));
   settle(machine);
   mjData& d = *machine.data;
-  forces.start_x = machine.base_x.qpos < 0 ? 0.0 : d.qpos[machine.base_x.qpos];
+  forces.begin(d);
+  const ForcesGuard guard(forces);
   Log log;
   std::vector<double> angles(files.drives.size()), rates(files.drives.size());
   bool diverged = false;

@@ -90,6 +90,20 @@ Sizes sizes_of(const RobotFiles& files) {
   return sizes;
 }
 
+JointSize size_of(const RobotFiles& files, const Drive& drive) {
+  constexpr double kSlideRadian = 0.1;  // [m]
+  const double torque = limit_of(drive.motor);
+  const model::SpatialJoint& joint = files.tree.joints[files.tree.joint_index(drive.joint)];
+  const bool slides = joint.kind == model::SpatialJointKind::prismatic;
+  return {torque * drive.motor.gear * drive.motor.efficiency, torque, slides ? kSlideRadian : 1.0};
+}
+
+double mass_of(const RobotFiles& files) {
+  double mass = 0.0;
+  for (const model::SpatialLink& link : files.tree.links) mass += link.mass;
+  return mass;
+}
+
 double round_figure(double value) { return std::stod(fmt::format("{:.1e}", value)); }
 
 }  // namespace jaculus::testbed

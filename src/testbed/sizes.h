@@ -29,6 +29,17 @@ struct Sizes {
 
 Sizes sizes_of(const RobotFiles& files);
 
+/// What the joint of one motor is measured by.
+struct JointSize {
+  double torque = 0.0;        ///< the motor's limit at the joint [N m or N]
+  double motor_torque = 0.0;  ///< before the gear [N m or N]
+  double radian = 1.0;        ///< what counts as a radian: of a joint that slides 0.1 m [rad or m]
+};
+JointSize size_of(const RobotFiles& files, const Drive& drive);
+
+/// Of all links [kg].
+double mass_of(const RobotFiles& files);
+
 /// The nearest number of two significant digits.
 double round_figure(double value);
 

@@ -13,6 +13,7 @@
 #include "jaculus/testbed/playback.h"
 #include "testbed/clutter.h"
 #include "testbed/commands.h"
+#include "testbed/joint_laws.h"
 #include "testbed/loop.h"
 #include "testbed/mjcf.h"
 #include "testbed/sensor_noise.h"
@@ -168,15 +169,26 @@ class Observer {
     return sum / count;
   }
 
+  [[nodiscard]] Vector angle_of(Eigen::Index i) const {
+    return sample(r_.time, r_.position.row(i).transpose(), r_.velocity.row(i).transpose(), moment_);
+  }
+
+  /// What an encoder out of true reads too much by a law, of the angle or of the rate.
+  [[nodiscard]] Vector misread(Eigen::Index i, decltype(&misreading) law) const {
+    const JointSize size = size_of(files_, files_.drives[i]);
+    const auto at = [&](double q) { return law(changes_.outside.joints, size, q); };
+    return angle_of(i).unaryExpr(at);
+  }
+
   void add_joint(trajectory::Stream& stream, const std::string& name) {
     const SensorSpec& s = spec_.sensors;
     const double scale = value_of(changes_.scale, name, 1.0),
                  offset = value_of(changes_.joint_offset, name, 0.0);
     const double dt = 1.0 / s.joints_rate_hz;
     const Vector angle = mean(name, [&](Eigen::Index i) {
-      Vector seen = scale * sample(r_.time, r_.position.row(i).transpose(),
-                                   r_.velocity.row(i).transpose(), moment_);
+      Vector seen = scale * angle_of(i);
       seen.array() += offset + files_.drives[i].encoder_zero;
+      seen += misread(i, &misreading);
       if (spec_.exact) return seen;
       add_noise(seen, s.encoder, dt, s.shape, random_);
       quantise(seen, s.encoder_step);
@@ -186,7 +198,8 @@ class Observer {
     if (!s.rates) return;
 
     const Vector rate = mean(name, [&](Eigen::Index i) {
-      Vector seen = scale * plain(r_.velocity.row(i));
+      const Vector of_rate = scale + misread(i, &misreading_rate).array();
+      Vector seen = of_rate.cwiseProduct(plain(r_.velocity.row(i)));
       if (!spec_.exact) add_noise(seen, s.tachometer, dt, s.shape, random_);
       return seen;
     });

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "jaculus/core/types.h"
+#include "jaculus/testbed/disturbances.h"
 
 namespace jaculus::testbed {
 
@@ -25,26 +26,6 @@ struct DryFriction {
   double load = 0.0;           ///< [-]
 };
 
-/// A thing outside any catalogue: what it does is in src/testbed/disturbances.cpp.
-struct Disturbances {
-  double tether_stiffness = 0.0;  ///< cable behind the robot pulls back once it is taut [N/m]
-  double tether_slack = 0.0;      ///< forward motion that the cable allows [m]
-  double ripple = 0.0;            ///< torque ripple of every leg motor, 14 waves a turn [N m]
-  double dropout = 0.0;           ///< for how long one rear motor goes without torque [s]
-  double dropout_start = 0.06;    ///< [s]
-  /// the floor holds each rear foot down with up to this force, over 4 mm [N]
-  double adhesion = 0.0;
-  /// bent cable at the tail's root, a spring that hardens with the cube [N m/rad^3]
-  double tail_cable = 0.0;
-  double derating = 0.0;         ///< share of its torque that a front left motor loses [-]
-  double derating_start = 0.1;   ///< from then on [s]
-  double belt_slip = kInfinity;  ///< a rear right motor slips above this torque [N m]
-  /// battery that slides in the body along x on a spring of 20 rad/s [kg]
-  double loose_mass = 0.0;
-  double bent_link = 0.0;  ///< left rear foot's toe reaches further by this [m]
-  double push = 0.0;       ///< hand on the base along +x for 20 ms from 0.08 s [N]
-};
-
 struct Changes {
   // Tail's shaft and gears
   int shaft_segments = 0;  ///< joints along the flexible part of the shaft; 0: rigid
@@ -53,11 +34,17 @@ struct Changes {
   double shaft_damping_ratio = 0.05;  ///< of the first bending of the shaft [-]
   double tail_play = 0.0;             ///< dead band behind the tail's motor, whole width [rad]
   double leg_play = 0.0;              ///< of every other motor [rad]
+  /// planar joint: added dead band behind its motor, whole width [rad]
+  std::map<std::string, double> joint_play;
   // Joints
   DryFriction tail_friction;
-  DryFriction leg_friction;         ///< of every motor's joint that is not the tail's
+  DryFriction leg_friction;  ///< of every motor's joint that is not the tail's
+  /// planar joint: friction beside that of its group
+  std::map<std::string, DryFriction> joint_friction;
   double tail_rotor_inertia = 0.0;  ///< added, before the gear [kg m^2]
   double leg_rotor_inertia = 0.0;   ///< added to every other, before the gear [kg m^2]
+  /// planar joint: added to its motor's alone, before the gear [kg m^2]
+  std::map<std::string, double> joint_rotor_inertia;
   /// planar joint: encoder reads the angle plus this [rad]
   std::map<std::string, double> joint_offset;
   double stop_restitution = 0.0;  ///< of the tail's stop [-]
@@ -71,8 +58,8 @@ struct Changes {
   double voltage_limit = kInfinity;   ///< battery lower than believed [V]
   double current_limit = kInfinity;   ///< driver limits earlier than believed [A]
   double gain_p = 1.0, gain_d = 1.0;  ///< factors on the loop's gains [-]
-  /// planar joint: factor on the torque that arrives [-]
-  std::map<std::string, double> torque_scale;
+  /// planar joint: factor on that of its motor alone [-]
+  std::map<std::string, double> joint_torque_constant;
   // Air
   double drag_coefficient = 1.0;          ///< factor [-]
   bool drag_ignores_translation = false;  ///< a couple by the tail's rotation alone (equation 2)

@@ -28,7 +28,7 @@ struct BenchParameter {
 };
 
 struct BenchEffect {
-  std::string name;      ///< "tail_compliance"
+  std::string name;      ///< "tail_compliance"; at one joint only: "leg_coulomb_friction@knee"
   std::string caption;   ///< one line
   bool outside = false;  ///< of the diagnosis' catalogue
   /// the part of the robot where it acts, by the names that a diagnosis uses; empty where that is
@@ -37,7 +37,14 @@ struct BenchEffect {
   std::vector<BenchParameter> parameters;  ///< the first is the strength, of which the gap grows
   std::vector<trajectory::ExperimentKind> experiments;  ///< where it shows
   std::function<void(const std::vector<double>& values, Changes& changes)> apply;
+  /// a push that happens once, outside of the catalogue too: peak, start and length are its
+  /// parameters
+  bool event = false;
+  std::string joint;  ///< planar joint, of what acts at one joint only; else empty
 };
+
+/// Name without the joint: "leg_coulomb_friction" of "leg_coulomb_friction@knee".
+std::string name_without_joint(const std::string& name);
 
 /// Effects of a robot. InputError where its folder can't be read.
 std::vector<BenchEffect> bench_effects(const std::filesystem::path& robot_folder);
