@@ -13,6 +13,9 @@
 namespace jaculus::testbed {
 namespace {
 
+constexpr double kFreeFootImpedance = 0.98;  ///< feet then yield by less than a micrometre [-]
+constexpr double kFreeFootStep = 0.6;        ///< of the step of other robots [-]
+
 /// Of a uniform rod from the pivot [m].
 double shaft_length(const RobotFiles& files, const model::SpatialLink& link) {
   const Vec2& along = files.drags.front().direction;
@@ -30,6 +33,13 @@ double hinge_stiffness(const RobotFiles& files, const Changes& changes,
 }
 
 Numerics numerics_for(const RobotFiles& files, const Changes& changes, Numerics numerics) {
+  // The foot of a leg that no pin ties lifts off and lands again every millisecond where the floor is
+  // as hard as can be, each time a little further on.
+  if (files.pins.empty() && !files.toes.empty()) {
+    numerics.impedance = std::min(numerics.impedance, kFreeFootImpedance);
+    numerics.step *= kFreeFootStep;
+  }
+
   double fastest = 0.0;  // [rad/s]
   if (const std::vector<double> hinges = shaft_hinges(files, changes); !hinges.empty()) {
     const model::SpatialLink& link =
