@@ -1,5 +1,7 @@
 // jaculus testbed: datasets from an independent robot in MuJoCo.
 
+#include "cli/testbed.h"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -18,6 +20,14 @@
 #include "jaculus/testbed/trials.h"
 
 namespace jaculus::cli {
+
+void need_mujoco() {
+  if (testbed::available()) return;
+  throw InputError(
+      "testbed: this build was made without MuJoCo; install libmujoco-dev (Debian, Ubuntu) and "
+      "build again");
+}
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -29,21 +39,16 @@ struct RunOptions {
   std::string experiment;
   std::string robot;
   std::string quantity = name_of(trajectory::Quantity::torque);
+  std::string input = testbed::swing_inputs().name(testbed::SwingInput::torque);
   std::vector<std::string> effects;
   int trials = 6;
   bool exact = false;
 };
 
-// What plays where no --robot is given: plans with a tail, plans without one.
-constexpr const char* kRobotWithTail = "minitaur_tail";
-constexpr const char* kRobotWithoutTail = "minitaur";
-
-void need_mujoco() {
-  if (testbed::available()) return;
-  throw InputError(
-      "testbed: this build was made without MuJoCo; install libmujoco-dev (Debian, Ubuntu) and "
-      "build again");
-}
+// Experiments that no dataset has a kind for.
+constexpr const char* kSwing = "swing";
+constexpr const char* kLegDrop = "leg_drop";
+constexpr const char* kLegBench = "leg_bench";
 
 fs::path robot_folder(const RunOptions& options, const std::string& usual) {
   return model::find_robot(options.robot.empty() ? usual : options.robot,
@@ -59,6 +64,11 @@ trajectory::Dataset asked_for(const RunOptions& options) {
   if (kind == ExperimentKind::tail_bench)
     return testbed::tail_bench(robot_folder(options, kRobotWithTail));
   if (kind == ExperimentKind::pendulum) return testbed::pendulum(robot_folder(options, "pendulum"));
+  if (name == kSwing)
+    return testbed::swing(robot_folder(options, "double_pendulum"),
+                          *testbed::swing_inputs().find(options.input));
+  if (name == kLegDrop) return testbed::leg_drop(robot_folder(options, "quadruped25"));
+  if (name == kLegBench) return testbed::leg_bench(robot_folder(options, "quadruped25"));
 
   if (fs::path(name).extension() == ".yaml") {
     trajectory::Dataset asked = simulation::read_experiment(name).setup;
@@ -76,8 +86,8 @@ trajectory::Dataset asked_for(const RunOptions& options) {
     throw InputError(
         fmt::format("testbed run: no file '{}'; allowed: a plan (CSV) for a leap, an experiment "
                     "(YAML), self_righting, "
-                    "tail_bench, pendulum",
-                    name));
+                    "tail_bench, pendulum, {}, {}, {}",
+                    name, kSwing, kLegDrop, kLegBench));
   }
 
   const trajectory::Table plan = trajectory::read_csv(name);
@@ -151,7 +161,8 @@ void add_run(CLI::App& parent, Action& chosen) {
   });
   command
       ->add_option("experiment", options->experiment,
-                   "a plan (CSV), an experiment (YAML), self_righting, tail_bench or pendulum")
+                   "a plan (CSV), an experiment (YAML), self_righting, tail_bench, pendulum, swing "
+                   "(smooth, of a robot on a fixed base), leg_drop or leg_bench (without a tail)")
       ->required();
 
   command->add_option("--robot", options->robot, "a folder of models/, or a path");
@@ -159,104 +170,14 @@ void add_run(CLI::App& parent, Action& chosen) {
       ->check(one_of(trajectory::quantity_names()
                          .only({trajectory::Quantity::torque, trajectory::Quantity::duty})
                          .names()));
+  command->add_option("--input", options->input, "what drives a swing")
+      ->check(one_of(testbed::swing_inputs().names()));
   command->add_option("--effect", options->effects,
                       "name:parameter=value,...; may be given several times");
   command->add_option("--trials", options->trials, "how many")->check(whole_number(1, 1000));
   command->add_flag("--exact", options->exact, "no noise, scatter or rounding");
   add_common(*command, options->common, "folder for the dataset");
   command->callback([options, &chosen] { chosen = [options] { return run(*options); }; });
-}
-
-struct SealOptions {
-  Common common;
-  int singles = 0, none = 0, pairs = 0, outside = 0, mixed = 0;
-  bool clutter = false;
-  std::vector<std::string> withheld;
-  std::string commit, key;
-  std::vector<std::string> plans;
-  std::vector<std::string> robots = {kRobotWithTail, kRobotWithoutTail};
-};
-
-int seal(const SealOptions& options) {
-  need_mujoco();
-  const Common& common = options.common;
-  if (common.out.empty())
-    throw InputError("testbed seal: --out is missing; allowed: a new folder for the cases");
-  if (!options.commit.empty() && common.seed)
-    throw InputError("testbed seal: --seed and --commit given; allowed: one");
-  if (options.singles + options.none + options.pairs + options.outside + options.mixed == 0) {
-    throw InputError(
-        "testbed seal: no case asked for; allowed: --singles, --none, --pairs, --outside, --mixed");
-  }
-
-  testbed::BlindingSpec spec;
-  spec.singles = options.singles;
-  spec.none = options.none;
-  spec.pairs = options.pairs;
-  spec.outside = options.outside;
-  spec.mixed = options.mixed;
-  spec.clutter = options.clutter;
-  spec.withheld = options.withheld;
-  spec.seed = options.commit.empty() ? static_cast<std::uint64_t>(common.seed.value_or(1))
-                                     : testbed::seed_of_commit(options.commit);
-  spec.provenance =
-      options.commit.empty() ? fmt::format("seed {}", spec.seed) : "commit " + options.commit;
-  spec.plans.assign(options.plans.begin(), options.plans.end());
-  for (const std::string& robot : options.robots)
-    spec.robots.push_back(model::find_robot(robot, fs::current_path() / "robot"));
-  spec.out = common.out;
-  spec.key = options.key.empty()
-                 ? fs::path(fs::path(common.out).lexically_normal().string() + ".key")
-                 : fs::path(options.key);
-  spec.jobs = common.jobs;
-  spec.progress = progress_bar(common, "cases");
-  const std::vector<std::string> ids = testbed::blind_cases(spec);
-  clear_progress(common);
-
-  if (common.json) {
-    const nlohmann::ordered_json json = {
-        {"cases", ids}, {"out", common.out}, {"key", spec.key.string()}};
-    print(json.dump(2) + "\n");
-  } else if (!common.quiet) {
-    print(fmt::format("{} blinded cases in {}; key and salt in {}\n", ids.size(), common.out,
-                      spec.key.string()));
-  }
-
-  return kDone;
-}
-
-void add_seal(CLI::App& parent, Action& chosen) {
-  auto options = std::make_shared<SealOptions>();
-  CLI::App* command =
-      parent.add_subcommand("seal", "Blinded cases: datasets whose labels are encrypted.");
-  command->footer(
-      "Example:\n  jaculus testbed seal --singles 120 --none 60 --pairs 30 --outside 30 --plan "
-      "a.csv --plan b.csv "
-      "--commit $(git rev-parse HEAD) --out blinded");
-  command->add_option("--singles", options->singles, "cases with one effect")
-      ->check(whole_number(0, 100000));
-  command->add_option("--none", options->none, "cases without")->check(whole_number(0, 100000));
-  command->add_option("--pairs", options->pairs, "cases with two")->check(whole_number(0, 100000));
-
-  command
-      ->add_option("--outside", options->outside, "cases with a disturbance that no catalogue has")
-      ->check(whole_number(0, 100000));
-  command
-      ->add_option("--mixed", options->mixed, "cases with one effect and such a disturbance beside")
-      ->check(whole_number(0, 100000));
-  command->add_flag("--clutter", options->clutter,
-                    "robots off their files by their tolerances, noise of every kind");
-  command->add_option("--withhold", options->withheld, "disturbances that are not drawn");
-  command->add_option("--plan", options->plans,
-                      "a plan (CSV) to leap by; may be given several times");
-  command->add_option("--robot", options->robots,
-                      "a folder of models/, or a path; may be given several times; each plays the "
-                      "plans for its motors, and a drop and a bench where it has a tail");
-  command->add_option("--commit", options->commit,
-                      "hash of the commit to be judged: the seed derives from it");
-  command->add_option("--key", options->key, "file for key and salt; OUT.key unless given");
-  add_common(*command, options->common, "a new folder for the cases");
-  command->callback([options, &chosen] { chosen = [options] { return seal(*options); }; });
 }
 
 struct ScoreFlags {

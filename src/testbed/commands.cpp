@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "jaculus/core/error.h"
@@ -43,6 +44,43 @@ bool stays_over_pairs(const Commands& c) {
   return true;
 }
 
+/// A joint's gain where a dataset states a number or a range.
+double gain_at(const std::map<std::string, trajectory::StatedGain>& gains, const std::string& joint,
+               double place) {
+  auto found = gains.find(joint);
+  if (found == gains.end()) found = gains.find("*");
+  if (found == gains.end()) return 0.0;
+
+  const Bounds& range = found->second.range;
+  if (found->second.known()) return range.lower;
+  if (range.lower > 0.0 && std::isfinite(range.upper))
+    return range.lower * std::pow(range.upper / range.lower, place);
+  throw InputError(fmt::format(
+      "controller: gain of '{}': from {} to {} given; allowed on the testbed: a number, "
+      "or a range above 0 with an end",
+      joint, range.lower, range.upper));
+}
+
+PlanCommands script_commands(const trajectory::InputScript& script, const RobotFiles& files) {
+  PlanCommands out;
+  Commands& c = out.commands;
+  c.quantity = script.quantity;
+  c.motors = script.joints;
+  c.time = script.time;
+  c.feedforward = script.values;
+  out.duration = script.time[script.time.size() - 1];
+
+  for (int i = 0; i < count_of(c.motors); ++i) {
+    const std::vector<std::string>& known = files.planar_motors;
+    if (std::find(known.begin(), known.end(), c.motors[i]) == known.end()) {
+      throw InputError(
+          fmt::format("input: '{}' is no motor of the robot '{}'", c.motors[i], files.name));
+    }
+    if (script.quantity == Quantity::torque) c.feedforward.row(i) /= gear_of(files, c.motors[i]);
+  }
+  return out;
+}
+
 }  // namespace
 
 PlanCommands plan_commands(const trajectory::Table& plan, const RobotFiles& files,
@@ -80,6 +118,32 @@ PlanCommands plan_commands(const trajectory::Table& plan, const RobotFiles& file
         column(plan, name, name == "pitch" ? dimension::angle : dimension::length, file)[0];
   }
   out.duration = c.time[c.time.size() - 1];
+  return out;
+}
+
+PlanCommands dataset_commands(const trajectory::Dataset& asked, const RobotFiles& files,
+                              const TrialSpec& spec) {
+  PlanCommands out;
+  const trajectory::StatedController& stated = asked.controller;
+
+  if (asked.plan) {
+    out = plan_commands(*asked.plan, files, stated.quantity, asked.folder / "plan.csv");
+  } else {
+    if (!asked.script)
+      throw InputError("the experiment has neither plan nor input; allowed: one of the two");
+    out = script_commands(*asked.script, files);
+  }
+
+  out.commands.rate_hz = stated.rate_hz;
+  out.commands.relax_after_end = stated.after_end == trajectory::AfterEnd::relax;
+  out.commands.repeat_after_end =
+      stated.after_end == trajectory::AfterEnd::repeat || asked.script.has_value();
+  for (const std::string& motor : out.commands.motors) {
+    out.commands.kp[motor] = gain_at(stated.kp, motor, spec.kp_place);
+    out.commands.kd[motor] = gain_at(stated.kd, motor, spec.kd_place);
+  }
+
+  for (const auto& [name, value] : asked.initial) out.start[name] = value;
   return out;
 }
 

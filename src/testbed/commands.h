@@ -5,6 +5,7 @@
 #include <string>
 
 #include "jaculus/testbed/motor_commands.h"
+#include "jaculus/testbed/trials.h"
 #include "jaculus/trajectory/csv.h"
 #include "testbed/robot_files.h"
 
@@ -22,5 +23,10 @@ struct PlanCommands {
 /// or time that falls: InputError with the file.
 PlanCommands plan_commands(const trajectory::Table& plan, const RobotFiles& files,
                            trajectory::Quantity quantity, const std::filesystem::path& file);
+
+/// What a dataset asks for, as commands; the pose that it states wins over the plan's. Of `spec`
+/// the places of gains within stated ranges count. InputError for commands that do not fit.
+PlanCommands dataset_commands(const trajectory::Dataset& asked, const RobotFiles& files,
+                              const TrialSpec& spec);
 
 }  // namespace jaculus::testbed

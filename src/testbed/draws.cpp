@@ -5,10 +5,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "jaculus/core/error.h"
 #include "jaculus/model/robot.h"
 #include "testbed/noise_floor.h"
+#include "testbed/swings.h"
 
 namespace jaculus::testbed {
 namespace {
@@ -25,20 +27,6 @@ Value one_of(Random& random, const std::vector<Value>& values) {
   return values[std::uniform_int_distribution<std::size_t>(0, values.size() - 1)(random)];
 }
 
-/// Numbers beside the strength, and the side of a strength that may go both ways.
-Dose draw_dose(const BenchEffect& effect, Random& random, double& end) {
-  Dose dose{&effect, usual_values(effect)};
-  const BenchParameter& first = effect.parameters.front();
-  const bool both = first.lower < first.usual && first.usual < first.upper;
-  const bool up = both ? uniform(random, 0.0, 1.0) < 0.5 : first.upper > first.usual;
-  end = up ? first.upper : first.lower;
-  for (std::size_t i = 1; i < dose.values.size(); ++i) {
-    const BenchParameter& p = effect.parameters[i];
-    if (p.drawn) dose.values[i] = uniform(random, p.lower, p.upper);
-  }
-  return dose;
-}
-
 bool has_all_motors(const trajectory::Table& plan, const RobotFiles& robot) {
   return std::all_of(robot.planar_motors.begin(), robot.planar_motors.end(),
                      [&](const std::string& motor) { return plan.column(motor) >= 0; });
@@ -53,18 +41,50 @@ std::string names_of(const std::vector<RobotFiles>& robots) {
 /// What a robot can do without a plan.
 void add_bench_stages(const std::filesystem::path& folder, const RobotFiles& robot,
                       std::vector<Stage>& stages) {
+  const auto add = [&](const std::string& what, const trajectory::Dataset& asked) {
+    stages.push_back(make_stage(what + " " + robot.name, asked));
+  };
   const std::vector<std::string> tail = robot.motors_of(Limb::tail);
   const bool stops = std::all_of(tail.begin(), tail.end(), [&](const std::string& joint) {
     const Bounds& range = robot.joint_of(joint).range;
     return std::isfinite(range.lower) && std::isfinite(range.upper);
   });
 
-  if (!tail.empty() && stops && robot.floating)
-    stages.push_back(make_stage(name_of(ExperimentKind::self_righting), self_righting(folder)));
-  if (!tail.empty())
-    stages.push_back(make_stage(name_of(ExperimentKind::tail_bench), tail_bench(folder)));
+  const std::string drop = name_of(ExperimentKind::self_righting);
+  const std::string bench = name_of(ExperimentKind::tail_bench);
+  if (!tail.empty() && stops && robot.floating) add(drop, self_righting(folder));
+  if (!tail.empty()) add(bench, tail_bench(folder));
+  if (can_swing_legs(robot)) {
+    add(drop, leg_drop(folder));
+    add(bench, leg_bench(folder));
+  }
+
+  const std::string kind = name_of(ExperimentKind::pendulum);
   if (!robot.floating && robot.planar_motors.size() == 1 && tail.empty())
-    stages.push_back(make_stage(name_of(ExperimentKind::pendulum), pendulum(folder)));
+    add(kind, pendulum(folder));
+  for (const std::string& name : swing_inputs().names()) {
+    const SwingInput input = *swing_inputs().find(name);
+    if (can_swing(robot, input)) add(kind + " " + name, swing(folder, input));
+  }
+}
+
+/// Start and length of a push: within the commands, where its ranges allow that.
+void draw_moment(const BenchEffect& effect, double end, Random& random,
+                 std::vector<double>& values) {
+  const BenchParameter &start = effect.parameters.at(1), &length = effect.parameters.at(2);
+  const double longest = std::clamp(0.5 * end, length.lower, length.upper);
+  values[2] = uniform(random, length.lower, longest);
+  const double latest = std::clamp(end - values[2], start.lower, start.upper);
+  values[1] = uniform(random, start.lower, latest);
+}
+
+/// Effects on what comes before the torques that a log of kind measured holds, or that move all of
+/// the log in time: nothing that such a log shows.
+const std::set<std::string>& before_the_log() {
+  static const std::set<std::string> kNames = {
+      "actuation_delay", "late_start",  "controller_gains", "torque_constant", "voltage_limit",
+      "current_limit",   "battery_sag", "winding_heating",  "sensor_latency"};
+  return kNames;
 }
 
 }  // namespace
@@ -103,21 +123,17 @@ std::vector<Stage> all_stages(const std::vector<std::filesystem::path>& plans,
   return stages;
 }
 
-std::vector<std::string> effects_of(const std::vector<std::filesystem::path>& robots,
-                                    bool outside) {
-  std::vector<std::string> names;
-  for (const std::filesystem::path& robot : robots) {
-    for (const BenchEffect& effect : bench_effects(robot)) {
-      const bool known = std::find(names.begin(), names.end(), effect.name) != names.end();
-      if (effect.outside == outside && !known) names.push_back(effect.name);
-    }
-  }
-  return names;
+double commands_end(const Stage& stage) {
+  if (stage.asked.script) return stage.asked.script->time.tail<1>()[0];
+  const trajectory::Table& plan = *stage.asked.plan;
+  return plan.values(plan.values.rows() - 1, plan.column("time"));
 }
 
 const BenchEffect* acting_effect(const Stage& stage, const std::string& name) {
   const BenchEffect* effect = find_bench_effect(stage.effects, name);
   if (effect == nullptr) return nullptr;
+  const bool measured = stage.asked.controller.kind == trajectory::ControllerKind::measured;
+  if (measured && before_the_log().contains(name.substr(0, name.find('@')))) return nullptr;
   const auto& where = effect->experiments;
   return std::find(where.begin(), where.end(), stage.asked.experiment) == where.end() ? nullptr
                                                                                       : effect;
@@ -139,7 +155,26 @@ void draw_clutter_of(Random& random, TrialSpec& spec) {
   s.encoder_step *= one_of<double>(random, {1.0, 4.0});
 }
 
+Dose draw_dose(const BenchEffect& effect, const Stage& stage, Random& random, double& end) {
+  Dose dose{&effect, usual_values(effect)};
+  const BenchParameter& first = effect.parameters.front();
+  const bool both = first.lower < first.usual && first.usual < first.upper;
+  const bool up = both ? uniform(random, 0.0, 1.0) < 0.5 : first.upper > first.usual;
+  end = up ? first.upper : first.lower;
+
+  if (effect.event) {
+    draw_moment(effect, commands_end(stage), random, dose.values);
+    return dose;
+  }
+  for (std::size_t i = 1; i < dose.values.size(); ++i) {
+    const BenchParameter& p = effect.parameters[i];
+    if (p.drawn) dose.values[i] = uniform(random, p.lower, p.upper);
+  }
+  return dose;
+}
+
 TrialSpec draw_trials(Random& random, const Stage& stage, bool clutter) {
+  const bool held = stage.asked.experiment == ExperimentKind::tail_bench || !stage.robot.floating;
   TrialSpec spec;
   spec.trials = std::uniform_int_distribution<int>(3, 8)(random);
   SensorSpec& s = spec.sensors;
@@ -148,12 +183,14 @@ TrialSpec draw_trials(Random& random, const Stage& stage, bool clutter) {
   s.mocap_position *= quality;
   s.mocap_angle *= quality;
   s.mocap_lost = one_of<double>(random, {0.0, 0.0, 0.03});
-  s.joints =
-      stage.asked.experiment == ExperimentKind::tail_bench || uniform(random, 0.0, 1.0) < 0.8;
+  s.joints = held || uniform(random, 0.0, 1.0) < 0.8;
   s.joints_rate_hz = one_of<double>(random, {250.0, 500.0, 1000.0});
   s.rates = uniform(random, 0.0, 1.0) < 0.7;
   s.electric = uniform(random, 0.0, 1.0) < 0.5;
-  s.imu = stage.asked.experiment != ExperimentKind::tail_bench && uniform(random, 0.0, 1.0) < 0.3;
+  s.imu = !held && uniform(random, 0.0, 1.0) < 0.3;
+  s.torque = stage.asked.controller.kind == trajectory::ControllerKind::measured;
+  spec.kp_place = uniform(random, 0.1, 0.9);
+  spec.kd_place = uniform(random, 0.1, 0.9);
   spec.pose_scatter = one_of<double>(random, {1e-3, 2e-3, 4e-3});
   spec.seed = random();
   if (clutter) draw_clutter_of(random, spec);
@@ -179,7 +216,7 @@ std::optional<Dose> find_dose(const BenchEffect& effect, const Stage& stage, con
                               const trajectory::Dataset& nominal, double target, Random& random,
                               double& reached) {
   double end = 0.0;
-  Dose dose = draw_dose(effect, random, end);
+  Dose dose = draw_dose(effect, stage, random, end);
   const double usual = effect.parameters.front().usual;
   const double least = std::abs(effect.parameters.front().lower - usual) *
                        (end > usual && effect.parameters.front().lower > usual ? 1.0 : 0.0);

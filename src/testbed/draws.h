@@ -23,15 +23,17 @@ struct Stage {
 Stage make_stage(const std::string& name, const trajectory::Dataset& asked);
 
 /// All experiments of a batch: every plan with torque and with duty, on the first robot all of
-/// whose motors it has; then the drop, the bench and the pendulum of every robot that can do them.
-/// InputError where no robot fits a plan.
+/// whose motors it has; then of every robot what it can do without a plan: drop and bench, with the
+/// tail or, without one, with the legs; on a fixed base the pendulum's steps and swings by every
+/// input. InputError where no robot fits a plan.
 std::vector<Stage> all_stages(const std::vector<std::filesystem::path>& plans,
                               const std::vector<std::filesystem::path>& robots);
 
-/// Names of all effects of some robots, in the order of the first.
-std::vector<std::string> effects_of(const std::vector<std::filesystem::path>& robots, bool outside);
+/// When a stage's commands end [s].
+double commands_end(const Stage& stage);
 
-/// The effect of a name on a stage; null where it can't act there at all.
+/// The effect of a name on a stage; null where it can't act there at all, or where the log itself
+/// says what drove the joints and the effect is one of what came before it.
 const BenchEffect* acting_effect(const Stage& stage, const std::string& name);
 
 using Random = std::mt19937_64;
@@ -44,6 +46,10 @@ struct Dose {
   const BenchEffect* effect = nullptr;
   std::vector<double> values;
 };
+
+/// Numbers of an effect beside the strength, and the `end` of the strength's range, that of the
+/// side that was drawn. A push falls within the stage's commands where its ranges allow that.
+Dose draw_dose(const BenchEffect& effect, const Stage& stage, Random& random, double& end);
 
 /// The noise-free run of a stage under changes, in the spec's streams; nothing where the robot is
 /// lost.

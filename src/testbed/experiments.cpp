@@ -10,6 +10,7 @@
 #include "jaculus/testbed/trials.h"
 #include "testbed/commands.h"
 #include "testbed/drives.h"
+#include "testbed/experiment_parts.h"
 #include "testbed/sizes.h"
 
 namespace jaculus::testbed {
@@ -45,6 +46,8 @@ double stall_torque(const model::PlanarMotor& motor) {
   return std::isfinite(motor.torque_limit) ? motor.torque_limit : 1.0;
 }
 
+}  // namespace
+
 void state_gains(trajectory::Dataset& dataset, const RobotFiles& files, Quantity quantity) {
   trajectory::StatedController& c = dataset.controller;
   c.kind = ControllerKind::feedforward_pd;
@@ -74,6 +77,20 @@ void set_column(trajectory::Table& table, const std::string& name, const std::st
   table.values.col(index) = values;
 }
 
+std::string robot_name(const std::filesystem::path& folder) {
+  const std::filesystem::path whole = std::filesystem::weakly_canonical(folder);
+  const std::string name = whole.filename().string();
+  try {
+    const auto found = model::find_robot(name, whole.parent_path() / name / "none");
+    if (std::filesystem::weakly_canonical(found) == whole) return name;
+  } catch (const InputError&) {
+    return whole.string();
+  }
+  return whole.string();
+}
+
+namespace {
+
 /// Duty that gives the plan's torques at its rates on the believed motor: (R i + k_t w)/V.
 void set_duty(trajectory::Table& table, const RobotFiles& files, const PlanCommands& plan) {
   for (int m = 0; m < count_of(plan.commands.motors); ++m) {
@@ -87,19 +104,6 @@ void set_duty(trajectory::Table& table, const RobotFiles& files, const PlanComma
     }
     set_column(table, channel_name(name, Quantity::duty), "-", duty);
   }
-}
-
-/// By which a dataset names a robot: one of models/ by its name, another by its place.
-std::string robot_name(const std::filesystem::path& folder) {
-  const std::filesystem::path whole = std::filesystem::weakly_canonical(folder);
-  const std::string name = whole.filename().string();
-  try {
-    const auto found = model::find_robot(name, whole.parent_path() / name / "none");
-    if (std::filesystem::weakly_canonical(found) == whole) return name;
-  } catch (const InputError&) {
-    return whole.string();
-  }
-  return whole.string();
 }
 
 /// A table from 0 to `duration` with every motor at rest, the tail's at 0.

@@ -13,6 +13,7 @@
 #include "jaculus/testbed/playback.h"
 #include "testbed/clutter.h"
 #include "testbed/commands.h"
+#include "testbed/drives.h"
 #include "testbed/joint_laws.h"
 #include "testbed/loop.h"
 #include "testbed/mjcf.h"
@@ -22,57 +23,6 @@ namespace jaculus::testbed {
 namespace {
 
 using Random = std::mt19937_64;
-
-/// What the dataset asks for, as commands; the pose it states wins over the plan's.
-PlanCommands commands_of(const trajectory::Dataset& asked, const RobotFiles& files) {
-  PlanCommands out;
-  const trajectory::StatedController& stated = asked.controller;
-
-  if (asked.plan) {
-    out = plan_commands(*asked.plan, files, stated.quantity, asked.folder / "plan.csv");
-  } else {
-    if (!asked.script)
-      throw InputError("the experiment has neither plan nor input; allowed: one of the two");
-    out.commands.quantity = asked.script->quantity;
-    out.commands.motors = asked.script->joints;
-    out.commands.time = asked.script->time;
-    out.commands.feedforward = asked.script->values;
-    out.duration = asked.script->time[asked.script->time.size() - 1];
-    for (const std::string& motor : out.commands.motors) {
-      if (std::find(files.planar_motors.begin(), files.planar_motors.end(), motor) !=
-          files.planar_motors.end())
-        continue;
-      throw InputError(fmt::format("input: '{}' is no motor of the robot '{}'", motor, files.name));
-    }
-    if (asked.script->quantity == trajectory::Quantity::torque) {
-      for (int i = 0; i < count_of(out.commands.motors); ++i) {
-        const auto drive =
-            std::find_if(files.drives.begin(), files.drives.end(),
-                         [&](const Drive& d) { return d.planar == out.commands.motors[i]; });
-        out.commands.feedforward.row(i) /= drive->motor.gear * drive->motor.efficiency;
-      }
-    }
-  }
-
-  out.commands.rate_hz = stated.rate_hz;
-  out.commands.relax_after_end = stated.after_end == trajectory::AfterEnd::relax;
-  out.commands.repeat_after_end =
-      stated.after_end == trajectory::AfterEnd::repeat || asked.script.has_value();
-  const auto gain = [](const std::map<std::string, trajectory::StatedGain>& gains,
-                       const std::string& joint) {
-    auto found = gains.find(joint);
-    if (found == gains.end()) found = gains.find("*");
-    return found == gains.end() ? 0.0 : found->second.range.lower;
-  };
-
-  for (const std::string& motor : out.commands.motors) {
-    out.commands.kp[motor] = gain(stated.kp, motor);
-    out.commands.kd[motor] = gain(stated.kd, motor);
-  }
-
-  for (const auto& [name, value] : asked.initial) out.start[name] = value;
-  return out;
-}
 
 /// One trial's measuring: the recording as each stream sees it.
 class Observer {
@@ -221,13 +171,24 @@ class Observer {
     const SensorSpec& s = spec_.sensors;
     Vector torque = mean(name, [&](Eigen::Index i) {
       const Drive& drive = files_.drives[i];
-      return Vector(drive.current_scale / drive.constant * plain(r_.torque.row(i)));
+      return Vector(drive.current_scale * believed_torque(drive, i));
     });
     const double most = torque.cwiseAbs().maxCoeff();
     if (!spec_.exact) low_pass(torque, s.ammeter_filter, 1.0 / s.joints_rate_hz);
     add(stream, channel_name(name, trajectory::Quantity::torque), "N m", torque,
         s.torque_noise * most);
     if (!spec_.exact) quantise_last(stream, s.torque_step * most);
+  }
+
+  /// Torque at the joint that a motor believed to be as its files say makes of its current; of an
+  /// ideal one, what it was told.
+  [[nodiscard]] Vector believed_torque(const Drive& drive, Eigen::Index i) const {
+    const model::PlanarMotor& motor = drive.motor;
+    if (motor.ideal()) return plain(r_.torque.row(i)) / (changes_.torque_constant * drive.constant);
+
+    const Vector current = plain(r_.current.row(i));
+    return motor.gear * motor.efficiency *
+           current.unaryExpr([&](double one) { return torque_of_current(motor, one); });
   }
 
   static void quantise_last(trajectory::Stream& stream, double step) {
@@ -346,7 +307,7 @@ trajectory::Trial one_trial(const trajectory::Dataset& asked, const RobotFiles& 
 trajectory::Dataset run_trials(const trajectory::Dataset& asked, const Changes& changes,
                                const TrialSpec& spec, double* legs_apart) {
   const RobotFiles believed = read_robot_files(model::find_robot(asked.robot, asked.folder));
-  const PlanCommands plan = commands_of(asked, believed);
+  const PlanCommands plan = dataset_commands(asked, believed, spec);
   const RobotFiles real =
       spec.clutter_seed
           ? cluttered(believed, draw_clutter(believed, believed.tolerances, *spec.clutter_seed))

@@ -1,17 +1,25 @@
 #include "jaculus/testbed/blinded_cases.h"
 
 #include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
+#include <chrono>
 #include <fstream>
 #include <map>
+#include <set>
 #include <sstream>
+#include <thread>
 
 #include "jaculus/core/installation.h"
+#include "jaculus/core/journal.h"
 #include "jaculus/testbed/effects.h"
 #include "jaculus/testbed/trials.h"
 #include "jaculus/trajectory/dataset.h"
 #include "support/input_error.h"
 #include "support/temporary_folder.h"
+#include "testbed/labels.h"
 
 namespace jaculus::testbed {
 namespace {
@@ -152,6 +160,105 @@ TEST_F(BlindedCases, ClutterMakesOtherLogsAndWithheldKindsAreNotDrawn) {
   unknown.out = folder_.path() / "unknown";
   unknown.withheld = {"no_such_thing"};
   EXPECT_TRUE(holds(input_error_of([&] { blind_cases(unknown); }), "--withhold 'no_such_thing'"));
+}
+
+/// Cases without effect on a robot that is quick to play.
+BlindingSpec quick_batch(const fs::path& folder) {
+  BlindingSpec spec;
+  spec.none = 4;
+  spec.clutter = true;
+  spec.robots = {source_folder() / "models" / "pendulum"};
+  spec.seed = 3;
+  spec.out = folder / "cases";
+  spec.key = folder / "cases.key";
+  spec.jobs = 1;
+  return spec;
+}
+
+/// Kills a batch once two of its cases are finished.
+void kill_midway(const BlindingSpec& spec) {
+  const pid_t child = fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    (void)blind_cases(spec);
+    _exit(0);
+  }
+  const fs::path journal = spec.key.string() + ".journal";
+  const auto finished = [&] {
+    return fs::exists(journal) && read_journal(journal).finished.size() >= 2;
+  };
+  while (!finished() && ::waitpid(child, nullptr, WNOHANG) == 0)
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  ::kill(child, SIGKILL);
+  ::waitpid(child, nullptr, 0);
+}
+
+TEST_F(BlindedCases, ABatchThatWasKilledGoesOnToTheSameBytes) {
+  BlindingSpec whole = quick_batch(folder_.path() / "whole");
+  whole.out = folder_.path() / "cases";  // the journal is of a place, so one batch after the other
+  blind_cases(whole);
+  const auto files = datasets_of(whole.out);
+  const auto labels = open_labels(whole.out, whole.key);
+  fs::remove_all(whole.out);
+
+  BlindingSpec killed = quick_batch(folder_.path());
+  kill_midway(killed);
+  ASSERT_FALSE(fs::exists(killed.out / "labels.sealed")) << "it was whole before it was killed";
+  EXPECT_LT(datasets_of(killed.out).size(), files.size());
+  for (const auto& entry : fs::recursive_directory_iterator(killed.out)) {
+    if (entry.is_regular_file()) {
+      EXPECT_EQ(bytes_of(entry.path()).find("strength"), std::string::npos);
+    }
+  }
+  EXPECT_TRUE(holds(input_error_of([&] { blind_cases(killed); }), "--resume"));
+
+  BlindingSpec other = killed;
+  other.resume = true;
+  other.seed = 4;
+  EXPECT_NE(input_error_of([&] { blind_cases(other); }), "");
+  killed.resume = true;
+  // what a kill may leave of a case
+  const std::string last = labels.back().case_id;
+  fs::create_directories(killed.out / last / "trial_99");
+  std::ofstream(killed.out / last / "trial_99" / "joints.csv") << "torn";
+  blind_cases(killed);
+  EXPECT_EQ(datasets_of(killed.out), files);
+  EXPECT_FALSE(fs::exists(killed.key.string() + ".journal"));
+  const auto again = open_labels(killed.out, killed.key);
+  ASSERT_EQ(again.size(), labels.size());
+  for (std::size_t i = 0; i < labels.size(); ++i)
+    EXPECT_EQ(label_text(again[i]), label_text(labels[i]));
+  EXPECT_TRUE(holds(input_error_of([&] { blind_cases(killed); }), "a whole batch"));
+}
+
+TEST_F(BlindedCases, AGroupIsOneRobotInOtherExperiments) {
+  BlindingSpec spec = quick_batch(folder_.path());
+  spec.none = 0;
+  spec.groups = 1;
+  spec.robots = {source_folder() / "models" / "double_pendulum"};
+  spec.jobs = 2;
+  const auto ids = blind_cases(spec);
+  ASSERT_EQ(ids.size(), 1U);
+  EXPECT_EQ(blinded_ids(spec.out), ids);
+  const CaseLabel label = open_labels(spec.out, spec.key).front();
+  EXPECT_EQ(label.kind, "single");
+  EXPECT_EQ(label.effects.size(), 1U);
+
+  const auto sets = case_datasets(spec.out / ids.front());
+  EXPECT_EQ(count_of(sets), label.datasets);
+  ASSERT_TRUE(label.datasets == 2 || label.datasets == 3) << label.datasets;
+  EXPECT_EQ(sets.front().filename(), "set_1");
+  std::set<std::string> outlines;
+  int trials = 0;
+  for (const fs::path& set : sets) {
+    const trajectory::Dataset dataset = trajectory::read_dataset(set);
+    EXPECT_EQ(dataset.robot, "double_pendulum");
+    trials += count_of(dataset.trials);
+    outlines.insert(std::string(name_of(dataset.controller.kind)) +
+                    (dataset.controller.kp.empty() ? "" : " tracked"));
+  }
+  EXPECT_EQ(trials, label.trials);
+  EXPECT_EQ(outlines.size(), sets.size()) << "every dataset is another experiment";
 }
 
 TEST(SealedSeed, DerivesFromTheWholeHash) {

@@ -12,6 +12,17 @@
 // true parameter is what a static or swept test of the MuJoCo robot shows (static_tests.h), not
 // what was typed.
 //
+// A group is a case of two or three datasets: one robot (off its files by the same draw), one
+// effect of the same strength, other experiments. Its folder holds datasets set_1, set_2, ...; that
+// of any other case is a dataset itself.
+//
+// What can act at one joint alone ("friction@elbow") is drawn as often as what acts on all of them;
+// which joint, is drawn then.
+//
+// A batch that was interrupted goes on with `resume`: what is finished stands in KEY.journal, beside
+// the key and with labels in it, until the batch is whole. A resumed batch has the bytes of one that
+// was left alone.
+//
 // Left and right legs: a draw in which they diverge by 20 mrad is left out and listed (`diverged`),
 // unless an effect of it is one-sided or there is none: on the inactive plan, where the rear legs
 // are near their shortest, and on feet that slip, their common way is unstable, and the case then
@@ -31,10 +42,18 @@
 
 namespace jaculus::testbed {
 
+/// A push that was there once in every trial.
+struct TrueEvent {
+  std::string joint;            ///< planar joint; "base" for the body
+  double from = 0.0, to = 0.0;  ///< [s], trial time
+  double peak = 0.0;            ///< signed [N m], of the body [N]
+};
+
 /// What is true of a case.
 struct CaseLabel {
   std::string case_id;
-  std::string kind;                  ///< "single", "pair", "none", "outside", "mixed"
+  /// "single", "several" (two or three), "pair", "none", "outside", "mixed", "event"
+  std::string kind;
   std::vector<std::string> effects;  ///< of outside the generator's own names
   /// of a mixed case: what acts beside `effects` and is in no catalogue
   std::vector<std::string> beside;
@@ -48,17 +67,22 @@ struct CaseLabel {
   std::vector<std::string> diverged;
   std::vector<std::string> equivalent;
   std::string component;
-  std::string experiment;  ///< "leap aerotail_V7.csv duty"
-  int trials = 0;
+  std::string experiment;  ///< "leap aerotail_V7.csv duty"; of a group several, with " + "
+  int trials = 0;          ///< of all datasets together
+  int datasets = 1;        ///< more than one: a group
+  std::vector<TrueEvent> events;
 };
 
 struct BlindingSpec {
   int singles = 0, none = 0, pairs = 0, outside = 0;
-  int mixed = 0;  ///< an effect of the catalogue and something outside it
+  int mixed = 0;    ///< an effect of the catalogue and something outside it
+  int several = 0;  ///< two or three effects of the catalogue
+  int events = 0;   ///< a push, once a trial
+  int groups = 0;   ///< single effects, in two or three datasets each
   /// Robots are off their files by their tolerances, sensors have noise of every kind, and no draw
   /// is left out because left and right legs part.
   bool clutter = false;
-  std::vector<std::string> withheld;  ///< outside effects that are not drawn
+  std::vector<std::string> withheld;  ///< outside effects and pushes that are not drawn
   std::uint64_t seed = 1;
   /// folders of the robots; each plays what it can: plans, a drop and a bench where it has a tail
   std::vector<std::filesystem::path> robots;
@@ -68,16 +92,22 @@ struct BlindingSpec {
   std::filesystem::path key;  ///< file of key and salt; not within `out`
   std::string provenance;     ///< of the batch: seed or commit
   int jobs = 0;
+  bool resume = false;  ///< go on with what an interrupted run has finished
   std::function<void(const TaskProgress&)> progress = {};
+  std::function<void(const std::string&)> notice = {};  ///< as of TaskOptions
 };
 
 /// Draws and plays all cases, writes a folder a case, labels.sealed and commitment.txt into `out`,
 /// and the key. Same seed and plans: same datasets, byte for byte. InputError where `out` is not
-/// empty or `key` lies in it.
+/// empty or `key` lies in it, where nothing of a kind that is asked for can be drawn, and where a
+/// journal is there that is not to be gone on with or is of another batch.
 std::vector<std::string> blind_cases(const BlindingSpec& spec);
 
-/// Ids of a blinded batch, sorted.
+/// Ids of a blinded batch, sorted; a group has one.
 std::vector<std::string> blinded_ids(const std::filesystem::path& folder);
+
+/// Folders of a case's datasets: its own, or those of its sets.
+std::vector<std::filesystem::path> case_datasets(const std::filesystem::path& case_folder);
 
 /// Opens the labels. InputError where key, labels and commitment do not belong together.
 std::vector<CaseLabel> open_labels(const std::filesystem::path& folder,

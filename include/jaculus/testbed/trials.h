@@ -13,6 +13,7 @@
 #include <optional>
 #include <string>
 
+#include "jaculus/core/names.h"
 #include "jaculus/testbed/changes.h"
 #include "jaculus/testbed/lost.h"
 #include "jaculus/trajectory/dataset.h"
@@ -70,6 +71,10 @@ struct TrialSpec {
   /// The robot is off its files by a draw from its tolerances (a robot of its own for each seed);
   /// nothing: it is what its files say.
   std::optional<std::uint64_t> clutter_seed;
+  /// Where the robot's gains lie within ranges that the dataset states, of all joints alike: 0 at
+  /// the lower end, 1 at the upper, by their logarithms. InputError for a range from 0 or without
+  /// end.
+  double kp_place = 0.5, kd_place = 0.5;
   SensorSpec sensors;
 };
 
@@ -94,5 +99,27 @@ trajectory::Dataset self_righting(const std::filesystem::path& robot_folder);
 trajectory::Dataset tail_bench(const std::filesystem::path& robot_folder);
 /// A pendulum: torque steps, up to half its limit, on the one motor of a robot on a fixed base.
 trajectory::Dataset pendulum(const std::filesystem::path& robot_folder);
+
+/// What drives a swing.
+enum class SwingInput {
+  torque,         ///< torques by a script
+  logged_torque,  ///< the same, but a dataset holds the torques as logged, not as commanded
+  unknown_gains,  ///< a reference, tracked by PD of whose gains a range alone is stated
+  voltage         ///< voltages by a script
+};
+
+const NameTable<SwingInput>& swing_inputs();
+
+/// A pendulum of one joint or more on a fixed base: every motor swings smoothly about its rest pose
+/// for 2 s, by a sum of three sines. Amplitudes are far below those at which more than one joint
+/// goes its own way: twice as many steps of MuJoCo end at the same angles. InputError for a robot
+/// with a tail, pins or a base that floats, and for voltages on ideal motors.
+trajectory::Dataset swing(const std::filesystem::path& robot_folder, SwingInput input);
+/// A drop of a robot without a tail: falls for 0.3 s, its legs swinging by PD. InputError for
+/// another robot, and for legs with pins.
+trajectory::Dataset leg_drop(const std::filesystem::path& robot_folder);
+/// The base held on a stand, legs swinging by voltages for 2 s. InputError as for leg_drop, and for
+/// ideal motors.
+trajectory::Dataset leg_bench(const std::filesystem::path& robot_folder);
 
 }  // namespace jaculus::testbed
