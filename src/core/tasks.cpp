@@ -26,10 +26,11 @@ class Run {
   Run(int count, const std::function<std::string(int)>& task, const TaskOptions& options)
       : task_(task), options_(options), results_(count) {
     if (!options.journal.empty()) resume(count);
-    for (int i = 0; i < count; ++i) {
+    total_ = std::min(count, options.until.value_or(count));
+    for (int i = 0; i < total_; ++i) {
       if (!results_[i].resumed) waiting_.push_back(i);
     }
-    done_ = count - count_of(waiting_);
+    done_ = total_ - count_of(waiting_);
   }
 
   /// A worker's life: the next task that nobody has taken, until none is left.
@@ -83,7 +84,7 @@ class Run {
     ++done_;
     ++done_now_;
     if (!options_.progress) return;
-    TaskProgress progress{done_, count_of(results_), 0.0, 0.0};
+    TaskProgress progress{done_, total_, 0.0, 0.0};
     progress.elapsed_s =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
     progress.remaining_s = progress.elapsed_s / done_now_ * (progress.total - progress.done);
@@ -98,6 +99,7 @@ class Run {
   std::atomic<std::size_t> next_{0};
   std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
   std::mutex mutex_;  ///< guards all below, results_ and journal_ while workers run
+  int total_ = 0;
   int done_ = 0;
   int done_now_ = 0;
 };

@@ -261,6 +261,24 @@ TEST(Tasks, FailedTasksRunAgainOnResume) {
   EXPECT_EQ(runs, 4);
 }
 
+TEST(Tasks, APartCanBeRunFirstAndTheRestLater) {
+  const TempFolder folder;
+  TaskOptions options{.isolate = false, .journal = folder / "journal"};
+  options.until = 2;
+  int total = 0;
+  options.progress = [&](const TaskProgress& p) { total = p.total; };
+  auto results = run_tasks(4, answer, options);
+  EXPECT_EQ(total, 2);
+  EXPECT_EQ(results[1].bytes, answer(1));
+  EXPECT_EQ(results[2].state, TaskState::cancelled);
+
+  options.until = 9;  // more than there are
+  results = run_tasks(4, answer, options);
+  EXPECT_TRUE(results[1].resumed);
+  EXPECT_FALSE(results[2].resumed);
+  EXPECT_EQ(results[3].bytes, answer(3));
+}
+
 TEST(Journal, RefusesAnotherListOfTasks) {
   const TempFolder folder;
   TaskOptions options{.journal = folder / "journal", .fingerprint = "a"};

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -46,6 +47,10 @@ struct TaskOptions {
   /// Everything the results depend on (inputs, version). A journal of another fingerprint or count
   /// is refused.
   std::string fingerprint = {};
+
+  /// Only tasks before this index run; the rest is left cancelled. Not part of the journal's key, so
+  /// that a later run can go on to more.
+  std::optional<int> until = {};
 
   /// Called after every task, one call at a time, from any worker.
   std::function<void(const TaskProgress&)> progress = {};
