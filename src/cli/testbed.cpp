@@ -184,6 +184,7 @@ struct ScoreFlags {
   Common common;
   std::string folder, key;
   bool resume = false, no_baselines = false;
+  int limit = 0;  ///< 0: all
 };
 
 evaluation::CaseTruth truth_of(const testbed::CaseLabel& label) {
@@ -199,6 +200,8 @@ evaluation::CaseTruth truth_of(const testbed::CaseLabel& label) {
   truth.diverged = label.diverged;
   truth.equivalent = label.equivalent;
   truth.component = label.component;
+  truth.events = label.events;
+  truth.trials = label.trials;
   return truth;
 }
 
@@ -223,6 +226,8 @@ int score(const ScoreFlags& flags) {
   options.jobs = common.jobs;
   options.resume = flags.resume;
   options.baselines = !flags.no_baselines;
+  options.provenance = provenance;
+  if (flags.limit > 0) options.limit = flags.limit;
   options.progress = progress_bar(common, "cases");
   if (!common.quiet)
     options.notice = [](const std::string& text) { fmt::print(stderr, "jaculus: {}\n", text); };
@@ -241,7 +246,6 @@ int score(const ScoreFlags& flags) {
     return kNotSolved;
   }
 
-  result.provenance = provenance;
   print(common.json    ? evaluation::score_json(result)
         : common.quiet ? ""
                        : evaluation::score_text(result));
@@ -259,6 +263,11 @@ void add_score(CLI::App& parent, Action& chosen) {
   command->add_flag("--resume", options->resume,
                     "go on with what an interrupted run has finished in --out");
   command->add_flag("--no-baselines", options->no_baselines, "leave the baselines out");
+  command
+      ->add_option("--limit", options->limit,
+                   "only the first so many cases, in the order of their random names; what is "
+                   "printed says of how many, and --resume goes on to more")
+      ->check(whole_number(1, 100000));
   add_common(*command, options->common,
              "folder for answers, score.json, score.txt and report.html");
   add_figures(*command, options->common);

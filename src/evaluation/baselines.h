@@ -8,16 +8,27 @@
 //                             wins
 //   correlation               the candidate whose signature S at its probing step has the largest
 //                             |S . r|/(|S| |r|) wins
-//   tune everything           all parameters at once by bounded least squares, as a sysid toolbox
-//                             does; the one that moved most in units of its prior's width wins
-// Each says "none" where |r|^2 is under 1.3 a row. None knows a probability; scoring gives it one.
+//   ridge on all parameters   all parameters at once in the model linearised about nominal, within
+//                             bounds, the weight of the priors by held-out error (ridge.h); the
+//                             effect of the largest share of the explained energy |S u|^2 wins
+//   sparse regression         of the torque that the nominal model lacks at each joint
+//                             (residual_torque.h, sparse_regression.h); the effect that the term of
+//                             most energy, in deviations of the torque, stands for; unexplained
+//                             where it stands for none, insufficient where joints aren't measured
+// Each says "none" where |r|^2 is under 1.3 a row.
+//
+// Probabilities: lowest training error has a likelihood: softmax of -BIC/2 over candidates and none,
+// BIC = |r|^2 + k ln(rows). The others have none and get their smoothed frequency in scoring
+// (give_confidence in metrics.h).
 
 #include "jaculus/evaluation/score.h"
 
 namespace jaculus::evaluation {
 
 const std::vector<std::string>& baseline_names();
-/// Answers of all baselines on one dataset, in that order.
-std::vector<Prediction> baseline_answers(const std::filesystem::path& dataset);
+/// Whether a predictor states probabilities of its own.
+bool states_probability(const std::string& baseline);
+/// Answers of all baselines on the datasets of one case, in that order.
+std::vector<Prediction> baseline_answers(const std::vector<std::filesystem::path>& datasets);
 
 }  // namespace jaculus::evaluation

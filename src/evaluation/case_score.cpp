@@ -4,19 +4,25 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
+#include "evaluation/events.h"
+#include "evaluation/names.h"
 #include "jaculus/effects/select.h"
 
 namespace jaculus::evaluation {
 
 using diagnosis::Verdict;
 
-bool names_truth(const CaseTruth& truth, const std::string& effect) {
+bool names_truth(const CaseTruth& truth, const NamedEffect& effect) {
   const auto in = [&](const std::vector<std::string>& list) {
-    return std::find(list.begin(), list.end(), effect) != list.end();
+    return std::any_of(list.begin(), list.end(),
+                       [&](const std::string& actual) { return is_named(actual, effect); });
   };
   return truth.kind != "outside" && (in(truth.effects) || in(truth.equivalent));
 }
+
+bool is_several(const CaseTruth& truth) { return truth.kind == "several" || truth.kind == "pair"; }
 
 bool is_alarm(const Prediction& prediction) {
   return prediction.verdict == Verdict::effect || prediction.verdict == Verdict::several ||
@@ -25,11 +31,16 @@ bool is_alarm(const Prediction& prediction) {
 
 bool is_parted(const CaseTruth& truth) {
   constexpr double kApart = 0.02;  // [rad]
-  return truth.kind != "outside" && truth.kind != "mixed" && truth.legs_apart > kApart;
+  const bool otherwise = truth.kind == "outside" || truth.kind == "mixed" || truth.kind == "event";
+  return !otherwise && truth.legs_apart > kApart;
+}
+
+bool has_remainder(const CaseTruth& truth) {
+  return truth.kind == "outside" || truth.kind == "mixed" || is_parted(truth);
 }
 
 std::string truth_label(const CaseTruth& truth) {
-  if (truth.kind == "none" || truth.kind == "outside") return truth.kind;
+  if (truth.kind == "none" || truth.kind == "outside" || truth.kind == "event") return truth.kind;
   std::string label;
   for (const std::string& effect : truth.effects) label += (label.empty() ? "" : " + ") + effect;
   return label;
@@ -39,17 +50,26 @@ namespace {
 
 constexpr double kLeastProbability = 1e-3;
 
-/// As stated for a named effect, brought to a sum of one where more is claimed; else as ranked.
-double effect_probability(const Prediction& prediction, const std::string& name) {
-  double claimed = 0.0, stated = -1.0;
+/// Of the true effect and its equivalents: as stated where named, brought to a sum of one where more
+/// is claimed, else as ranked. What is named at another joint isn't ranked for this one.
+double class_probability(const CaseTruth& truth, const Prediction& prediction) {
+  double claimed = 0.0, sum = 0.0;
+  for (const NamedEffect& e : prediction.effects) claimed += e.probability;
+
+  std::set<std::string> settled;
   for (const NamedEffect& e : prediction.effects) {
-    claimed += e.probability;
-    if (e.name == name) stated = e.probability;
+    const bool right = names_truth(truth, e);
+    if (prediction.verdict == Verdict::several && right) continue;
+    settled.insert(e.name);
+    if (right) sum += e.probability / std::max(1.0, claimed);
   }
-  if (stated >= 0.0 && prediction.verdict != Verdict::several)
-    return stated / std::max(1.0, claimed);
-  const auto ranked = prediction.ranking.find(name);
-  return ranked == prediction.ranking.end() ? 0.0 : ranked->second;
+  for (const auto& [ranked, p] : prediction.ranking) {
+    NamedEffect effect;
+    effect.name = ranked;
+    if (settled.count(ranked) == 0 && names_truth(truth, effect)) sum += p;
+  }
+
+  return std::min(sum, 1.0);
 }
 
 /// Probability of "none" or "unexplained": as ranked, else what the effects leave, given to the
@@ -80,50 +100,67 @@ std::vector<std::string> parts_of(const std::string& ranked) {
   }
 }
 
-/// Of all ranked sets of two that hold the true two, an equivalent of one counting as it.
-double pair_probability(const CaseTruth& truth, const Prediction& prediction) {
+/// Of all ranked sets of the true size that hold the true ones, an equivalent counting as one of
+/// them.
+double set_probability(const CaseTruth& truth, const Prediction& prediction) {
   double sum = 0.0;
   for (const auto& [ranked, p] : prediction.ranking) {
     const std::vector<std::string> parts = parts_of(ranked);
-    const auto true_part = [&](const std::string& part) { return names_truth(truth, part); };
-    const bool one_is_true =
-        std::any_of(truth.effects.begin(), truth.effects.end(), [&](const std::string& effect) {
-          return std::find(parts.begin(), parts.end(), effect) != parts.end();
-        });
-    if (parts.size() == 2 && one_is_true && std::all_of(parts.begin(), parts.end(), true_part))
-      sum += p;
+    int literal = 0, right = 0;
+    for (const std::string& part : parts) {
+      NamedEffect effect;
+      effect.name = part;
+      right += names_truth(truth, effect) ? 1 : 0;
+      literal += std::any_of(truth.effects.begin(), truth.effects.end(),
+                             [&](const std::string& actual) { return is_named(actual, effect); })
+                     ? 1
+                     : 0;
+    }
+    const int size = count_of(truth.effects);
+    if (count_of(parts) == size && right == size && literal >= size - 1) sum += p;
   }
   return std::min(sum, 1.0);
 }
 
+/// Whether all pushes of a case are told.
+bool events_found(const CaseTruth& truth, const Prediction& prediction) {
+  return !truth.events.empty() && count_events(truth, prediction).found == count_of(truth.events);
+}
+
 double truth_probability(const CaseTruth& truth, const Prediction& prediction) {
-  if (truth.kind == "none") return abstention_probability(prediction, Verdict::none);
-  if (truth.kind == "outside") return abstention_probability(prediction, Verdict::unexplained);
-  if (truth.kind == "pair") return pair_probability(truth, prediction);
-  if (truth.effects.empty()) return 0.0;
-  double sum = effect_probability(prediction, truth.effects.front());
-  for (const std::string& name : truth.equivalent) {
-    if (name != truth.effects.front()) sum += effect_probability(prediction, name);
+  const bool silent =
+      !prediction.verdict || prediction.verdict == Verdict::insufficient;  // no probability at all
+  if (silent && prediction.ranking.empty() && prediction.effects.empty()) return 0.0;
+  const auto without = [&](Verdict which) { return abstention_probability(prediction, which); };
+  if (truth.kind == "none") return without(Verdict::none);
+  if (truth.kind == "outside") return without(Verdict::unexplained);
+  if (truth.kind == "event") {
+    return events_found(truth, prediction)
+               ? std::min(1.0, without(Verdict::none) + without(Verdict::unexplained))
+               : 0.0;
   }
-  return std::min(sum, 1.0);
+  if (is_several(truth)) return set_probability(truth, prediction);
+  return class_probability(truth, prediction);
 }
 
 int members_named(const CaseTruth& truth, const Prediction& prediction) {
   int named = 0;
-  for (const NamedEffect& effect : prediction.effects)
-    named += names_truth(truth, effect.name) ? 1 : 0;
+  for (const NamedEffect& effect : prediction.effects) named += names_truth(truth, effect) ? 1 : 0;
   return named;
 }
 
 double credit_of(const CaseTruth& truth, const Prediction& prediction) {
   if (truth.kind == "none") return prediction.verdict == Verdict::none ? 1.0 : 0.0;
   if (truth.kind == "outside") return prediction.verdict == Verdict::unexplained ? 1.0 : 0.0;
+  if (truth.kind == "event")
+    return events_found(truth, prediction) && !is_alarm(prediction) ? 1.0 : 0.0;
   if (!is_alarm(prediction)) return 0.0;
   const int size = count_of(prediction.effects);
   const int named = members_named(truth, prediction);
   if (named == 0) return 0.0;
   if (truth.kind == "single" || truth.kind == "mixed") return 1.0 / (1 + size - named);
-  return static_cast<double>(std::min(named, 2)) / std::max(2, size);
+  const int members = count_of(truth.effects);
+  return static_cast<double>(std::min(named, members)) / std::max(members, size);
 }
 
 const NamedEffect* most_probable(const Prediction& prediction) {
@@ -149,7 +186,7 @@ void state(const CaseTruth& truth, const Prediction& prediction, CaseScore& scor
   if (top == nullptr) return;
   const int named = members_named(truth, prediction);
   score.stated = top->name;
-  score.top1 = names_truth(truth, top->name);
+  score.top1 = names_truth(truth, *top);
   score.right = named > 0;
   if (prediction.verdict == Verdict::several) {
     score.stated.clear();
@@ -158,7 +195,8 @@ void state(const CaseTruth& truth, const Prediction& prediction, CaseScore& scor
       score.stated += (score.stated.empty() ? "" : " + ") + e.name;
       score.confidence *= e.probability;
     }
-    score.right = truth.kind == "pair" && named == 2 && prediction.effects.size() == 2;
+    const int members = count_of(truth.effects);
+    score.right = is_several(truth) && named == members && count_of(prediction.effects) == members;
     return;
   }
 
@@ -169,10 +207,11 @@ void state(const CaseTruth& truth, const Prediction& prediction, CaseScore& scor
 /// Estimates of rightly named effects against the true parameters, in the catalogue's own terms.
 void judge_parameters(const CaseTruth& truth, const Prediction& prediction, CaseScore& score) {
   for (std::size_t t = 0; t < truth.effects.size() && t < truth.parameters.size(); ++t) {
-    const effects::Effect* effect = effects::find_effect(truth.effects[t]);
+    const effects::Effect* effect = effects::find_effect(placed_name(truth.effects[t]).name);
     if (effect == nullptr) continue;
-    const auto named = std::find_if(prediction.effects.begin(), prediction.effects.end(),
-                                    [&](const NamedEffect& e) { return e.name == effect->name; });
+    const auto named =
+        std::find_if(prediction.effects.begin(), prediction.effects.end(),
+                     [&](const NamedEffect& e) { return is_named(truth.effects[t], e); });
     if (named == prediction.effects.end()) continue;
 
     for (std::size_t i = 0; i < effect->parameters.size() && i < truth.parameters[t].size(); ++i) {
@@ -200,7 +239,7 @@ bool component_right(const CaseTruth& truth, const Prediction& prediction) {
   if (largest == prediction.components.end()) return false;
   if (largest->first == truth.component) return true;
   for (const std::string& name : truth.effects) {
-    const effects::Effect* effect = effects::find_effect(name);
+    const effects::Effect* effect = effects::find_effect(placed_name(name).name);
     if (effect == nullptr) continue;
     for (int c = 0; c < effects::kComponentCount; ++c) {
       const auto component = static_cast<effects::Component>(c);
@@ -233,6 +272,9 @@ CaseScore score_case(const CaseTruth& truth, const Prediction& prediction) {
     score.shrink_ratio = prediction.gap_after / truth.possible_after_gap;
   score.energy_ratio = energy_ratio(truth, prediction);
   score.remainder = prediction.remainder;
+  const EventCounts events = count_events(truth, prediction);
+  score.events_found = events.found;
+  score.events_invented = events.invented;
   return score;
 }
 

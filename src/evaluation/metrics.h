@@ -13,17 +13,14 @@ inline constexpr double kConfident = 0.8;
 Metrics compute_metrics(const std::string& predictor, const std::vector<CaseTruth>& truths,
                         const std::vector<Prediction>& predictions);
 
-/// A goal of the scoring, by the key of Metrics::by.
-struct Goal {
-  std::string key;
-  bool at_least = true;
-  double target = 0.0;
-};
-const std::vector<Goal>& goals();
+/// Bins of stated probability, what is right in each, and their mean distance with the interval of
+/// a bootstrap over cases (metrics.by, "calibration error").
+void add_reliability(const std::vector<Prediction>& predictions, Metrics& metrics);
 
-/// A baseline names one effect and knows no probability. It is given its own accuracy over the
-/// other cases, (hits + 1)/(others + 2), for the effect that it names, and the rest evenly for the
-/// other effects it ranked: the best constant confidence it could have.
+/// Gives statements without a probability one by their smoothed frequency: of the other cases with
+/// a statement of that sort (an effect, or none), the share that is right, (right + 1)/(others + 2),
+/// and the rest evenly for whatever else it ranked. The best constant confidence it could have.
+/// Insufficient stays without: it scores at the floor.
 void give_confidence(const std::vector<CaseTruth>& truths, std::vector<Prediction>& predictions);
 
 }  // namespace jaculus::evaluation

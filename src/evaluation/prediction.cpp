@@ -82,8 +82,9 @@ std::map<std::string, ChannelGap> channels_of(const json& root) {
 std::vector<SaidEvent> events_of(const json& root) {
   std::vector<SaidEvent> events;
   for (const json& e : root.value("/remainder/events"_json_pointer, json::array())) {
-    events.push_back({e.value("trial", ""), e.value("joint", ""), e.value("from_s", kNaN),
-                      e.value("to_s", kNaN), e.value("peak", kNaN)});
+    const auto number = [&](const char* key) { return number_of(e.value(key, json()), key); };
+    events.push_back({e.value("trial", ""), e.value("joint", ""), number("from_s"), number("to_s"),
+                      number("peak")});
   }
   return events;
 }
@@ -124,6 +125,18 @@ Prediction prediction_of(const json& root, const std::string& path) {
 
 json number_or_null(double value) { return std::isfinite(value) ? json(value) : json(); }
 
+json events_json(const std::vector<SaidEvent>& said) {
+  json events = json::array();
+  for (const SaidEvent& e : said) {
+    events.push_back({{"trial", e.trial},
+                      {"joint", e.joint},
+                      {"from_s", number_or_null(e.from)},
+                      {"to_s", number_or_null(e.to)},
+                      {"peak", number_or_null(e.peak)}});
+  }
+  return events;
+}
+
 }  // namespace
 
 Prediction read_prediction(const std::filesystem::path& file) {
@@ -152,25 +165,29 @@ std::string prediction_to_text(const Prediction& prediction) {
         parameters[name]["ci95"] = {number_or_null(ci->second.lower),
                                     number_or_null(ci->second.upper)};
     }
-    effects.push_back(
-        {{"name", e.name}, {"probability", e.probability}, {"parameters", parameters}});
+    effects.push_back({{"name", e.name},
+                       {"probability", e.probability},
+                       {"at", e.joints},
+                       {"parameters", parameters}});
   }
 
   json ranking = json::array();
   for (const auto& [name, p] : prediction.ranking)
     ranking.push_back({{"effect", name}, {"probability", p}});
   const diagnosis::Verdict verdict = prediction.verdict.value_or(diagnosis::Verdict::insufficient);
-  const json root = {{"verdict", to_text(verdict)},
-                     {"failed", !prediction.verdict},
-                     {"message", prediction.message},
-                     {"effects", effects},
-                     {"ranking", ranking},
-                     {"where", {{"components", prediction.components}}},
-                     {"gap",
-                      {{"before", number_or_null(prediction.gap_before)},
-                       {"after", number_or_null(prediction.gap_after)}}},
-                     {"remainder", {{"established", prediction.remainder}}},
-                     {"seconds", number_or_null(prediction.seconds)}};
+  const json root = {
+      {"verdict", to_text(verdict)},
+      {"failed", !prediction.verdict},
+      {"message", prediction.message},
+      {"effects", effects},
+      {"ranking", ranking},
+      {"where", {{"components", prediction.components}}},
+      {"gap",
+       {{"before", number_or_null(prediction.gap_before)},
+        {"after", number_or_null(prediction.gap_after)}}},
+      {"remainder",
+       {{"established", prediction.remainder}, {"events", events_json(prediction.events)}}},
+      {"seconds", number_or_null(prediction.seconds)}};
 
   return root.dump();
 }

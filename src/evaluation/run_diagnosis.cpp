@@ -104,10 +104,15 @@ void keep(const fs::path& from, const fs::path& folder) {
 
 Prediction run_in(const ScratchFolder& scratch, const DiagnosisRun& run) {
   const fs::path log = scratch.path / "messages.txt", predictions = scratch.path / "answer";
-  fs::copy(run.dataset, scratch.path / "dataset", fs::copy_options::recursive);
-  std::vector<std::string> arguments = {
-      fs::absolute(run.binary).string(), "diagnose", "dataset", "--out",  "answer", "--seed",
-      std::to_string(run.seed),          "--jobs",   "1",       "--quiet"};
+  std::vector<std::string> arguments = {fs::absolute(run.binary).string(), "diagnose"};
+  for (const fs::path& dataset : case_datasets(run.dataset)) {
+    arguments.push_back(dataset == run.dataset ? "dataset" : dataset.filename().string());
+    fs::copy(dataset, scratch.path / arguments.back(), fs::copy_options::recursive);
+  }
+  for (const std::string& flag :
+       {std::string("--out"), std::string("answer"), std::string("--seed"),
+        std::to_string(run.seed), std::string("--jobs"), std::string("1"), std::string("--quiet")})
+    arguments.push_back(flag);
   arguments.insert(arguments.end(), run.flags.begin(), run.flags.end());
   std::vector<std::string> variables = environment();
   const std::vector<char*> argv = pointers(arguments), envp = pointers(variables);
@@ -132,6 +137,16 @@ Prediction run_in(const ScratchFolder& scratch, const DiagnosisRun& run) {
 }
 
 }  // namespace
+
+std::vector<fs::path> case_datasets(const fs::path& folder) {
+  if (fs::is_regular_file(folder / "dataset.yaml")) return {folder};
+  std::vector<fs::path> sets;
+  for (int k = 1;; ++k) {
+    const fs::path set = folder / fmt::format("set_{}", k);
+    if (!fs::is_regular_file(set / "dataset.yaml")) return sets;
+    sets.push_back(set);
+  }
+}
 
 Prediction run_diagnosis(const DiagnosisRun& run) {
   try {

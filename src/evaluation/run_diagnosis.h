@@ -1,14 +1,18 @@
 #pragma once
-// A diagnosis in a process and folder of its own, which hold one dataset and nothing that could
-// tell its label.
+// A diagnosis in a process and folder of its own, which hold one case and nothing that could tell
+// its label.
 
 #include "jaculus/evaluation/score.h"
 
 namespace jaculus::evaluation {
 
+/// Datasets of a case's folder: itself, or the folders set_1, set_2, ... in it, of one robot with
+/// one cause. None where it holds neither.
+std::vector<std::filesystem::path> case_datasets(const std::filesystem::path& folder);
+
 struct DiagnosisRun {
   std::filesystem::path binary;   ///< the jaculus program
-  std::filesystem::path dataset;  ///< folder of the case
+  std::filesystem::path dataset;  ///< folder of the case: a dataset, or a group
   /// folder for diagnosis.json, augmented.yaml and the program's messages
   std::filesystem::path keep;
   std::vector<std::string> flags;
@@ -16,7 +20,7 @@ struct DiagnosisRun {
   double time_limit_s = 900.0;
 };
 
-/// Copies the dataset into a fresh folder under the system's temporary one, runs the program there
+/// Copies the datasets into a fresh folder under the system's temporary one, runs the program there
 /// with an environment of PATH, locale and JACULUS_MODELS alone, and reads its prediction. Whatever
 /// goes wrong makes a prediction "failed" that says so. The program ends with the process that
 /// called this.

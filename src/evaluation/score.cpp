@@ -5,6 +5,7 @@
 #include <cassert>
 #include <stdexcept>
 
+#include "evaluation/baselines.h"
 #include "evaluation/estimates.h"
 #include "evaluation/metrics.h"
 #include "jaculus/core/error.h"
@@ -17,11 +18,12 @@ Score score_predictions(const std::vector<CaseTruth>& truths,
          "score_predictions: the diagnosis' own answers are missing");
   Score score;
   score.truths = truths;
+  score.sealed = count_of(truths);
   for (const auto& [predictor, given] : predictions) {
     assert(given.size() == truths.size() && "score_predictions: one answer a truth");
     const bool diagnosis = predictor == "diagnosis";
     std::vector<Prediction> rated = given;
-    if (!diagnosis) evaluation::give_confidence(truths, rated);
+    if (!diagnosis && !states_probability(predictor)) give_confidence(truths, rated);
     Metrics metrics = evaluation::compute_metrics(predictor, truths, rated);
     score.metrics.insert(diagnosis ? score.metrics.begin() : score.metrics.end(),
                          std::move(metrics));

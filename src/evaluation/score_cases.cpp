@@ -7,12 +7,12 @@
 #include <iterator>
 
 #include "evaluation/baselines.h"
+#include "evaluation/names.h"
 #include "evaluation/run_diagnosis.h"
 #include "jaculus/core/error.h"
 #include "jaculus/core/installation.h"
 #include "jaculus/core/journal.h"
 #include "jaculus/diagnosis/diagnose.h"
-#include "jaculus/effects/select.h"
 #include "jaculus/trajectory/csv.h"
 
 namespace jaculus::evaluation {
@@ -49,6 +49,7 @@ TaskOptions task_options(const ScoreOptions& options, const std::string& name,
   tasks.fingerprint = name + " " + key;
   tasks.progress = options.progress;
   tasks.notice = options.notice;
+  tasks.until = options.limit;
   if (fs::exists(tasks.journal) && !options.resume) {
     throw InputError(
         fmt::format("{}: answers of an earlier run are there; allowed: --resume, or another folder",
@@ -57,9 +58,15 @@ TaskOptions task_options(const ScoreOptions& options, const std::string& name,
   return tasks;
 }
 
-/// A task's predictions in order, or nothing where it was interrupted.
-bool take(const std::vector<TaskResult>& results, std::vector<std::string>& texts) {
-  for (const TaskResult& result : results) {
+/// How many of the cases are to be scored.
+int scored(const std::vector<std::string>& case_ids, const ScoreOptions& options) {
+  return std::min(count_of(case_ids), options.limit.value_or(count_of(case_ids)));
+}
+
+/// Predictions of the first `count` tasks in order, or nothing where one was interrupted.
+bool take(const std::vector<TaskResult>& results, int count, std::vector<std::string>& texts) {
+  for (int i = 0; i < count; ++i) {
+    const TaskResult& result = results[i];
     if (result.state == TaskState::cancelled) return false;
     Prediction failed;
     failed.message = result.error;
@@ -80,8 +87,8 @@ bool diagnose_all(const fs::path& folder, const std::vector<std::string>& case_i
     return prediction_to_text(evaluation::run_diagnosis(run));
   };
   std::vector<std::string> texts;
-  const int count = count_of(case_ids);
-  if (!take(run_tasks(count, task, task_options(options, "diagnosis", key)), texts)) return false;
+  const auto results = run_tasks(count_of(case_ids), task, task_options(options, "diagnosis", key));
+  if (!take(results, scored(case_ids, options), texts)) return false;
   for (const std::string& text : texts)
     predictions["diagnosis"].push_back(prediction_from_text(text));
   return true;
@@ -93,7 +100,7 @@ bool run_baselines(const fs::path& folder, const std::vector<std::string>& case_
   const std::vector<std::string>& names = evaluation::baseline_names();
   const auto task = [&](int i) {
     std::string lines;
-    for (const Prediction& a : evaluation::baseline_answers(folder / case_ids[i]))
+    for (const Prediction& a : baseline_answers(case_datasets(folder / case_ids[i])))
       lines += prediction_to_text(a) + "\n";
     return lines;
   };
@@ -101,7 +108,8 @@ bool run_baselines(const fs::path& folder, const std::vector<std::string>& case_
   TaskOptions tasks = task_options(options, "baselines", key);
   tasks.time_limit_s = options.time_limit_s;
   std::vector<std::string> texts;
-  if (!take(run_tasks(count_of(case_ids), task, tasks), texts)) return false;
+  const auto results = run_tasks(count_of(case_ids), task, tasks);
+  if (!take(results, scored(case_ids, options), texts)) return false;
   for (std::string text : texts) {
     if (text.empty() || text.back() != '\n') text += "\n";
     const bool failed = std::count(text.begin(), text.end(), '\n') != std::ssize(names);
@@ -118,22 +126,26 @@ bool run_baselines(const fs::path& folder, const std::vector<std::string>& case_
 /// Gap after that the true effects leave with their parameters fitted; NaN where the catalogue has
 /// none of them or none can be had.
 double possible_gap(const fs::path& folder, const CaseTruth& truth) {
+  std::vector<effects::Effect> actual;
+  for (const std::string& name : truth.effects)
+    if (auto effect = placed_effect(name)) actual.push_back(std::move(*effect));
+  if (actual.empty() || actual.size() != truth.effects.size()) return kNaN;
+
   diagnosis::DiagnoseOptions only;
-  for (const std::string& name : truth.effects) only.effects.push_back(effects::find_effect(name));
-  if (only.effects.empty() ||
-      std::find(only.effects.begin(), only.effects.end(), nullptr) != only.effects.end())
-    return kNaN;
-  const diagnosis::HeldOut reached =
-      diagnosis::held_out_with({trajectory::read_dataset(folder / truth.case_id)}, only);
+  for (const effects::Effect& effect : actual) only.effects.push_back(&effect);
+  std::vector<trajectory::Dataset> datasets;
+  for (const fs::path& dataset : case_datasets(folder / truth.case_id))
+    datasets.push_back(trajectory::read_dataset(dataset));
+  const diagnosis::HeldOut reached = diagnosis::held_out_with(datasets, only);
   return reached.valid ? reached.after : kNaN;
 }
 
 /// Fills in what could have been reached, once all predictions are there; false where it was
 /// interrupted.
-bool add_possible_gaps(const fs::path& folder, const std::string& key, const ScoreOptions& options,
-                       std::vector<CaseTruth>& truths) {
+bool add_possible_gaps(const fs::path& folder, int sealed, const std::string& key,
+                       const ScoreOptions& options, std::vector<CaseTruth>& truths) {
   const auto task = [&](int i) { return fmt::format("{}", possible_gap(folder, truths[i])); };
-  const auto results = run_tasks(count_of(truths), task, task_options(options, "possible", key));
+  const auto results = run_tasks(sealed, task, task_options(options, "possible", key));
   for (std::size_t i = 0; i < truths.size(); ++i) {
     if (results[i].state == TaskState::cancelled) return false;
     if (results[i].state == TaskState::done)
@@ -146,9 +158,11 @@ void check_cases(const fs::path& folder, const std::vector<std::string>& case_id
   if (case_ids.empty())
     throw InputError(fmt::format("{}: no case; allowed: one or more", folder.string()));
   for (const std::string& id : case_ids) {
-    if (!fs::is_regular_file(folder / id / "dataset.yaml"))
-      throw InputError(fmt::format("{}: no dataset.yaml; allowed: a dataset in every case's folder",
-                                   (folder / id).string()));
+    if (case_datasets(folder / id).empty())
+      throw InputError(
+          fmt::format("{}: no dataset.yaml, nor set_1/dataset.yaml; allowed: a dataset or a group "
+                      "of them in every case's folder",
+                      (folder / id).string()));
   }
 }
 
@@ -177,9 +191,14 @@ Score score_cases(const fs::path& folder, const std::vector<std::string>& case_i
   std::map<std::string, std::vector<Prediction>> predictions;
   if (!diagnose_all(folder, case_ids, key, options, predictions)) return {};
   if (options.baselines && !run_baselines(folder, case_ids, key, options, predictions)) return {};
-  std::vector<CaseTruth> truths = in_order(open_labels(), case_ids);
-  if (!add_possible_gaps(folder, key, options, truths)) return {};
-  const Score score = score_predictions(truths, predictions);
+
+  const std::vector<std::string> first(case_ids.begin(),
+                                       case_ids.begin() + scored(case_ids, options));
+  std::vector<CaseTruth> truths = in_order(open_labels(), first);
+  if (!add_possible_gaps(folder, count_of(case_ids), key, options, truths)) return {};
+  Score score = score_predictions(truths, predictions);
+  score.sealed = count_of(case_ids);
+  score.provenance = options.provenance;
   trajectory::write_file(options.out / "score.json", score_json(score));
   trajectory::write_file(options.out / "score.txt", score_text(score));
   return score;

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "evaluation/case_score.h"
+#include "evaluation/goals.h"
 #include "evaluation/metrics.h"
 #include "jaculus/core/json.h"
 #include "jaculus/evaluation/score.h"
@@ -28,19 +29,14 @@ json to_json(const std::map<std::string, ScoreEstimate>& table) {
   return object;
 }
 
-bool met(const evaluation::Goal& goal, const ScoreEstimate& e) {
-  // The interval's near end has to meet it.
-  return goal.at_least ? e.ci95.lower >= goal.target : e.ci95.upper <= goal.target;
-}
-
-json goals_json(const Metrics& metrics) {
+json goals_json(const Score& score) {
   json list = json::array();
-  for (const evaluation::Goal& goal : evaluation::goals()) {
-    const ScoreEstimate& e = metrics.by.at(goal.key);
-    list.push_back({{"what", goal.key},
-                    {goal.at_least ? "at_least" : "at_most", goal.target},
-                    {"reached", to_json(e)},
-                    {"met", e.count == 0 ? json() : json(met(goal, e))}});
+  for (const GoalResult& goal : goal_results(score)) {
+    json entry = {{"what", goal.what},
+                  {"aim", aim_text(goal)},
+                  {"reached", to_json(goal.reached)},
+                  {"met", goal.met ? json(*goal.met) : json()}};
+    list.push_back(std::move(entry));
   }
   return list;
 }
@@ -74,6 +70,9 @@ json case_json(const CaseTruth& truth, const Score& score, std::size_t i) {
                 {"confidence", own.confidence},
                 {"right", own.right},
                 {"credit", own.credit},
+                {"events", truth.events.size()},
+                {"events_found", own.events_found},
+                {"events_false", own.events_invented},
                 {"log_score", own.log_score},
                 {"component_right", own.component_right},
                 {"parameter_error", json_number(own.parameter_error)},
@@ -144,12 +143,10 @@ std::string score_json(const Score& score) {
   }
   for (std::size_t i = 0; i < score.truths.size(); ++i)
     cases.push_back(case_json(score.truths[i], score, i));
-  const json root = {{"format", "jaculus-score/1"},
-                     {"provenance", score.provenance},
-                     {"goals", goals_json(score.metrics.front())},
-                     {"answerers", all_metrics},
-                     {"comparisons", comparisons},
-                     {"cases", cases}};
+  const json root = {{"format", "jaculus-score/1"},         {"provenance", score.provenance},
+                     {"cases_scored", score.truths.size()}, {"cases_sealed", score.sealed},
+                     {"goals", goals_json(score)},          {"answerers", all_metrics},
+                     {"comparisons", comparisons},          {"cases", cases}};
   return root.dump(2) + "\n";
 }
 
@@ -157,17 +154,19 @@ std::string score_text(const Score& score) {
   const Metrics& metrics = score.metrics.front();
   std::string text =
       fmt::format("{} cases; a gap is plain from {} noise floors on; intervals are at 95 %\n",
-                  score.truths.size(), evaluation::kPlainGap);
+                  count_of(score.truths) == score.sealed
+                      ? fmt::format("{}", score.sealed)
+                      : fmt::format("{} of {} sealed", score.truths.size(), score.sealed),
+                  evaluation::kPlainGap);
   if (!score.provenance.empty()) text += score.provenance + "\n";
   text += diverged_text(score.truths);
   text += "\ngoals\n";
-  for (const evaluation::Goal& goal : evaluation::goals()) {
-    const ScoreEstimate& e = metrics.by.at(goal.key);
-    text += fmt::format("  {:<52} {}  {} {}: {}\n", goal.key, shown(e),
-                        goal.at_least ? "at least" : "at most", goal.target,
-                        e.count == 0   ? "not judged"
-                        : met(goal, e) ? "met"
-                                       : "missed");
+  for (const GoalResult& goal : goal_results(score)) {
+    text += fmt::format("  {:<10}  {:<52} {}  {}\n",
+                        !goal.met   ? "not judged"
+                        : *goal.met ? "met"
+                                    : "missed",
+                        goal.what, shown(goal.reached), aim_text(goal));
   }
 
   text += "\n" + table_text("diagnosis", metrics.by);

@@ -81,7 +81,7 @@ Chart strength(const evaluation::Score& score) {
   chart.x = {"gap", "noise floors"};
   chart.y = {"credit", "-"};
   const evaluation::Metrics& metrics = score.metrics.front();
-  for (const char* kind : {"single", "pair", "none", "outside", "mixed"}) {
+  for (const char* kind : {"single", "several", "pair", "none", "outside", "mixed", "event"}) {
     Series s{kind, {}, {}, SeriesStyle::points, count_of(chart.series)};
     for (std::size_t i = 0; i < score.truths.size() && i < metrics.scores.size(); ++i) {
       if (score.truths[i].kind != kind) continue;
@@ -110,10 +110,6 @@ ReportTable estimates_table(const evaluation::Score& score) {
     table.rows.push_back(row);
   }
 
-  std::vector<std::string> row{"calibration error"};
-  for (const evaluation::Metrics& metrics : score.metrics)
-    row.push_back(fmt::format("{:.3f}", metrics.calibration_error));
-  table.rows.push_back(row);
   return table;
 }
 
@@ -152,7 +148,9 @@ ReportTable comparison_table(const evaluation::Score& score) {
 Report score_report(const evaluation::Score& score) {
   Document document;
   document.kind = "score";
-  document.title = fmt::format("{} blinded cases scored", score.truths.size());
+  const bool part = score.sealed > count_of(score.truths);
+  document.title = fmt::format("{}{} blinded cases scored", score.truths.size(),
+                               part ? fmt::format(" of {}", score.sealed) : "");
   document.caption = score.provenance;
   if (score.metrics.empty()) {
     document.notices.emplace_back("Nothing was scored.");

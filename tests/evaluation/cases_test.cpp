@@ -151,6 +151,49 @@ TEST(ScoreCases, OpensTheLabelsAfterTheLastAnswerAndResumes) {
   EXPECT_EQ(test::bytes_of(batch.folder / "out" / "score.json"), first);
 }
 
+TEST(RunDiagnosis, DiagnosesTheDatasetsOfAGroupTogether) {
+  Batch batch;
+  for (const char* set : {"set_1", "set_2", "set_3"}) {
+    fs::create_directories(batch.folder / "cases" / "g" / set);
+    batch.folder.write(std::string("cases/g/") + set + "/dataset.yaml", "one of three\n");
+  }
+  EXPECT_EQ(case_datasets(batch.folder / "cases" / "g").size(), 3u);
+  const fs::path program = batch.folder.write(
+      "group",
+      "#!/bin/sh\nmkdir -p answer\n{ echo \"arguments: $*\"; find . -type f; } > "
+      "answer/augmented.yaml\nexit 2\n");
+  fs::permissions(program, fs::perms::owner_all);
+  evaluation::run_diagnosis(
+      {program, batch.folder / "cases" / "g", batch.folder / "kept", {}, 5, 60.0});
+  const std::string seen = test::bytes_of(batch.folder / "kept" / "augmented.yaml");
+  EXPECT_NE(seen.find("arguments: diagnose set_1 set_2 set_3 --out answer"), std::string::npos)
+      << seen;
+  EXPECT_NE(seen.find("./set_3/dataset.yaml"), std::string::npos) << seen;
+}
+
+TEST(ScoreCases, AFirstPartSaysSoAndTheRestGoesOn) {
+  Batch batch;
+  for (const char* id : {"a", "b", "c"}) batch.add(id, "none\n");
+  const auto labels = [&] {
+    return std::vector<CaseTruth>{nothing("a"), nothing("b"), nothing("c")};
+  };
+  ScoreOptions options = batch.options();
+  options.limit = 2;
+  const Score part = score_cases(batch.folder / "cases", batch.ids, labels, options);
+  EXPECT_EQ(part.truths.size(), 2u);
+  EXPECT_EQ(part.sealed, 3);
+  EXPECT_TRUE(test::holds(test::bytes_of(batch.folder / "out" / "score.txt"), "2 of 3 sealed"));
+  EXPECT_FALSE(fs::exists(batch.folder / "out" / "answers" / "c"));
+
+  std::ofstream(batch.folder / "out" / "answers" / "a" / "messages.txt") << "untouched";
+  options.limit.reset();
+  options.resume = true;
+  const Score whole = score_cases(batch.folder / "cases", batch.ids, labels, options);
+  EXPECT_EQ(whole.truths.size(), 3u);
+  EXPECT_EQ(test::bytes_of(batch.folder / "out" / "answers" / "a" / "messages.txt"), "untouched");
+  EXPECT_TRUE(test::holds(test::bytes_of(batch.folder / "out" / "score.txt"), "3 cases"));
+}
+
 TEST(ScoreCases, BadInputIsNamed) {
   Batch batch;
   const auto none = [] { return std::vector<CaseTruth>(); };

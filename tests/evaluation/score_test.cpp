@@ -4,10 +4,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "evaluation/estimates.h"
+#include "evaluation/goals.h"
 #include "evaluation/metrics.h"
 #include "support/input_error.h"
 #include "support/temporary_folder.h"
@@ -129,6 +131,104 @@ TEST(Mark, ComponentAndShrink) {
   EXPECT_FALSE(score_case(single("tail_compliance"), prediction).component_right);
 }
 
+CaseTruth push() {
+  CaseTruth truth = of_kind("event");
+  truth.events = {{"elbow", 0.40, 0.60, -2.0}};
+  truth.trials = 4;
+  return truth;
+}
+
+/// Nothing named, and a push of this middle and peak.
+Prediction tells(double middle, double peak, const std::string& joint = "elbow",
+                 const std::string& trial = "trial_01") {
+  Prediction prediction = says(Verdict::none);
+  prediction.ranking["none"] = 0.9;
+  prediction.events = {{trial, joint, middle - 0.05, middle + 0.05, peak}};
+  return prediction;
+}
+
+TEST(Mark, AnEventIsToldByJointMiddlePeakAndSign) {
+  EXPECT_EQ(score_case(push(), tells(0.5, -2.0)).credit, 1.0);
+  EXPECT_EQ(score_case(push(), tells(0.59, -2.59)).credit, 1.0);
+  EXPECT_EQ(score_case(push(), tells(0.61, -2.0)).credit, 0.0) << "too late";
+  EXPECT_EQ(score_case(push(), tells(0.5, -2.61)).credit, 0.0) << "too strong";
+  EXPECT_EQ(score_case(push(), tells(0.5, 2.0)).credit, 0.0) << "the other way";
+  EXPECT_EQ(score_case(push(), tells(0.5, -2.0, "shoulder")).credit, 0.0) << "another joint";
+
+  Prediction named = tells(0.5, -2.0);
+  named.verdict = Verdict::effect;
+  named.effects = {{"payload", 0.6, {}, {}}};
+  EXPECT_EQ(score_case(push(), named).credit, 0.0) << "something else is named";
+  EXPECT_EQ(score_case(push(), named).events_found, 1);
+}
+
+TEST(Mark, AnEventThatIsNotToldIsNoNone) {
+  const CaseScore missed = score_case(push(), tells(0.8, -2.0));
+  EXPECT_FALSE(missed.right);
+  EXPECT_EQ(missed.confidence, 0.9);
+  EXPECT_NEAR(missed.log_score, std::log(1e-3), 1e-12);
+  EXPECT_EQ(missed.events_invented, 1);
+  EXPECT_NEAR(score_case(push(), tells(0.5, -2.0)).log_score, 0.0, 1e-12)
+      << "none and what none leaves: no effect is named";
+}
+
+TEST(Mark, AnEventCountsOnceACaseAndOnceATrial) {
+  Prediction prediction = tells(0.5, -2.0);
+  prediction.events.push_back({"trial_02", "elbow", 0.4, 0.6, -2.1});
+  const CaseScore everywhere = score_case(push(), prediction);
+  EXPECT_EQ(everywhere.events_found, 1);
+  EXPECT_EQ(everywhere.events_invented, 0);
+  prediction.events.push_back({"trial_02", "elbow", 0.41, 0.6, -2.1});
+  EXPECT_EQ(score_case(push(), prediction).events_invented, 1);
+  EXPECT_EQ(score_case(of_kind("none"), prediction).events_invented, 3);
+}
+
+TEST(Mark, SeveralAreTwoOrThree) {
+  CaseTruth three = of_kind("several");
+  three.effects = {"payload", "wind", "late_start"};
+  const auto named = [&](const std::vector<std::pair<std::string, double>>& effects) {
+    return score_case(three, says(Verdict::several, effects));
+  };
+  EXPECT_TRUE(named({{"wind", 0.9}, {"payload", 0.9}, {"late_start", 0.9}}).right);
+  EXPECT_EQ(named({{"wind", 0.9}, {"payload", 0.9}, {"late_start", 0.9}}).credit, 1.0);
+  EXPECT_NEAR(named({{"wind", 0.9}, {"payload", 0.9}}).credit, 2.0 / 3.0, 1e-15);
+  EXPECT_FALSE(named({{"wind", 0.9}, {"payload", 0.9}}).right);
+
+  Prediction ranked = says(Verdict::several, {{"wind", 0.9}, {"payload", 0.9}});
+  ranked.ranking = {{"late_start + payload + wind", 0.25}, {"payload + wind", 0.5}};
+  EXPECT_NEAR(score_case(three, ranked).log_score, std::log(0.25), 1e-12);
+  three.kind = "pair";
+  three.effects.pop_back();
+  EXPECT_NEAR(score_case(three, ranked).log_score, std::log(0.5), 1e-12);
+}
+
+TEST(Mark, AnEffectAtOneJointIsNamedThereOrWithoutJoints) {
+  CaseTruth truth = single("joint_coulomb_friction@elbow");
+  truth.parameters = {{0.2}};
+  const auto at = [&](const std::vector<std::string>& joints) {
+    Prediction prediction = says(Verdict::effect, {{"joint_coulomb_friction", 0.9}});
+    prediction.effects[0].joints = joints;
+    prediction.effects[0].parameters["torque"] = 0.3;
+    return score_case(truth, prediction);
+  };
+  EXPECT_EQ(at({}).credit, 1.0);
+  EXPECT_EQ(at({"shoulder", "elbow"}).credit, 1.0);
+  EXPECT_NEAR(at({"elbow"}).log_score, std::log(0.9), 1e-12);
+  EXPECT_NEAR(at({"elbow"}).parameter_error, 0.5, 1e-12);
+  EXPECT_EQ(at({"shoulder"}).credit, 0.0);
+  EXPECT_FALSE(at({"shoulder"}).right);
+  EXPECT_NEAR(at({"shoulder"}).log_score, std::log(1e-3), 1e-12);
+  EXPECT_TRUE(std::isnan(at({"shoulder"}).parameter_error));
+  EXPECT_EQ(score_case(truth, says(Verdict::effect, {{"joint_viscous_friction", 0.9}})).credit,
+            0.0);
+}
+
+TEST(Mark, WhoGivesNoProbabilityScoresAtTheFloor) {
+  for (const std::optional<Verdict> verdict :
+       {std::optional<Verdict>(), std::optional<Verdict>(Verdict::insufficient)})
+    EXPECT_NEAR(score_case(of_kind("none"), says(verdict)).log_score, std::log(1e-3), 1e-12);
+}
+
 TEST(Estimates, WilsonAgainstItsTable) {
   // 0 of 60: z^2/(60 + z^2); 5 of 10: published (0.2366, 0.7634).
   EXPECT_NEAR(evaluation::proportion(0, 60).ci95.upper, 3.8414588 / 63.8414588, 1e-7);
@@ -242,6 +342,111 @@ TEST(Score, AGoalIsMetByTheNearEndOfTheInterval) {
   EXPECT_FALSE(found->at("met").get<bool>());
 }
 
+TEST(Score, GoalsAreMissedFirstAndSayTheirAim) {
+  // 200 singles all right at 0.97: credit and calibration are met, coverage of all of them is too
+  // much, and no baseline was run.
+  Prediction right = says(Verdict::effect, {{"tail_compliance", 0.97}});
+  right.effects[0].parameters["stiffness"] = 100.0;
+  right.effects[0].ci95["stiffness"] = {90.0, 110.0};
+  const std::vector<CaseTruth> truths(200, single("tail_compliance"));
+  const Score score = score_predictions(truths, {{"diagnosis", std::vector(200, right)}});
+  const std::vector<GoalResult> goals = goal_results(score);
+
+  ASSERT_EQ(goals.size(), 8u);
+  EXPECT_EQ(goals[0].what, "parameters covered by their intervals");
+  EXPECT_EQ(goals[0].met, false);
+  EXPECT_EQ(aim_text(goals[0]), "0.93 to 0.97");
+  EXPECT_FALSE(goals[1].met.has_value());
+  EXPECT_EQ(goals.back().met, true);
+  const auto of = [&](const std::string& what) {
+    return *std::find_if(goals.begin(), goals.end(), [&](const auto& g) { return g.what == what; });
+  };
+  EXPECT_EQ(of("calibration error").met, true);
+  EXPECT_NEAR(of("calibration error").reached.value, 0.03, 1e-12);
+  EXPECT_FALSE(of("log score over every baseline").met.has_value());
+  const std::string text = score_text(score);
+  EXPECT_LT(text.find("missed "), text.find("not judged "));
+  EXPECT_LT(text.find("not judged "), text.find("met "));
+}
+
+TEST(Score, CoverageIsMetWhereItsWholeIntervalLiesWithin) {
+  Prediction held = says(Verdict::effect, {{"tail_compliance", 0.97}});
+  held.effects[0].parameters["stiffness"] = 100.0;
+  held.effects[0].ci95["stiffness"] = {90.0, 110.0};
+  Prediction missed = held;
+  missed.effects[0].ci95["stiffness"] = {101.0, 110.0};
+  const auto met = [&](int cases) {
+    std::vector<Prediction> predictions;
+    for (int i = 0; i < cases; ++i) predictions.push_back(i % 20 == 0 ? missed : held);
+    const std::vector<CaseTruth> truths(predictions.size(), single("tail_compliance"));
+    for (const GoalResult& goal :
+         goal_results(score_predictions(truths, {{"diagnosis", predictions}})))
+      if (goal.what == "parameters covered by their intervals") return goal.met;
+    return std::optional<bool>();
+  };
+  EXPECT_EQ(met(100), false) << "0.95, but the interval reaches beyond";
+  EXPECT_EQ(met(1000), true);
+}
+
+TEST(Score, ABaselineThatIsAsGoodIsNotBeaten) {
+  const std::vector<CaseTruth> truths(20, of_kind("none"));
+  const std::vector<Prediction> same(20, says(Verdict::none));
+  const Score score =
+      score_predictions(truths, {{"diagnosis", same}, {"lowest training error", same}});
+  for (const GoalResult& goal : goal_results(score))
+    if (goal.what == "log score over lowest training error") {
+      EXPECT_EQ(goal.met, false);
+      EXPECT_EQ(aim_text(goal), "above 0");
+      return;
+    }
+  FAIL() << "no such goal";
+}
+
+TEST(Score, CalibrationErrorHasABootstrapInterval) {
+  std::vector<CaseTruth> truths(40, single("tail_compliance"));
+  std::vector<Prediction> predictions(40, says(Verdict::effect, {{"tail_compliance", 0.6}}));
+  for (int i = 0; i < 20; ++i) truths[i] = single("wind");  // half are wrong
+  const Score score = score_predictions(truths, {{"diagnosis", predictions}});
+  const ScoreEstimate& e = score.metrics.front().by.at("calibration error");
+  EXPECT_NEAR(e.value, 0.1, 1e-12);
+  // A binomial share of 40 at one half: 0.345 to 0.655 with 95 %, so distances up to about 0.25.
+  EXPECT_GT(e.ci95.upper, 0.2);
+  EXPECT_LT(e.ci95.upper, 0.3);
+  EXPECT_LT(e.ci95.lower, 0.03);
+}
+
+TEST(Score, EventsAndRemaindersAreCountedByTheirKinds) {
+  Prediction cried = says(Verdict::unexplained);
+  cried.remainder = true;
+  const std::vector<CaseTruth> truths = {push(), push(), of_kind("outside"), of_kind("none")};
+  const Score score = score_predictions(
+      truths, {{"diagnosis", {tells(0.5, -2.0), tells(0.8, -2.0), cried, cried}}});
+  const auto& by = score.metrics.front().by;
+  EXPECT_EQ(by.at("events found").value, 0.5);
+  EXPECT_EQ(by.at("events found").count, 2);
+  EXPECT_NEAR(by.at("false events a trial").value, 0.125, 1e-12);  // one in 4 trials of two cases
+  EXPECT_EQ(by.at("remainder said where there is one").count, 1);
+  EXPECT_EQ(by.at("remainder said where there is none").count, 1);
+  EXPECT_EQ(by.at("remainder said where there is none").value, 1.0);
+}
+
+TEST(Score, EightTenthsExactlyAreConfident) {
+  const Score score = score_predictions({of_kind("none")},
+                                        {{"diagnosis", {says(Verdict::effect, {{"wind", 0.8}})}}});
+  EXPECT_EQ(score.metrics.front().by.at("wrong and confident").value, 1.0);
+}
+
+TEST(Score, StatementsOfNoneGetTheirOwnFrequency) {
+  std::vector<CaseTruth> truths(10, of_kind("none"));
+  truths[0] = truths[1] = single("wind");
+  Prediction none = says(Verdict::none);
+  none.ranking = {{"none", 0.0}, {"unexplained", 0.0}, {"wind", 0.0}};
+  std::vector<Prediction> predictions(10, none);
+  evaluation::give_confidence(truths, predictions);
+  EXPECT_NEAR(predictions[9].ranking.at("none"), 8.0 / 11.0, 1e-12);  // 7 of the other 9
+  EXPECT_NEAR(predictions[0].ranking.at("wind"), (1.0 - 9.0 / 11.0) / 2.0, 1e-12);
+}
+
 TEST(Score, BaselinesGetTheirOwnAccuracyAsConfidence) {
   Batch b = batch();
   std::vector<Prediction> predictions = b.predictions.at("lowest training error");
@@ -286,6 +491,18 @@ TEST(Answer, ReadsTheFormatAndKeepsItThroughText) {
   EXPECT_EQ(prediction.ranking.at("tail_compliance"), 0.97);
   EXPECT_EQ(prediction.components.at("tail_transmission"), 0.8);
   EXPECT_EQ(prediction.gap_after, 1.1);
+}
+
+TEST(Answer, KeepsJointsAndEvents) {
+  Prediction prediction = tells(0.5, -2.0);
+  prediction.effects = {{"joint_coulomb_friction", 0.9, {}, {}, {"elbow"}}};
+  prediction.events.push_back({"trial_02", "base", kNaN, 0.2, 1.0});
+  const Prediction again = prediction_from_text(prediction_to_text(prediction));
+  EXPECT_EQ(again.effects.at(0).joints, std::vector<std::string>{"elbow"});
+  ASSERT_EQ(again.events.size(), 2u);
+  EXPECT_EQ(again.events[0].joint, "elbow");
+  EXPECT_EQ(again.events[0].peak, -2.0);
+  EXPECT_TRUE(std::isnan(again.events[1].from));
 }
 
 TEST(Answer, BadOnesAreNamed) {

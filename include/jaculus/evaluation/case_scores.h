@@ -26,6 +26,7 @@ struct CaseScore {
   /// share of the gap's energy above the floor that is explained, over that of the true effects
   double energy_ratio = kNaN;
   bool remainder = false;  ///< whether the prediction says that more is there than it names
+  int events_found = 0, events_invented = 0;  ///< pushes told rightly; said and not there
 };
 CaseScore score_case(const CaseTruth& truth, const Prediction& prediction);
 

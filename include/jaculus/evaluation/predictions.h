@@ -9,14 +9,17 @@
 
 #include "jaculus/core/types.h"
 #include "jaculus/diagnosis/verdict.h"
+#include "jaculus/testbed/blinded_cases.h"
 
 namespace jaculus::evaluation {
 
 /// What is true of one blinded case.
 struct CaseTruth {
   std::string case_id;  ///< opaque; the dataset's folder
-  std::string kind;     ///< "single", "pair", "none", "outside", "mixed"
-  /// names in the catalogue; of outside the generator's own names
+  /// "single", "several" (of older batches "pair"), "none", "outside", "mixed", "event"
+  std::string kind;
+  /// names in the catalogue, "NAME@JOINT" where one joint alone has it; of outside the generator's
+  /// own names
   std::vector<std::string> effects;
   /// an effect each, in the catalogue's order and terms; NaN: not known
   std::vector<std::vector<double>> parameters;
@@ -34,6 +37,9 @@ struct CaseTruth {
   std::string component;  ///< where it acts, by component_name; empty: not scored
   /// what the true effect with fitted parameters leaves [noise floors]
   double possible_after_gap = kNaN;
+  /// pushes, each in every trial
+  std::vector<testbed::TrueEvent> events = {};
+  int trials = 0;  ///< 0: not known
 };
 
 /// An effect as a prediction names it.
