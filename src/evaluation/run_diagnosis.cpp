@@ -21,6 +21,7 @@
 
 #include "evaluation/scratch_folder.h"
 #include "jaculus/core/error.h"
+#include "jaculus/testbed/blinded_cases.h"
 
 namespace jaculus::evaluation {
 namespace {
@@ -105,7 +106,7 @@ void keep(const fs::path& from, const fs::path& folder) {
 Prediction run_in(const ScratchFolder& scratch, const DiagnosisRun& run) {
   const fs::path log = scratch.path / "messages.txt", predictions = scratch.path / "answer";
   std::vector<std::string> arguments = {fs::absolute(run.binary).string(), "diagnose"};
-  for (const fs::path& dataset : case_datasets(run.dataset)) {
+  for (const fs::path& dataset : testbed::case_datasets(run.dataset)) {
     arguments.push_back(dataset == run.dataset ? "dataset" : dataset.filename().string());
     fs::copy(dataset, scratch.path / arguments.back(), fs::copy_options::recursive);
   }
@@ -137,16 +138,6 @@ Prediction run_in(const ScratchFolder& scratch, const DiagnosisRun& run) {
 }
 
 }  // namespace
-
-std::vector<fs::path> case_datasets(const fs::path& folder) {
-  if (fs::is_regular_file(folder / "dataset.yaml")) return {folder};
-  std::vector<fs::path> sets;
-  for (int k = 1;; ++k) {
-    const fs::path set = folder / fmt::format("set_{}", k);
-    if (!fs::is_regular_file(set / "dataset.yaml")) return sets;
-    sets.push_back(set);
-  }
-}
 
 Prediction run_diagnosis(const DiagnosisRun& run) {
   try {

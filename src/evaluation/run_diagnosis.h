@@ -6,10 +6,6 @@
 
 namespace jaculus::evaluation {
 
-/// Datasets of a case's folder: itself, or the folders set_1, set_2, ... in it, of one robot with
-/// one cause. None where it holds neither.
-std::vector<std::filesystem::path> case_datasets(const std::filesystem::path& folder);
-
 struct DiagnosisRun {
   std::filesystem::path binary;   ///< the jaculus program
   std::filesystem::path dataset;  ///< folder of the case: a dataset, or a group

@@ -13,6 +13,7 @@
 #include "jaculus/core/installation.h"
 #include "jaculus/core/journal.h"
 #include "jaculus/diagnosis/diagnose.h"
+#include "jaculus/testbed/blinded_cases.h"
 #include "jaculus/trajectory/csv.h"
 
 namespace jaculus::evaluation {
@@ -100,7 +101,7 @@ bool run_baselines(const fs::path& folder, const std::vector<std::string>& case_
   const std::vector<std::string>& names = evaluation::baseline_names();
   const auto task = [&](int i) {
     std::string lines;
-    for (const Prediction& a : baseline_answers(case_datasets(folder / case_ids[i])))
+    for (const Prediction& a : baseline_answers(testbed::case_datasets(folder / case_ids[i])))
       lines += prediction_to_text(a) + "\n";
     return lines;
   };
@@ -134,7 +135,7 @@ double possible_gap(const fs::path& folder, const CaseTruth& truth) {
   diagnosis::DiagnoseOptions only;
   for (const effects::Effect& effect : actual) only.effects.push_back(&effect);
   std::vector<trajectory::Dataset> datasets;
-  for (const fs::path& dataset : case_datasets(folder / truth.case_id))
+  for (const fs::path& dataset : testbed::case_datasets(folder / truth.case_id))
     datasets.push_back(trajectory::read_dataset(dataset));
   const diagnosis::HeldOut reached = diagnosis::held_out_with(datasets, only);
   return reached.valid ? reached.after : kNaN;
@@ -158,7 +159,7 @@ void check_cases(const fs::path& folder, const std::vector<std::string>& case_id
   if (case_ids.empty())
     throw InputError(fmt::format("{}: no case; allowed: one or more", folder.string()));
   for (const std::string& id : case_ids) {
-    if (case_datasets(folder / id).empty())
+    if (testbed::case_datasets(folder / id).empty())
       throw InputError(
           fmt::format("{}: no dataset.yaml, nor set_1/dataset.yaml; allowed: a dataset or a group "
                       "of them in every case's folder",

@@ -82,8 +82,9 @@ void draw_moment(const BenchEffect& effect, double end, Random& random,
 /// the log in time: nothing that such a log shows.
 const std::set<std::string>& before_the_log() {
   static const std::set<std::string> kNames = {
-      "actuation_delay", "late_start",  "controller_gains", "torque_constant", "voltage_limit",
-      "current_limit",   "battery_sag", "winding_heating",  "sensor_latency"};
+      "actuation_delay", "late_start",   "controller_gains", "torque_constant", "voltage_limit",
+      "current_limit",   "battery_sag",  "winding_heating",  "sensor_latency",  "driver_dead_band",
+      "coarse_commands", "command_slew", "lost_packets"};
   return kNames;
 }
 

@@ -123,7 +123,8 @@ TrialSpec signature_spec() {
 std::vector<std::string> signature_effects(const Stage& stage) {
   std::vector<std::string> names;
   for (const BenchEffect& effect : stage.effects) {
-    if (!effect.outside && acting_effect(stage, effect.name) != nullptr)
+    // What acts at one joint alone is taken for what it does there: no catalogue states it so yet.
+    if (!effect.outside && effect.joint.empty() && acting_effect(stage, effect.name) != nullptr)
       names.push_back(effect.name);
   }
   return names;

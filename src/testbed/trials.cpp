@@ -184,7 +184,10 @@ class Observer {
   /// ideal one, what it was told.
   [[nodiscard]] Vector believed_torque(const Drive& drive, Eigen::Index i) const {
     const model::PlanarMotor& motor = drive.motor;
-    if (motor.ideal()) return plain(r_.torque.row(i)) / (changes_.torque_constant * drive.constant);
+    if (motor.ideal()) {
+      const double own = value_of(changes_.joint_torque_constant, drive.planar, 1.0);
+      return plain(r_.torque.row(i)) / (changes_.torque_constant * own * drive.constant);
+    }
 
     const Vector current = plain(r_.current.row(i));
     return motor.gear * motor.efficiency *

@@ -11,6 +11,7 @@
 #include "jaculus/effects/effect.h"
 #include "jaculus/evaluation/score.h"
 #include "jaculus/model/robot.h"
+#include "jaculus/testbed/blinded_cases.h"
 #include "jaculus/testbed/effects.h"
 #include "support/input_error.h"
 #include "support/temporary_folder.h"
@@ -157,7 +158,7 @@ TEST(RunDiagnosis, DiagnosesTheDatasetsOfAGroupTogether) {
     fs::create_directories(batch.folder / "cases" / "g" / set);
     batch.folder.write(std::string("cases/g/") + set + "/dataset.yaml", "one of three\n");
   }
-  EXPECT_EQ(case_datasets(batch.folder / "cases" / "g").size(), 3u);
+  EXPECT_EQ(testbed::case_datasets(batch.folder / "cases" / "g").size(), 3u);
   const fs::path program = batch.folder.write(
       "group",
       "#!/bin/sh\nmkdir -p answer\n{ echo \"arguments: $*\"; find . -type f; } > "

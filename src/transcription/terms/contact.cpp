@@ -11,9 +11,7 @@ namespace jaculus::transcription::terms {
 namespace {
 
 /// Where the foot's force stands among the feet in contact, -1 where it is in the air.
-int contact_slot(const PhaseBlock& phase, int foot) {
-  return index_of(phase.feet, foot);
-}
+int contact_slot(const PhaseBlock& phase, int foot) { return index_of(phase.feet, foot); }
 
 /// Friction pyramid of one foot: mu f_z - f_x >= 0 and mu f_z + f_x >= 0, which together hold f_z
 /// >= 0.
