@@ -17,8 +17,8 @@
 //                             where it stands for none, insufficient where joints aren't measured
 // Each says "none" where |r|^2 is under 1.3 a row.
 //
-// Probabilities: lowest training error has a likelihood: softmax of -BIC/2 over candidates and none,
-// BIC = |r|^2 + k ln(rows). The others have none and get their smoothed frequency in scoring
+// Probabilities: lowest training error has a likelihood: softmax of -BIC/2 over candidates and
+// none, BIC = |r|^2 + k ln(rows). The others have none and get their smoothed frequency in scoring
 // (give_confidence in metrics.h).
 
 #include "jaculus/evaluation/score.h"

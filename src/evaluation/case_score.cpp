@@ -50,8 +50,8 @@ namespace {
 
 constexpr double kLeastProbability = 1e-3;
 
-/// Of the true effect and its equivalents: as stated where named, brought to a sum of one where more
-/// is claimed, else as ranked. What is named at another joint isn't ranked for this one.
+/// Of the true effect and its equivalents: as stated where named, brought to a sum of one where
+/// more is claimed, else as ranked. What is named at another joint isn't ranked for this one.
 double class_probability(const CaseTruth& truth, const Prediction& prediction) {
   double claimed = 0.0, sum = 0.0;
   for (const NamedEffect& e : prediction.effects) claimed += e.probability;

@@ -18,8 +18,8 @@ Metrics compute_metrics(const std::string& predictor, const std::vector<CaseTrut
 void add_reliability(const std::vector<Prediction>& predictions, Metrics& metrics);
 
 /// Gives statements without a probability one by their smoothed frequency: of the other cases with
-/// a statement of that sort (an effect, or none), the share that is right, (right + 1)/(others + 2),
-/// and the rest evenly for whatever else it ranked. The best constant confidence it could have.
+/// a statement of that sort (an effect, or none), the share that is right, (right + 1)/(others +
+/// 2), and the rest evenly for whatever else it ranked. The best constant confidence it could have.
 /// Insufficient stays without: it scores at the floor.
 void give_confidence(const std::vector<CaseTruth>& truths, std::vector<Prediction>& predictions);
 

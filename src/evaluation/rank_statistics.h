@@ -3,7 +3,8 @@
 // uniform over 0 to the number of draws where the posterior is right. A heap in the middle: the
 // posterior is too wide; at both ends: too narrow; at one: it is off.
 //   chi2   of equal bins against equal counts, with its upper tail's probability
-//   ecdf   largest distance of the ranks' distribution from the uniform one; within `band` with 95 %
+//   ecdf   largest distance of the ranks' distribution from the uniform one; within `band` with 95
+//   %
 //          at least, over all ranks at once (Massart's constant: sqrt(ln(2/0.05)/2n))
 // Source: Talts et al., arXiv:1804.06788 (2018); Massart, Annals of Probability 18 (1990).
 

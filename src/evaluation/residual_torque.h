@@ -2,7 +2,8 @@
 // Torque that the nominal model lacks at each motor's joint, along the measured motion, and the
 // terms that a sparse regression may make it of.
 //
-// As diagnosis/localise/force.h does it, segment by segment and by the stamps as they are: the state is measured every
+// As diagnosis/localise/force.h does it, segment by segment and by the stamps as they are: the
+// state is measured every
 // `force_step` by the smoother of localise/windows.h, the model runs from each to the next, and
 // what the rate then misses, times the mass matrix and over the step, is the missing force.
 // Contacts, motors and feedback are the model's own in that step, so that it serves robots that

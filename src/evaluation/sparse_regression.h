@@ -1,9 +1,9 @@
 #pragma once
 // Sequentially thresholded least squares: fit, drop the terms whose coefficient is small, fit the
 // rest, until none is dropped. Columns and data are scaled to a mean square of one, so that a
-// coefficient is a share of the data's size; a weight of 0.001 on its square keeps columns that look
-// alike from cancelling each other. The threshold is the largest whose error on held-out rows, a
-// fifth of them in one piece at a time, is within a standard error of the least. Source: Brunton,
+// coefficient is a share of the data's size; a weight of 0.001 on its square keeps columns that
+// look alike from cancelling each other. The threshold is the largest whose error on held-out rows,
+// a fifth of them in one piece at a time, is within a standard error of the least. Source: Brunton,
 // Proctor and Kutz, PNAS 113 (2016), 10.1073/pnas.1517384113.
 
 #include "jaculus/core/types.h"

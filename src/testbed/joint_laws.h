@@ -16,11 +16,13 @@
 //                further than 0.1, where it yields
 //   catch        torque -a T x exp((1 - x^2)/2), x = (u - place)/0.1: a well whose steepest place
 //                takes a T, as of two magnets that pass
-//   magnets      torque t arrives as t/(1 + a (t/limit)^2): iron saturates, and the driver works its
+//   magnets      torque t arrives as t/(1 + a (t/limit)^2): iron saturates, and the driver works
+//   its
 //                torque out of the current
 //   gear         torque t arrives as t (1 + a sin(gear q + phase)): a wheel that runs out of true
 //   square drag  torque -a T |u'| u'/100, that of a paddle in air or grease that churns
-//   encoder      reads q + e (sin(q + phase) - sin(phase)): its disc is off the axis; set right at 0
+//   encoder      reads q + e (sin(q + phase) - sin(phase)): its disc is off the axis; set right at
+//   0
 
 #include "jaculus/testbed/disturbances.h"
 #include "testbed/sizes.h"

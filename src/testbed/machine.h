@@ -63,8 +63,8 @@ struct StartPose {
 void place(Machine& machine, const RobotFiles& files, const StartPose& pose);
 
 /// Lets springs and play of the build come to rest under gravity with all motors held: bends of the
-/// shaft, the flank of a gear on which the tail lies, a sliding load, floor plates under the robot's weight (the
-/// base sinks with them).
+/// shaft, the flank of a gear on which the tail lies, a sliding load, floor plates under the
+/// robot's weight (the base sinks with them).
 void settle(Machine& machine);
 
 }  // namespace jaculus::testbed

@@ -39,8 +39,8 @@ struct Setting {
 std::string mjcf(const RobotFiles& files, const Changes& changes, const Setting& setting,
                  const Numerics& numerics);
 
-/// Numerics that a robot needs: one of legs without pins a floor that is less hard, in smaller steps;
-/// a changed one: shaft and floor plates on springs are stepped by
+/// Numerics that a robot needs: one of legs without pins a floor that is less hard, in smaller
+/// steps; a changed one: shaft and floor plates on springs are stepped by
 /// semi-implicit Euler, whose damping is implicit, at a fraction of their fastest period.
 Numerics numerics_for(const RobotFiles& files, const Changes& changes, Numerics numerics);
 

@@ -33,8 +33,8 @@ double hinge_stiffness(const RobotFiles& files, const Changes& changes,
 }
 
 Numerics numerics_for(const RobotFiles& files, const Changes& changes, Numerics numerics) {
-  // The foot of a leg that no pin ties lifts off and lands again every millisecond where the floor is
-  // as hard as can be, each time a little further on.
+  // The foot of a leg that no pin ties lifts off and lands again every millisecond where the floor
+  // is as hard as can be, each time a little further on.
   if (files.pins.empty() && !files.toes.empty()) {
     numerics.impedance = std::min(numerics.impedance, kFreeFootImpedance);
     numerics.step *= kFreeFootStep;

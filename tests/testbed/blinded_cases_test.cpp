@@ -45,12 +45,12 @@ std::map<std::string, std::string> datasets_of(const fs::path& folder) {
   return files;
 }
 
+/// On a robot that is quick to play.
 BlindingSpec small_batch(const fs::path& folder) {
   BlindingSpec spec;
   spec.none = 1;
   spec.outside = 2;
-  spec.robots = {source_folder() / "models" / "minitaur_tail"};
-  spec.plans = {source_folder() / "problems" / "leap_tail_plan.csv"};
+  spec.robots = {source_folder() / "models" / "pendulum"};
   spec.seed = 11;
   spec.out = folder / "cases";
   spec.key = folder / "cases.key";
@@ -147,7 +147,6 @@ TEST_F(BlindedCases, PlacesThatWouldGiveLabelsAwayAreRefused) {
 TEST_F(BlindedCases, ClutterMakesOtherLogsAndWithheldKindsAreNotDrawn) {
   BlindingSpec plain = small_batch(folder_.path());
   plain.outside = 0;
-  plain.plans.clear();
   BlindingSpec off = plain;
   off.out = folder_.path() / "off";
   off.key = folder_.path() / "off.key";

@@ -48,8 +48,8 @@ struct TaskOptions {
   /// is refused.
   std::string fingerprint = {};
 
-  /// Only tasks before this index run; the rest is left cancelled. Not part of the journal's key, so
-  /// that a later run can go on to more.
+  /// Only tasks before this index run; the rest is left cancelled. Not part of the journal's key,
+  /// so that a later run can go on to more.
   std::optional<int> until = {};
 
   /// Called after every task, one call at a time, from any worker.

@@ -72,10 +72,10 @@ struct ScoreOptions {
 
 /// Diagnoses every case of `folder` (in folder/<case_id> a dataset, or a group of them, set_1,
 /// set_2..., that share a cause and are diagnosed together) in a process of its own,
-/// in a folder that holds a copy of that case's datasets and nothing else, with an environment without
-/// labels or keys; then, and not before, calls `open_labels`, fits the true effects to see what gap
-/// they leave, and scores. Writes score.json and score.txt into options.out. Empty `truths` in the
-/// result: interrupted, resume goes on.
+/// in a folder that holds a copy of that case's datasets and nothing else, with an environment
+/// without labels or keys; then, and not before, calls `open_labels`, fits the true effects to see
+/// what gap they leave, and scores. Writes score.json and score.txt into options.out. Empty
+/// `truths` in the result: interrupted, resume goes on.
 Score score_cases(const std::filesystem::path& folder, const std::vector<std::string>& case_ids,
                   const std::function<std::vector<CaseTruth>()>& open_labels,
                   const ScoreOptions& options);

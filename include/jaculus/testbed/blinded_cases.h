@@ -19,9 +19,9 @@
 // What can act at one joint alone ("friction@elbow") is drawn as often as what acts on all of them;
 // which joint, is drawn then.
 //
-// A batch that was interrupted goes on with `resume`: what is finished stands in KEY.journal, beside
-// the key and with labels in it, until the batch is whole. A resumed batch has the bytes of one that
-// was left alone.
+// A batch that was interrupted goes on with `resume`: what is finished stands in KEY.journal,
+// beside the key and with labels in it, until the batch is whole. A resumed batch has the bytes of
+// one that was left alone.
 //
 // Left and right legs: a draw in which they diverge by 20 mrad is left out and listed (`diverged`),
 // unless an effect of it is one-sided or there is none: on the inactive plan, where the rear legs

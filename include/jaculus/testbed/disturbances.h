@@ -45,7 +45,8 @@ struct BodyDisturbances {
 };
 
 /// What acts at the joint of every motor. Shares are of what the motor gives at the joint at its
-/// limit, of a tail's a twentieth of that. A joint that slides takes a tenth of a metre as a radian.
+/// limit, of a tail's a twentieth of that. A joint that slides takes a tenth of a metre as a
+/// radian.
 struct JointDisturbances {
   double hysteresis = 0.0;        ///< [-]
   double hysteresis_width = 0.3;  ///< of motion over which it turns about [rad]
