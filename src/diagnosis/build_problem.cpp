@@ -150,7 +150,7 @@ Prepared prepare(BuiltProblem built, const ProblemBuilder& rebuild) {
 }
 
 Comparison first_comparison(const Problem& problem, NoiseModel noise) {
-  Comparison comparison = comparison_about(problem, with_discrepancy(problem, std::move(noise)));
+  Comparison comparison = comparison_about(problem, with_random_effects(problem, std::move(noise)));
   if (problem.hypotheses.nuisances.empty()) return comparison;
 
   for (int round = 0; round < 2; ++round) {
@@ -159,7 +159,7 @@ Comparison first_comparison(const Problem& problem, NoiseModel noise) {
     if (!none.valid) break;
     NoiseModel again = estimate_noise(problem, none.p, comparison.noise.alignments);
     if (!again.valid()) break;
-    comparison = comparison_about(problem, with_discrepancy(problem, std::move(again)));
+    comparison = comparison_about(problem, with_random_effects(problem, std::move(again)));
   }
   return comparison;
 }

@@ -47,6 +47,8 @@ Diagnosis answered(const Prepared& prepared, const Selection& selection,
   out.effects = statement.effects;
   out.ranking = statement.ranking;
   out.gap = statement.gap;
+  out.lacking_probability = statement.lacking_probability;
+  out.lacking = statement.lacking;
   out.rivals = statement.rivals;
   out.none = statement.none;
   out.model = statement.model;

@@ -97,6 +97,16 @@ Json where_json(const Diagnosis& d) {
   return where;
 }
 
+/// What the judged model lacks, and whether that is established.
+Json remainder_json(const Diagnosis& d) {
+  Json forces = Json::array();
+  for (const LackingForce& f : d.lacking)
+    forces.push_back({{"along", f.name}, {"rms", json_number(f.rms)}, {"told", f.boxes}});
+  return {{"established", d.verdict == Verdict::partial || d.verdict == Verdict::unexplained},
+          {"probability", d.lacking_probability},
+          {"forces", forces}};
+}
+
 Json gap_json(const Diagnosis& d) {
   Json channels = Json::object();
   for (const auto& [name, c] : d.gap.channels)
@@ -144,10 +154,14 @@ std::string effects_text(const Diagnosis& d) {
 std::string diagnosis_json(const Diagnosis& d) {
   Json ranking = Json::array(), disturbances = Json::array();
   for (const Ranked& r : d.ranking) {
+    Json parameters = Json::object();
+    for (const FoundParameter& p : r.parameters)
+      parameters[p.name] = {{"value", json_number(p.value)}, {"unit", p.unit}};
     ranking.push_back({{"effect", r.effect},
                        {"log_evidence", json_number(r.log_evidence)},
                        {"held_out_error", json_number(r.held_out_error)},
-                       {"probability", r.probability}});
+                       {"probability", r.probability},
+                       {"parameters", parameters}});
   }
 
   for (const OneOff& one : d.disturbances)
@@ -162,6 +176,7 @@ std::string diagnosis_json(const Diagnosis& d) {
                {"ranking", ranking},
                {"where", where_json(d)},
                {"gap", gap_json(d)},
+               {"remainder", remainder_json(d)},
                {"disturbances", disturbances},
                {"notes", d.notes}};
   json["settings"] = Json::object();

@@ -83,6 +83,7 @@ Effect late_start() {
   Effect effect = on_actuation("late_start", "the plan as a whole starts late");
   effect.where = {Component::actuation, Component::sensing};
   effect.parameters = {{"time", "s", 0.0, {0.0, 0.05}, 0.008, 0.002}};
+  effect.of_plan = true;
   effect.apply = [](const Vector& theta, Plant& plant) { plant.actuation.late_start += theta[0]; };
   return effect;
 }

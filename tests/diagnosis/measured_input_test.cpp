@@ -5,10 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 
-#include "diagnosis/selection/structure.h"
-#include "diagnosis/toy.h"
 #include "jaculus/core/installation.h"
 #include "jaculus/model/robot.h"
 
@@ -37,7 +34,7 @@ TEST(MeasuredInput, DrivesEveryMotorThatWasLogged) {
   const ObservedDataset observed = two_logs();
   Segment segment;
   segment.start = 0.02;
-  const simulation::Controller controller = measured_controller(observed, segment);
+  const simulation::Controller controller = measured_controller(observed, segment, 1e-4);
   const simulation::Reference& reference = controller.reference;
   ASSERT_EQ(reference.motors, (std::vector<std::string>{"front_a", "rear_b"}));
   // Stamps of both logs; each log is linear in time, whichever stamps it had.
@@ -47,35 +44,23 @@ TEST(MeasuredInput, DrivesEveryMotorThatWasLogged) {
       EXPECT_NEAR(reference.feedforward(m, i), 10.0 * (0.02 + reference.time[i]), 1e-9);
 }
 
-/// Windows of a long record in which something is left, of a window's length, or nothing.
-double structure_of_windows(double size) {
-  const auto problem = test::toy_problem(Vector::Zero(4));
-  ObservedDataset& observed = problem->observations.datasets[0];
-  observed.measured_input = true;
-  observed.window_start = 0.0;
-  observed.window_end = 25.0;
-  for (int s = 0; s < count_of(observed.segments); ++s) {
-    Segment& segment = observed.segments[s];
-    segment.start = 5.0 * s;
-    for (int c = 0; c < 2; ++c) {
-      for (Eigen::Index i = 0; i < segment.time[c].size(); ++i)
-        if (segment.time[c][i] > 0.0)
-          segment.value[c][i] +=
-              (s % 2 == 0 ? size : -size) * std::sin(std::numbers::pi * segment.time[c][i] / 0.5);
-      segment.time[c].array() += segment.start;
-    }
-  }
-
-  const Vector p = Vector::Zero(4);
-  const NoiseModel noise = estimate_noise(*problem, p);
-  const Whitening whitening = whitening_of(*problem, noise);
-  return structure_evidence(*problem, noise, whitening, evaluate_model(*problem, whitening, p));
+TEST(MeasuredInput, AveragesADenseLogAndKeepsItsLine) {
+  const ObservedDataset observed = two_logs();
+  Segment segment;
+  segment.start = 0.0;
+  const simulation::Reference fine = measured_controller(observed, segment, 1e-4).reference,
+                              thin = measured_controller(observed, segment, 0.025).reference;
+  EXPECT_LT(thin.time.size(), fine.time.size());
+  for (Eigen::Index i = 1; i + 1 < thin.time.size(); ++i)
+    EXPECT_NEAR(thin.feedforward(0, i), 10.0 * thin.time[i], 1e-9);
 }
 
-TEST(MeasuredInput, WindowsAreMotionsOfTheirOwnForWhatIsLeft) {
-  // Half a sine of a window's length, which no mode over the record's 25 s has.
-  EXPECT_LT(structure_of_windows(0.0), 0.0);
-  EXPECT_GT(structure_of_windows(5e-3), 100.0);
+TEST(MeasuredInput, ALateLogBeginsWithWhatWasLoggedBefore) {
+  const ObservedDataset observed = two_logs();
+  Segment segment;
+  segment.start = 0.05;
+  const simulation::Reference late = measured_controller(observed, segment, 1e-4, 0.02).reference;
+  EXPECT_NEAR(late.feedforward(0, 0), 10.0 * 0.03, 1e-9);
 }
 
 }  // namespace

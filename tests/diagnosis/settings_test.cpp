@@ -55,11 +55,11 @@ TEST(Settings, ThatMustNotPassOneAnotherHaveRangesApart) {
 
 TEST(Settings, AFileReplacesWhatItNames) {
   const test::TemporaryFolder folder;
-  const Settings read = read_settings(folder.write("s.yaml", "sure: 0.9\nwindows: 5\n"));
-  EXPECT_EQ(read.sure, 0.9);
+  const Settings read = read_settings(folder.write("s.yaml", "likely: 0.9\nwindows: 5\n"));
+  EXPECT_EQ(read.likely, 0.9);
   EXPECT_EQ(read.windows, 5);
-  EXPECT_EQ(read.likely, Settings{}.likely);
-  EXPECT_NE(settings_text(read).find("(default 0.8)"), std::string::npos);
+  EXPECT_EQ(read.listed, Settings{}.listed);
+  EXPECT_NE(settings_text(read).find("(default 0.5)"), std::string::npos);
 }
 
 TEST(Settings, ThatNobodyKnowsAreRefused) {
@@ -70,7 +70,7 @@ TEST(Settings, ThatNobodyKnowsAreRefused) {
   const std::string unknown = message("shure: 0.9\n");
   EXPECT_TRUE(test::holds(unknown, "s.yaml:1"));
   EXPECT_TRUE(test::holds(unknown, "shure"));
-  EXPECT_TRUE(test::holds(message("sure: high\n"), "s.yaml:1: sure"));
+  EXPECT_TRUE(test::holds(message("likely: high\n"), "s.yaml:1: likely"));
   EXPECT_TRUE(test::holds(message("windows: 2.5\n"), "s.yaml:1: windows"));
 }
 
@@ -79,8 +79,8 @@ TEST(Settings, ThatWouldHangOrDivideByZeroAreRefused) {
   for (const std::string name :
        {"force_step", "one_off_bins", "hat_functions", "hat_functions_alone", "rows_of_hat", "grid",
         "window_length", "quiet_one_in", "line_search_lowest", "line_search_even", "time_folds",
-        "variability_modes", "state_half_width", "shift_ridge", "shift_prior_segments",
-        "structure_decades", "onset_step"}) {
+        "variability_modes", "state_half_width", "shift_ridge", "shift_prior_segments", "force_box",
+        "onset_step"}) {
     for (const std::string value : {"0", "-1"}) {
       const std::string text = "# settings\n" + name + ": " + value + "\n";
       const std::string message =
@@ -96,7 +96,7 @@ TEST(Settings, BeyondTheirRangeAreRefusedWithIt) {
   const auto message = [&](const std::string& text) {
     return test::input_error_of([&] { read_settings(folder.write("s.yaml", text)); });
   };
-  EXPECT_TRUE(test::holds(message("sure: 1.5\n"), "allowed: 0 to 1"));
+  EXPECT_TRUE(test::holds(message("likely: 1.5\n"), "allowed: 0 to 1"));
   EXPECT_TRUE(test::holds(message("hat_functions: 1\n"), "allowed: a whole number from 2 to 1000"));
   EXPECT_TRUE(test::holds(message("largest_correlation: 1\n"), "allowed: 0 to 0.999"));
   EXPECT_TRUE(test::holds(message("grid: 1e-9\n"), "allowed: 0.0001 to 0.005"));

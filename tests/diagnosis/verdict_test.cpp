@@ -78,17 +78,24 @@ TEST(VerdictRules, UnexplainedWhereHeldOutDataAreNotPredictedBetter) {
   EXPECT_EQ(rule_of(e), "no better prediction");
 }
 
-TEST(VerdictRules, UnexplainedWhereTooMuchIsLeft) {
+TEST(VerdictRules, PartialWhereForcesRemainThatAreWorthStating) {
   VerdictEvidence e = plain();
   e.gap.before = 20.0;
-  e.gap.after = 3.5;
-  e.gap.shrink = 1.0 - 2.5 / 19.0;
-  EXPECT_EQ(rule_of(e), "too much left");
-  e.gap.after = 2.0;
-  e.gap.shrink = 0.7;
-  EXPECT_EQ(rule_of(e), "too much left");
-  e.gap.shrink = 0.8;
+  e.gap.after = 3.5;  // 3 % of the energy
   EXPECT_EQ(rule_of(e), "one effect");
+  e.lacking = 0.9;
+  EXPECT_EQ(rule_of(e), "more is there");
+  EXPECT_EQ(decide(e, {}).verdict, Verdict::partial);
+  e.gap.after = 2.0;  // less than 1 %
+  EXPECT_EQ(rule_of(e), "one effect");
+}
+
+TEST(VerdictRules, WhatIsEstablishedIsNotClearedBecauseMoreRemains) {
+  VerdictEvidence e = plain();
+  e.gap.before = 50.0;
+  e.gap.after = 30.0;
+  e.lacking = 1.0;
+  EXPECT_TRUE(names_effects(decide(e, {}).verdict));
 }
 
 TEST(VerdictRules, GapsThatCouldNotBeJudgedRefuseNothing) {
@@ -112,17 +119,17 @@ TEST(VerdictRules, HaveNamesOfTheirOwnAndSettingsMoveThem) {
   EXPECT_EQ(names.size(), verdict_rules().size());
 
   VerdictEvidence e = plain();
-  e.gap.after = 2.5;
-  e.gap.shrink = 0.83;
-  EXPECT_EQ(rule_of(e), "one effect");
-  Settings strict;
-  strict.most_left = 2.0;
-  EXPECT_STREQ(decide(e, strict).name, "too much left");
+  e.gap.after = 2.5;  // 5 % of the energy
+  e.lacking = 0.9;
+  EXPECT_EQ(rule_of(e), "more is there");
+  Settings mild;
+  mild.remainder_share = 0.1;
+  EXPECT_STREQ(decide(e, mild).name, "one effect");
 }
 
 TEST(Verdict, ReadsBackFromItsText) {
   for (const Verdict v : {Verdict::insufficient, Verdict::none, Verdict::unexplained,
-                          Verdict::effect, Verdict::several, Verdict::ambiguous})
+                          Verdict::effect, Verdict::several, Verdict::partial, Verdict::ambiguous})
     EXPECT_EQ(verdict_from(to_text(v), "test"), v);
   EXPECT_THROW(verdict_from("maybe", "test"), InputError);
 }

@@ -114,7 +114,7 @@ diagnosis::Diagnosis sample_diagnosis(const std::string& name) {
   diagnosis::NoiseModel noise;
   noise.alignments = {diagnosis::unaligned(problem.observations.datasets[0])};
   noise.datasets.emplace_back();
-  noise.datasets[0].channels.assign(3, {kNoise, 0.0, 0.0, 0.0});
+  noise.datasets[0].channels.assign(3, {kNoise, 0.0, 0.0});
   d.problem = std::make_shared<const diagnosis::Problem>(problem);
   d.noise = std::make_shared<const diagnosis::NoiseModel>(noise);
   d.none = {{}, Vector::Zero(1)};

@@ -38,6 +38,15 @@ struct Ranked {
   double held_out_error = kNaN;  ///< [noise floors]
   double probability = 0.0;
   std::vector<std::string> members{};  ///< names of its effects; empty for none and unexplained
+  /// as fitted in this set, "effect.parameter" with its unit; without intervals
+  std::vector<FoundParameter> parameters{};
+};
+
+/// What the model that is judged lacks along one coordinate.
+struct LackingForce {
+  std::string name;    ///< "force elbow", "channel x"
+  double rms = 0.0;    ///< of the force [N m or N], or of the channel's smooth fault [its unit]
+  double boxes = 0.0;  ///< boxes of time, or modes, of which the data tell it
 };
 
 /// A disturbance of one segment alone.
@@ -71,6 +80,9 @@ struct Diagnosis {
   std::vector<Ranked> ranking;
   std::vector<OneOff> disturbances;
   HeldOut gap;  ///< of `model` against `none`
+  /// probability that `model` lacks forces, given that it is at work
+  double lacking_probability = 0.0;
+  std::vector<LackingForce> lacking;  ///< of `model`, by coordinate
   std::optional<Localisation> where;
   std::optional<NextExperiment> next;
   std::vector<FittedModel> rivals;  ///< of an ambiguous verdict: its two most probable models

@@ -11,6 +11,7 @@ enum class Verdict {
   unexplained,   ///< a gap, and nothing in the catalogue that explains it
   effect,        ///< one effect
   several,       ///< several effects together
+  partial,       ///< effects that are established, and something else
   ambiguous      ///< these effects, which the data can't tell apart
 };
 
@@ -21,7 +22,8 @@ Verdict verdict_from(const std::string& text, const std::string& place);
 
 /// Whether a verdict names effects.
 inline bool names_effects(Verdict verdict) {
-  return verdict == Verdict::effect || verdict == Verdict::several || verdict == Verdict::ambiguous;
+  return verdict == Verdict::effect || verdict == Verdict::several || verdict == Verdict::partial ||
+         verdict == Verdict::ambiguous;
 }
 
 }  // namespace jaculus::diagnosis

@@ -88,6 +88,8 @@ struct Effect {
   /// it can't.
   std::function<std::vector<ModelOverride>(const Vector& theta, const model::PlanarModel&)>
       overrides;
+  /// Whether it is about when a plan or script starts: a logged input has no such time.
+  bool of_plan = false;
   /// Where it acts in front and rear legs: the same effect in each of them alone, of the same
   /// parameters.
   std::vector<Effect> parts;

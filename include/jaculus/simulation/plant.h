@@ -94,10 +94,14 @@ struct JointStop {
   double restitution = 0.0;  ///< [-]; 0: they lock until the torque pulls them apart
 };
 
-/// A force by the world on a point of the base over a time, for one-off disturbances in tests.
+/// A constant force by the world over a time: a one-off disturbance, or one box of a force that the
+/// model lacks.
 struct Push {
   double start = 0.0, duration = 0.0;  ///< [s]
-  Vec2 force_W = Vec2::Zero();         ///< at the base's origin [N]
+  Vec2 force_W = Vec2::Zero();         ///< on the base, at its origin [N]
+  double moment = 0.0;                 ///< on the base, about +y [N m]
+  std::string joint{};                 ///< at which `torque` acts; empty: none
+  double torque = 0.0;  ///< at that joint, of each of a pair [N m, N where it slides]
 };
 
 struct Plant {

@@ -3,10 +3,11 @@
 // them. The statistics know nothing of robots: they see this list and a forward model (forward.h).
 //
 //   p = [effects' parameters | dataset-wide nuisances (unknown gains, feed-forward scale) |
-//        start offsets]
+//        start offsets | builder's tolerances | forces that the plant lacks]
 // Effects' parameters are zero-cost at nominal. Nuisances with wide priors are fitted along with
-// every candidate. Start offsets are free in every segment and enter through their sensitivities at
-// nominal.
+// every candidate. Start offsets are free in every segment; tolerances and forces are random
+// effects of a dataset (noise/random_effects.h). These three enter through their sensitivities
+// alone.
 
 #include <cmath>
 #include <string>
@@ -43,11 +44,20 @@ struct Candidate {
   [[nodiscard]] Vector theta(const Vector& p) const;
 };
 
+/// The generalised force along one coordinate that the plant may lack: constant over boxes of a
+/// segment's time, settings.force_box each. A scale of 1 is a force that counts as large there.
+struct ForceGroup {
+  std::string name;        ///< "body x", "elbow"
+  std::vector<int> boxes;  ///< indices of their parameters, in order of time
+};
+
 struct Hypotheses {
   std::vector<FreeParameter> parameters;
   std::vector<Candidate> candidates;
-  std::vector<int> nuisances;  ///< indices
-  std::vector<int> starts;     ///< indices; free in every segment
+  std::vector<int> nuisances;   ///< indices
+  std::vector<int> starts;      ///< indices; free in every segment
+  std::vector<int> tolerances;  ///< indices
+  std::vector<ForceGroup> forces;
 
   [[nodiscard]] Vector nominal() const;
   /// u = (p - nominal)/scale of the parameters `free`, within their bounds.

@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "jaculus/simulation/experiment.h"
 
 namespace jaculus::diagnosis {
 namespace {
+
+constexpr double kBeyond = 1.0;  ///< of a segment's end, that its simulation may run on [s]
 
 /// Samples of one motor's input in a segment's own time [s].
 struct InputLog {
@@ -14,9 +17,9 @@ struct InputLog {
   std::vector<double> time, value;
 };
 
-/// The last sample before the start stands at it.
+/// The last sample before the start stands at it; the first after the end is the last.
 InputLog log_from(const trajectory::Stream& stream, int channel, const std::string& joint,
-                  double start) {
+                  double start, double end) {
   InputLog log;
   log.joint = joint;
   for (Eigen::Index i = 0; i < stream.time.size(); ++i) {
@@ -24,11 +27,29 @@ InputLog log_from(const trajectory::Stream& stream, int channel, const std::stri
     if (!log.time.empty() && stream.time[i] <= start) log.time.clear(), log.value.clear();
     log.time.push_back(std::max(0.0, stream.time[i] - start));
     log.value.push_back(stream.values(channel, i));
+    if (stream.time[i] > end) break;
   }
   return log;
 }
 
-std::vector<InputLog> logs_of(const ObservedDataset& observed, const Segment& segment) {
+/// Means over cells of `step`, at the cells' mean times: the line through them moves the robot as
+/// the samples do, and a simulation need not stop at each of those.
+InputLog thinned(const InputLog& log, double step) {
+  InputLog out;
+  out.joint = log.joint;
+  for (std::size_t first = 0; first < log.time.size();) {
+    std::size_t end = first + 1;
+    while (end < log.time.size() && log.time[end] < log.time[first] + step) ++end;
+    const auto count = static_cast<double>(end - first);
+    out.time.push_back(std::accumulate(&log.time[first], &log.time[0] + end, 0.0) / count);
+    out.value.push_back(std::accumulate(&log.value[first], &log.value[0] + end, 0.0) / count);
+    first = end;
+  }
+  return out;
+}
+
+std::vector<InputLog> logs_of(const ObservedDataset& observed, const Segment& segment, double late,
+                              double step) {
   std::vector<InputLog> logs;
   const trajectory::Trial& trial = observed.dataset.trials[segment.trial];
   for (const model::PlanarMotor& motor : observed.model.motors) {
@@ -36,7 +57,9 @@ std::vector<InputLog> logs_of(const ObservedDataset& observed, const Segment& se
       const int channel =
           stream.channel(channel_name(motor.joint, observed.dataset.controller.input));
       if (channel < 0) continue;
-      logs.push_back(log_from(stream, channel, motor.joint, segment.start));
+      logs.push_back(thinned(
+          log_from(stream, channel, motor.joint, segment.start - late, segment.end() + kBeyond),
+          step));
       break;  // one log a motor
     }
   }
@@ -75,12 +98,13 @@ trajectory::InputScript script_of(const std::vector<InputLog>& logs,
 
 }  // namespace
 
-simulation::Controller measured_controller(const ObservedDataset& observed,
-                                           const Segment& segment) {
-  trajectory::Dataset scripted = observed.dataset;
-  scripted.plan.reset();
-  scripted.trials.clear();
-  scripted.script = script_of(logs_of(observed, segment), observed.dataset.controller.input);
+simulation::Controller measured_controller(const ObservedDataset& observed, const Segment& segment,
+                                           double step, double late) {
+  trajectory::Dataset scripted;
+  scripted.folder = observed.dataset.folder;
+  scripted.controller = observed.dataset.controller;
+  scripted.script =
+      script_of(logs_of(observed, segment, late, step), observed.dataset.controller.input);
 
   simulation::Controller controller = simulation::stated_controller(scripted, observed.model, {});
   controller.rate_hz = kInfinity;

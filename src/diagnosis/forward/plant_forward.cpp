@@ -5,11 +5,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <memory>
 
 #include "diagnosis/forward/grid_simulation.h"
 #include "diagnosis/forward/measured_input.h"
+#include "diagnosis/forward/missing_forces.h"
 #include "diagnosis/forward/start_directions.h"
+#include "diagnosis/forward/tolerance_directions.h"
 #include "diagnosis/forward/unknown_gains.h"
 #include "jaculus/simulation/experiment.h"
 
@@ -32,6 +35,8 @@ struct Base {
   StartState start;
   std::vector<StartDirection> directions;
   std::vector<GainFactor> factors;
+  std::vector<ToleranceDirection> tolerances;
+  std::vector<int> tolerance_of;  ///< their parameters in the hypotheses
 };
 
 struct Model {
@@ -47,7 +52,7 @@ Base base_of(const ObservedDataset& observed, const Settings& settings) {
   base.plant = simulation::dataset_plant(observed.dataset, observed.model);
   if (observed.measured_input) {
     for (const Segment& segment : observed.segments)
-      base.controllers.push_back(measured_controller(observed, segment));
+      base.controllers.push_back(measured_controller(observed, segment, settings.input_step));
     base.start = {observed.segments.front().start_q, observed.segments.front().start_v};
   } else {
     base.controllers.push_back(simulation::stated_controller(observed.dataset, observed.model,
@@ -56,6 +61,10 @@ Base base_of(const ObservedDataset& observed, const Settings& settings) {
   }
 
   base.directions = start_directions(observed, base.start, settings);
+  if (settings.tolerances_granted != 0)
+    base.tolerances =
+        tolerance_directions(observed.model, simulation::dataset_robot(observed.dataset).tolerances,
+                             observed.measured_input);
   return base;
 }
 
@@ -84,6 +93,73 @@ void add_starts(Model& model) {
       h.parameters.push_back({"start", d.name, d.unit, 0.0, d.scale, {}});
     }
   }
+}
+
+void add_tolerances(Model& model) {
+  Hypotheses& h = model.hypotheses;
+  for (Base& base : model.bases) {
+    for (const ToleranceDirection& direction : base.tolerances) {
+      const auto same = std::find_if(h.tolerances.begin(), h.tolerances.end(),
+                                     [&](int i) { return h.parameters[i].name == direction.name; });
+      const int parameter = same != h.tolerances.end() ? *same : count_of(h.parameters);
+      base.tolerance_of.push_back(parameter);
+      if (same != h.tolerances.end()) continue;
+      h.tolerances.push_back(parameter);
+      h.parameters.push_back({"tolerance", direction.name, "deviations", 0.0, 1.0, {}, 1.0});
+    }
+  }
+}
+
+/// Longest time that a segment of a dataset predicts [s].
+double longest(const ObservedDataset& observed) {
+  double longest = observed.measured_input ? 0.0 : observed.window_end;
+  if (observed.measured_input)
+    for (const Segment& segment : observed.segments)
+      longest = std::max(longest, segment.end() - segment.start);
+  return longest;
+}
+
+void add_forces(Model& model) {
+  Hypotheses& h = model.hypotheses;
+  double time = 0.0;
+  for (const ObservedDataset& observed : model.observations.datasets)
+    time = std::max(time, longest(observed));
+  const int boxes = std::max(1, static_cast<int>(std::ceil(time / model.settings.force_box)));
+
+  std::map<std::string, double> scales;  // of all datasets' robots
+  for (const ObservedDataset& observed : model.observations.datasets)
+    for (const auto& [name, scale] : force_scales(observed.model)) scales.emplace(name, scale);
+  for (const auto& [name, scale] : scales) {
+    ForceGroup group{name, {}};
+    for (int k = 0; k < boxes; ++k) {
+      group.boxes.push_back(count_of(h.parameters));
+      FreeParameter box{"force", name, "N m or N", 0.0, scale, {}};
+      box.probe = model.settings.force_slope * scale;
+      h.parameters.push_back(box);
+    }
+    h.forces.push_back(group);
+  }
+}
+
+void apply_forces(const Model& model, const Vector& p, Plant& plant) {
+  const double box = model.settings.force_box;
+  for (const ForceGroup& group : model.hypotheses.forces)
+    for (int k = 0; k < count_of(group.boxes); ++k)
+      if (const double value = p[group.boxes[k]];
+          value != 0.0 && has_place(plant.model, group.name))
+        plant.pushes.push_back(box_push(group.name, value, k * box, box));
+}
+
+/// Moves what is off by tolerances; whether the robot then stands otherwise.
+bool apply_tolerances(const Base& base, const Vector& p, Plant& plant, Controller& controller) {
+  bool stands_otherwise = false;
+  for (std::size_t i = 0; i < base.tolerances.size(); ++i) {
+    const double e = p[base.tolerance_of[i]];
+    if (e == 0.0) continue;
+    base.tolerances[i].move(e, plant, controller);
+    stands_otherwise = stands_otherwise || base.tolerances[i].geometry;
+  }
+  return stands_otherwise;
 }
 
 void apply_candidates(const Model& model, const PlanarModel& robot, const Vector& p, Plant& plant) {
@@ -128,6 +204,16 @@ Vector sample_times(const ObservedDataset& observed, const Segment& segment, con
                            first + settings.grid * steps);
 }
 
+/// A logged input that acts later than it is stamped: the log itself moves, for what acts first is
+/// known too.
+void delay_log(const ObservedDataset& observed, const Segment& segment, double step,
+               SimulationSetup& setup) {
+  simulation::Actuation& actuation = setup.plant.actuation;
+  if (actuation.delay == 0.0) return;
+  setup.controller = measured_controller(observed, segment, step, actuation.delay);
+  actuation.delay = 0.0;
+}
+
 SimulationSetup setup_of(const Model& model, int dataset, int index, const Vector& p) {
   const ObservedDataset& observed = model.observations.datasets[dataset];
   const Segment& segment = observed.segments[index];
@@ -137,10 +223,14 @@ SimulationSetup setup_of(const Model& model, int dataset, int index, const Vecto
 
   apply_candidates(model, observed.model, p, setup.plant);
   apply_factors(base.factors, p, setup.plant, setup.controller);
-  if (observed.measured_input)
+  const bool moved = apply_tolerances(base, p, setup.plant, setup.controller);
+  apply_forces(model, p, setup.plant);
+  if (observed.measured_input) {
     setup.start = {segment.start_q, segment.start_v};
-  else if (moves_start(setup.plant))
+    delay_log(observed, segment, model.settings.input_step, setup);
+  } else if (moved || moves_start(setup.plant)) {
     setup.start = reference_start(setup.plant, setup.controller.reference);
+  }
   apply_starts(model, base, p, setup.plant, setup.start);
 
   setup.options.sample_times = sample_times(observed, segment, setup.plant, model.settings);
@@ -243,7 +333,9 @@ PlantForward plant_forward(const Observations& observations,
 
   const std::vector<ObservedDataset>& datasets = observations.datasets;
   for (const Effect* effect : effects) {
-    const auto applies = [&](const ObservedDataset& d) { return effect->applies(d.model); };
+    const auto applies = [&](const ObservedDataset& d) {
+      return effect->applies(d.model) && !(effect->of_plan && d.measured_input);
+    };
     if (std::any_of(datasets.begin(), datasets.end(), applies)) model->effects.push_back(effect);
   }
   add_effects(*model);
@@ -255,6 +347,8 @@ PlantForward plant_forward(const Observations& observations,
     model->bases.push_back(std::move(base));
   }
   add_starts(*model);
+  add_tolerances(*model);
+  add_forces(*model);
 
   return {model->hypotheses,
           [model](int dataset, int segment, const Vector& p) {

@@ -125,7 +125,7 @@ Matrix relative_root(const Problem& problem, const ModelFit& model) {
 std::optional<Attribution> attribute(const Problem& problem, const Whitening& whitening,
                                      const ModelFit& model) {
   Attribution out;
-  out.weight = model.probability + model.unknown_probability;
+  out.weight = model.probability();
   out.players = players_of(problem, model);
   out.left = beyond_noise(model.fit.chi2, whitening.rows, problem.settings.floor_error);
   const int n = count_of(out.players);
@@ -193,9 +193,9 @@ std::array<std::vector<double>, kComponentCount> draw_shares(
 
 /// Components of effects that the data can't tell from a model's: those of indistinguishable
 /// effects, and parts of one effect whose signatures reproduce one another.
-void add_indistinguishable(const Problem& problem, const Posterior& posterior, const Attribution& a,
-                           const ModelFit& model, const Matrix& nuisances,
-                           std::vector<ComponentShare>& components) {
+void add_indistinguishable(const Problem& problem, const Whitening& whitening,
+                           const Posterior& posterior, const Attribution& a, const ModelFit& model,
+                           const Matrix& nuisances, std::vector<ComponentShare>& components) {
   const auto add = [&](Component from, Component other) {
     std::vector<Component>& list = components[static_cast<int>(from)].indistinguishable;
     if (from != other && std::find(list.begin(), list.end(), other) == list.end())
@@ -216,7 +216,8 @@ void add_indistinguishable(const Problem& problem, const Posterior& posterior, c
       if (sj.norm() < problem.settings.component_compared * si.norm()) continue;
       Matrix other(sj.size(), 1 + nuisances.cols());
       other << sj, nuisances;
-      if (0.5 * unexplained_energy(si, other) < problem.settings.indistinguishable_below)
+      const double energy = unexplained_energy(whitening, model.fit.scales, si, other);
+      if (0.5 * energy < problem.settings.indistinguishable_below)
         add(a.players[i].component, a.players[j].component);
     }
   }
@@ -258,12 +259,11 @@ ComponentShares component_shares(const Problem& problem, const Selection& select
   std::vector<Attribution> models;
   double counted = 0.0;
   for (const ModelFit& model : posterior.models) {
-    if (!model.fit.valid ||
-        model.probability + model.unknown_probability < problem.settings.model_counted)
-      continue;
+    if (!model.fit.valid || model.probability() < problem.settings.model_counted) continue;
     auto attribution = attribute(problem, whitening, model);
     if (!attribution) continue;
-    add_indistinguishable(problem, posterior, *attribution, model, nuisances, out.components);
+    add_indistinguishable(problem, whitening, posterior, *attribution, model, nuisances,
+                          out.components);
     counted += attribution->weight;
     models.push_back(std::move(*attribution));
   }

@@ -22,7 +22,6 @@ struct ChannelNoise {
       kNaN;  ///< standard deviation of one trial about the mean after alignment [unit]
   double correlation = 0.0;  ///< of neighbouring samples of that scatter, 0 to 0.98 [-]
   double variability = 0.0;  ///< deviation of each smooth mode of a segment's own [unit]
-  double discrepancy = 0.0;  ///< deviation declared for smooth faults of the plant itself [unit]
 
   /// Samples for one independent one at this correlation, (1 + rho)/(1 - rho).
   [[nodiscard]] double inflation() const { return (1.0 + correlation) / (1.0 - correlation); }

@@ -1,7 +1,5 @@
 #include "diagnosis/noise/noise_model.h"
 
-#include <cmath>
-
 #include "diagnosis/forward/sensitivities.h"
 #include "diagnosis/noise/alignment.h"
 #include "diagnosis/noise/start_curvature.h"
@@ -50,18 +48,6 @@ DatasetNoise dataset_noise(const Problem& problem, const Vector& p, int dataset,
   return noise;
 }
 
-/// Mean square of the residual of every channel, less the first value where it is relative to rest.
-Vector square_gaps(const ObservedDataset& observed, const Vector& residual) {
-  Vector squares = Vector::Zero(count_of(observed.channels)), counts = squares;
-  for (const RowSpan& span : row_spans(observed)) {
-    Vector r = residual.segment(span.first, span.count);
-    if (relative_to_rest(observed, observed.channels[span.channel])) r.array() -= r[0];
-    squares[span.channel] += r.squaredNorm();
-    counts[span.channel] += span.count;
-  }
-  return squares.cwiseQuotient(counts.cwiseMax(1.0));
-}
-
 }  // namespace
 
 NoiseModel estimate_noise(const Problem& problem, const Vector& p,
@@ -86,30 +72,9 @@ NoiseModel estimate_noise(const Problem& problem, const Vector& p,
   return noise;
 }
 
-NoiseModel with_discrepancy_of(const NoiseModel& declared, NoiseModel noise) {
-  for (std::size_t d = 0; d < noise.datasets.size(); ++d)
-    for (std::size_t c = 0; c < noise.datasets[d].channels.size(); ++c)
-      noise.datasets[d].channels[c].discrepancy = declared.datasets[d].channels[c].discrepancy;
-  return noise;
-}
-
-NoiseModel with_discrepancy(const Problem& problem, NoiseModel noise) {
-  const double floor = problem.settings.discrepancy_floor,
-               share = problem.settings.discrepancy_share;
-  const std::vector<Vector> predicted = rows_of(problem, noise, noise.at_p);
-
-  for (int d = 0; d < count_of(noise.datasets); ++d) {
-    const ObservedDataset& observed = problem.observations.datasets[d];
-    const Vector measured = measured_rows(observed, noise.alignments[d]);
-    const Vector squares = square_gaps(observed, measured - predicted[d]);
-    for (int c = 0; c < squares.size(); ++c) {
-      ChannelNoise& channel = noise.datasets[d].channels[c];
-      const double scatter = channel.noise_floor * channel.noise_floor;
-      const double gap = std::max(0.0, squares[c] - scatter);
-      channel.discrepancy = std::sqrt(floor * floor * scatter + share * share * gap);
-    }
-  }
-
+NoiseModel with_random_effects(const Problem& problem, NoiseModel noise) {
+  noise.random =
+      random_columns(problem, noise.alignments, noise.p, rows_of(problem, noise, noise.at_p));
   return noise;
 }
 

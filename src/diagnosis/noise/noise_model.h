@@ -6,6 +6,7 @@
 
 #include "diagnosis/noise/channel_noise.h"
 #include "diagnosis/noise/nuisances.h"
+#include "diagnosis/noise/random_effects.h"
 
 namespace jaculus::diagnosis {
 
@@ -20,21 +21,19 @@ struct NoiseModel {
   PredictionSet at_p;                 ///< not valid: there is no noise model
   std::vector<Alignment> alignments;  ///< a dataset each
   std::vector<DatasetNoise> datasets;
+  RandomColumns random;  ///< empty: nothing is granted beyond sensors and nuisances
 
   [[nodiscard]] bool valid() const { return at_p.valid; }
 };
 
 /// Predicts at p, aligns streams, builds nuisances and estimates the scatter of every channel.
-/// Alignment starts from the shifts of `from`, a dataset each (empty: from zero). No discrepancy is
-/// declared. Not valid where the simulation fails.
+/// Alignment starts from the shifts of `from`, a dataset each (empty: from zero). Without random
+/// effects. Not valid where the simulation fails.
 NoiseModel estimate_noise(const Problem& problem, const Vector& p,
                           const std::vector<Alignment>& from = {});
 
-/// The same with a declared discrepancy of each channel: settings.discrepancy_share of the gap at
-/// the noise model's point, rms, and settings.discrepancy_floor noise floors.
-NoiseModel with_discrepancy(const Problem& problem, NoiseModel noise);
-/// The same with the discrepancy that another noise model of the problem declares.
-NoiseModel with_discrepancy_of(const NoiseModel& declared, NoiseModel noise);
+/// The same with what the plant may lack and the builder's tolerances, about its own point.
+NoiseModel with_random_effects(const Problem& problem, NoiseModel noise);
 
 /// Rows of all datasets by some predictions, aligned as the noise model has it.
 std::vector<Vector> rows_of(const Problem& problem, const NoiseModel& noise,

@@ -1,6 +1,5 @@
 #include "diagnosis/noise/whitening.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
@@ -8,9 +7,6 @@
 
 namespace jaculus::diagnosis {
 namespace {
-
-constexpr double kLeastEnergy =
-    1e-5;  // s^2 below which a direction shrinks by less than its rounding
 
 void add_span(const Problem& problem, const NoiseModel& noise, int dataset, const RowSpan& span,
               const Prediction& prediction, int first, DatasetWhitening& out) {
@@ -59,22 +55,101 @@ DatasetWhitening row_whitening(const Problem& problem, const NoiseModel& noise, 
   return out;
 }
 
-/// Columns of the plant's faults on the rows that take part, white.
-Matrix fault_columns(const ObservedDataset& observed, const DatasetNoise& noise,
-                     const DatasetWhitening& whitening, int modes) {
+/// Smooth modes of every channel, white, each as large as the channel's noise floor; and the
+/// channel of each.
+struct ChannelModes {
+  Matrix columns;
+  std::vector<int> channel;
+};
+
+ChannelModes channel_modes(const ObservedDataset& observed, const DatasetNoise& noise,
+                           const DatasetWhitening& whitening, int modes) {
   Matrix raw = Matrix::Zero(observed.rows(), count_of(observed.channels) * modes);
   for (const RowSpan& span : whitening.spans) {
-    const double discrepancy = noise.channels[span.channel].discrepancy;
-    if (discrepancy <= 0.0) continue;
     const Vector& time = observed.segments[span.segment].time[span.channel];
     raw.block(span.first, span.channel * modes, span.count, modes) =
-        discrepancy / std::sqrt(double(modes)) *
+        noise.channels[span.channel].noise_floor / std::sqrt(double(modes)) *
         fault_modes(observed, observed.channels[span.channel], time, modes);
   }
 
-  Matrix columns(whitening.rows, raw.cols());
-  for (Eigen::Index k = 0; k < raw.cols(); ++k) columns.col(k) = whitening.apply(raw.col(k));
-  return columns;
+  ChannelModes out{Matrix(whitening.rows, raw.cols()), {}};
+  for (Eigen::Index k = 0; k < raw.cols(); ++k) {
+    out.columns.col(k) = whitening.apply(raw.col(k));
+    out.channel.push_back(static_cast<int>(k) / modes);
+  }
+  return out;
+}
+
+/// The group of a name, which is added where it is new.
+int group_of(const std::string& name, std::vector<std::string>& groups) {
+  const int known = index_of(groups, name);
+  if (known >= 0) return known;
+  groups.push_back(name);
+  return count_of(groups) - 1;
+}
+
+/// Forces on the rows of one block of segments.
+RandomBlock force_block(const DatasetWhitening& whitening, const SegmentBlock& segment,
+                        const DatasetNoise& noise, const Matrix& raw, const std::vector<int>& group,
+                        int first) {
+  const SegmentNuisances& own = noise.nuisances[segment.segment];
+  RandomBlock block{first + segment.first, segment.count, {}, group, {}, {}};
+  block.columns = whitening.whiten_block(whitening.block_of(segment.segment),
+                                         raw.middleRows(own.first, own.count));
+  for (Eigen::Index k = 0; k < block.columns.cols(); ++k)
+    segment.nuisances.apply(block.columns.col(k));
+  return block;
+}
+
+/// Blocks of a dataset: each window by itself under a logged input, else all segments together,
+/// with the channels' modes.
+void add_blocks(const Problem& problem, const NoiseModel& noise, int dataset, int first,
+                const DatasetWhitening& whitening, RandomEffects& out) {
+  const ObservedDataset& observed = problem.observations.datasets[dataset];
+  const DatasetNoise& own = noise.datasets[dataset];
+  const Matrix& raw = noise.random.forces[dataset];
+  if (observed.measured_input) {
+    for (const SegmentBlock& segment : whitening.blocks)
+      out.blocks.push_back(force_block(whitening, segment, own, raw, noise.random.group, first));
+    return;
+  }
+
+  const ChannelModes modes =
+      channel_modes(observed, own, whitening, problem.settings.discrepancy_modes);
+  RandomBlock block{first, whitening.rows, Matrix(whitening.rows, raw.cols()), {}, {}, {}};
+  block.group = noise.random.group;
+  for (Eigen::Index k = 0; k < raw.cols(); ++k) block.columns.col(k) = whitening.apply(raw.col(k));
+  block.columns.conservativeResize(whitening.rows, raw.cols() + modes.columns.cols());
+  block.columns.rightCols(modes.columns.cols()) = modes.columns;
+  for (const int channel : modes.channel)
+    block.group.push_back(group_of("channel " + observed.channels[channel].name, out.groups));
+  out.blocks.push_back(std::move(block));
+}
+
+RandomEffects random_effects(const Problem& problem, const NoiseModel& noise,
+                             const std::vector<DatasetWhitening>& datasets, int rows) {
+  RandomEffects out;
+  if (noise.random.forces.empty()) return out;
+  for (const ForceGroup& group : problem.hypotheses.forces)
+    out.groups.push_back("force " + group.name);
+
+  out.tolerances.resize(rows, noise.random.tolerances.front().cols());
+  int first = 0;
+  for (int d = 0; d < count_of(datasets); ++d) {
+    for (Eigen::Index k = 0; k < out.tolerances.cols(); ++k)
+      out.tolerances.col(k).segment(first, datasets[d].rows) =
+          datasets[d].apply(noise.random.tolerances[d].col(k));
+    add_blocks(problem, noise, d, first, datasets[d], out);
+    first += datasets[d].rows;
+  }
+
+  out.tolerance_gram = out.tolerances.transpose() * out.tolerances;
+  for (RandomBlock& block : out.blocks) {
+    block.gram = block.columns.transpose() * block.columns;
+    block.with_tolerances =
+        block.columns.transpose() * out.tolerances.middleRows(block.first, block.count);
+  }
+  return out;
 }
 
 DatasetWhitening dataset_whitening(const Problem& problem, const NoiseModel& noise, int dataset,
@@ -88,32 +163,10 @@ DatasetWhitening dataset_whitening(const Problem& problem, const NoiseModel& noi
     out.prior_mean_rows.segment(own.first, own.count) = own.columns * own.mean;
     out.blocks[b].nuisances = shrinkage(out.whiten_block(b, own.columns * own.scale.asDiagonal()));
   }
-  if (!observed.measured_input)
-    out.shared = shrinkage(
-        fault_columns(observed, noise.datasets[dataset], out, problem.settings.discrepancy_modes));
-
   return out;
 }
 
 }  // namespace
-
-void Shrinkage::apply(VectorRef x) const {
-  if (shrink.size() == 0) return;
-  const Vector along = shrink.cwiseProduct(U.transpose() * x);
-  x -= U * along;
-}
-
-Shrinkage shrinkage(const Matrix& A) {
-  if (A.cols() == 0 || A.rows() == 0) return {};
-  const Eigen::SelfAdjointEigenSolver<Matrix> solver(A.transpose() * A);
-  Eigen::Index kept = 0;
-  while (kept < A.cols() && solver.eigenvalues()[A.cols() - 1 - kept] > kLeastEnergy) ++kept;
-
-  const Vector energy = solver.eigenvalues().tail(kept);
-  const Vector inverse = energy.cwiseSqrt().cwiseInverse();
-  return {A * solver.eigenvectors().rightCols(kept) * inverse.asDiagonal(),
-          1.0 - (1.0 + energy.array()).sqrt().inverse()};
-}
 
 Vector DatasetWhitening::whiten(const Vector& raw) const {
   Vector white(rows);
@@ -147,7 +200,6 @@ Vector DatasetWhitening::apply(const Vector& raw) const {
   Vector white = whiten(raw);
   for (const SegmentBlock& block : blocks)
     block.nuisances.apply(white.segment(block.first, block.count));
-  shared.apply(white);
   return white;
 }
 
@@ -178,6 +230,7 @@ Whitening whitening_of(const Problem& problem, const NoiseModel& noise, const Se
     out.measured.push_back(measured_rows(observed, noise.alignments[d]) -
                            out.datasets.back().prior_mean_rows);
   }
+  out.random = random_effects(problem, noise, out.datasets, out.rows);
   return out;
 }
 

@@ -2,33 +2,21 @@
 // Whitened residuals: the space in which residuals of the true model are independent standard
 // normal numbers.
 //
-//   y = f(p) + A n + D d + e,   n ~ N(m, S^2) nuisances of every segment,   d ~ N(0, I) smooth
-//   faults of the plant, shared by segments,   e: noise with sigma_c and neighbours' correlation
+//   y = f(p) + A n + B b + e,   n ~ N(m, S^2) nuisances of every segment,   b random effects that
+//   segments share (random_effects.h),   e: noise with sigma_c and neighbours' correlation
 //   rho_c^(gap/spacing).
 // 1. Rows           w_i = (r_i - rho r_{i-1})/(sigma sqrt(1 - rho^2)),  first of a span r/sigma
 // 2. Nuisances      M^-1/2 = I - U diag(1 - 1/sqrt(1 + s^2)) U^T,  W A S = U diag(s) V^T,
 //                   segment by segment
-// 3. Plant's faults the same with what 1 and 2 make of D, over all segments of a dataset
-// Marginalising n and d is thus a fixed linear map T, and a model's residual T (y - f(p) - A m) is
-// judged by its plain square sum; log det T is the same for every model and drops out of
-// comparisons.
-// D: K = 6 modes a channel over the window's time (nuisances.h), each with standard deviation
-// (discrepancy_c)/sqrt(K). Under a logged input, whose windows share no time, there is none.
+// Marginalising n is thus a fixed linear map T, whose log det is the same for every model. The
+// random effects follow on white rows, for their deviations are each model's own.
 
 #include <vector>
 
 #include "diagnosis/noise/noise_model.h"
+#include "diagnosis/noise/random_effects.h"
 
 namespace jaculus::diagnosis {
-
-/// I - U diag(shrink) U^T on some rows.
-struct Shrinkage {
-  Matrix U;       ///< rows x k, orthonormal columns
-  Vector shrink;  ///< k, 1 - 1/sqrt(1 + s^2)
-  void apply(VectorRef x) const;
-};
-/// That of the columns A, already scaled by their priors.
-Shrinkage shrinkage(const Matrix& A);
 
 /// Rows of one segment that takes part.
 struct SegmentBlock {
@@ -45,9 +33,8 @@ struct DatasetWhitening {
   Vector weight;           ///< 1/(sigma sqrt(1 - rho^2)) of every row here
   Vector previous;         ///< rho to the row before, in units of sigma; 0 at a span's start
   Vector prior_mean_rows;  ///< A m, raw rows of the dataset
-  Shrinkage shared;
 
-  /// Steps 1 to 3 on a raw vector (a residual, a sensitivity) of all the dataset's rows.
+  /// Steps 1 and 2 on a raw vector (a residual, a sensitivity) of all the dataset's rows.
   [[nodiscard]] Vector apply(const Vector& raw) const;
   [[nodiscard]] Vector whiten(const Vector& raw) const;  ///< step 1 alone
   /// Step 1 on the rows of one block, each column of `raw` a vector of that segment's own rows.
@@ -61,6 +48,7 @@ struct Whitening {
   int rows = 0;
   std::vector<Alignment> alignments;  ///< by which rows are predicted, a dataset each
   std::vector<Vector> measured;       ///< raw rows less the nuisances' prior mean, a dataset each
+  RandomEffects random;               ///< on white rows
 
   /// T (y - A m - f).
   [[nodiscard]] Vector residual(const std::vector<Vector>& predicted) const;

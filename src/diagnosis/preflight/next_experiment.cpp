@@ -88,7 +88,7 @@ std::vector<double> log_evidences(const std::vector<Dataset>& datasets,
   const FittedModel first = start_at(problem, rivals.front());
   NoiseModel there = estimate_noise(problem, first.p, comparison.noise.alignments);
   if (there.valid())
-    comparison = comparison_about(problem, with_discrepancy_of(comparison.noise, std::move(there)));
+    comparison = comparison_about(problem, with_random_effects(problem, std::move(there)));
 
   for (std::size_t r = 0; r < rivals.size(); ++r) {
     const FittedModel start = start_at(problem, rivals[r]);

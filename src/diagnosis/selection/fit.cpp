@@ -101,10 +101,11 @@ class Residual {
   std::string message_;
 };
 
-/// Ceres' view: residual and prior rows below it.
+/// Ceres' view: residual by V^-1/2 and prior rows below it.
 class Cost : public ceres::CostFunction {
  public:
-  explicit Cost(Residual& residual) : residual_(residual) {
+  Cost(Residual& residual, const RandomShrinkage& shrinkage)
+      : residual_(residual), shrinkage_(shrinkage) {
     set_num_residuals(residual.rows() + count_of(residual));
     mutable_parameter_block_sizes()->push_back(count_of(residual));
   }
@@ -113,11 +114,13 @@ class Cost : public ceres::CostFunction {
     const Vector u = Eigen::Map<const Vector>(parameters[0], residual_.size());
     Vector r;
     if (!residual_.value(u, r)) return false;
+    shrinkage_.apply(r);
     Eigen::Map<Vector>(residuals, r.size()) = r;
     Eigen::Map<Vector>(residuals + r.size(), u.size()) = u;
     if (jacobians == nullptr || jacobians[0] == nullptr) return true;
     Matrix J;
     if (!residual_.jacobian(u, J)) return false;
+    for (Eigen::Index i = 0; i < J.cols(); ++i) shrinkage_.apply(J.col(i));
     Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> all(
         jacobians[0], r.size() + u.size(), u.size());
     all.topRows(r.size()) = J;
@@ -127,15 +130,17 @@ class Cost : public ceres::CostFunction {
 
  private:
   Residual& residual_;
+  const RandomShrinkage& shrinkage_;
 };
 
 /// Minimises from u; false where no point could be evaluated.
-bool minimise(Residual& residual, int iterations, const Settings& settings, Vector& u) {
+bool minimise(Residual& residual, const RandomShrinkage& shrinkage, int iterations,
+              const Settings& settings, Vector& u) {
   FLAGS_minloglevel =
       google::GLOG_FATAL;  // a simulation that fails is a status here, no message of a library
   ceres::Problem::Options ownership;
   ownership.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-  Cost cost(residual);
+  Cost cost(residual, shrinkage);
   ceres::Problem problem(ownership);
   problem.AddResidualBlock(&cost, nullptr, u.data());
   for (Eigen::Index i = 0; i < u.size(); ++i) {
@@ -159,64 +164,107 @@ bool minimise(Residual& residual, int iterations, const Settings& settings, Vect
   return summary.IsSolutionUsable();
 }
 
-/// Curvature and evidence at the optimum; r, J are there.
-void complete(const Residual& residual, const Vector& u, Fit& fit) {
-  const Eigen::Index d = u.size();
-  fit.chi2 = fit.residual.squaredNorm();
-  fit.cost = 0.5 * fit.chi2 + 0.5 * u.squaredNorm();
-  fit.log_evidence = -fit.cost;
-  if (d == 0) return;
-  const Matrix H = fit.jacobian.transpose() * fit.jacobian + Matrix::Identity(d, d);
-  const Vector g = fit.jacobian.transpose() * fit.residual + u;
-  const Eigen::LLT<Matrix> llt(H);
-  fit.covariance = llt.solve(Matrix::Identity(d, d));
-  const Vector towards = fit.covariance * g;
-  fit.log_evidence += 0.5 * g.dot(towards) - llt.matrixLLT().diagonal().array().log().sum();
-  for (Eigen::Index i = 0; i < d; ++i) {
+/// By how much bounds change the evidence of a Gaussian posterior: the posterior's mass within
+/// them, less the prior's.
+double log_within_bounds(const Residual& residual, const LinearEvidence& linear) {
+  double sum = 0.0;
+  for (Eigen::Index i = 0; i < linear.mean.size(); ++i) {
     const Bounds range = residual.range(i);
-    fit.log_evidence += log_normal_mass(range, u[i] - towards[i], std::sqrt(fit.covariance(i, i)));
-    fit.log_evidence -= log_normal_mass(range, 0.0, 1.0);
+    sum += log_normal_mass(range, linear.mean[i], std::sqrt(linear.covariance(i, i)));
+    sum -= log_normal_mass(range, 0.0, 1.0);
+  }
+  return sum;
+}
+
+/// Evidence at the optimum by the fit's deviations, and without forces; r, J, p are there.
+void complete(const Problem& problem, const RandomEffects& random, const Residual& residual,
+              const Products& products, const ScaleEstimate& estimate, Fit& fit) {
+  fit.scales = estimate.scales;
+  const LinearEvidence linear = linear_evidence(random, products, fit.scales);
+  const LinearEvidence without = linear_evidence(random, products, Vector::Zero(random.size()));
+  fit.chi2 = fit.residual.squaredNorm();
+  fit.covariance = linear.covariance;
+  fit.log_evidence = linear.log_evidence + estimate.log_cost + log_within_bounds(residual, linear);
+  fit.log_complete = without.log_evidence + log_within_bounds(residual, without);
+
+  const Products alone = products_of(random, fit.residual);
+  const Vector u = problem.hypotheses.scaled(fit.free, fit.p);
+  fit.cost = 0.5 * (weigh(random, alone, fit.scales).gram(0, 0) + u.squaredNorm());
+}
+
+Vector scales_of(const FitOptions& options, const RandomEffects& random) {
+  return options.scales.size() == random.size() ? options.scales : first_scales(random);
+}
+
+/// Minimises and estimates the deviations in turn, from u on. First without any force, as plain
+/// least squares: forces that are granted at once may take what a parameter has to explain.
+Fit fit_from(const Problem& problem, const Whitening& whitening, const std::vector<int>& free,
+             const FitOptions& options, Residual& residual, Vector u) {
+  const Settings& settings = problem.settings;
+  const RandomEffects& random = whitening.random;
+  const int iterations = options.iterations.value_or(settings.fit_iterations);
+  Fit fit;
+  fit.free = free;
+  fit.scales = options.hold_scales ? options.scales : Vector(Vector::Zero(random.size()));
+
+  for (int round = 0;; ++round) {
+    const RandomShrinkage shrinkage = random_shrinkage(random, fit.scales);
+    fit.valid = (free.empty() || minimise(residual, shrinkage, iterations, settings, u)) &&
+                residual.value(u, fit.residual) && residual.jacobian(u, fit.jacobian);
+    if (!fit.valid) return fit;
+
+    fit.p = residual.full(u);
+    fit.rows = residual.predicted();
+    const Products products = products_of(random, linear_model(problem, fit));
+    const double before = linear_evidence(random, products, fit.scales).log_evidence;
+    const bool first = round == 0 && !options.hold_scales;
+    const ScaleEstimate estimate =
+        estimated_scales(random, products, first ? scales_of(options, random) : fit.scales,
+                         options.hold_scales ? 0 : settings.scale_steps, settings.scale_spread);
+    complete(problem, random, residual, products, estimate, fit);
+
+    const double gained = linear_evidence(random, products, fit.scales).log_evidence - before;
+    const bool settled = free.empty() || gained < settings.scales_settled;
+    if (settled || options.hold_scales || round == settings.scale_rounds) return fit;
   }
 }
 
 }  // namespace
 
-Fit evaluate_model(const Problem& problem, const Whitening& whitening, const Vector& p) {
-  Fit fit;
-  fit.p = p;
+Matrix linear_model(const Problem& problem, const Fit& fit) {
+  Matrix X(fit.residual.size(), 1 + fit.jacobian.cols());
+  X.rightCols(fit.jacobian.cols()) = -fit.jacobian;
+  X.col(0) = fit.residual;
+  if (fit.jacobian.cols() > 0)
+    X.col(0) -= fit.jacobian * problem.hypotheses.scaled(fit.free, fit.p);
+  return X;
+}
+
+Fit evaluate_model(const Problem& problem, const Whitening& whitening, const Vector& p,
+                   const FitOptions& options) {
   Residual residual(problem, whitening, {}, p);
-  fit.jacobian.resize(whitening.rows, 0);
-  fit.valid = residual.value(Vector(), fit.residual);
-  fit.rows = residual.predicted();
+  Fit fit = fit_from(problem, whitening, {}, options, residual, Vector());
+  if (!fit.valid) fit.p = p;
   fit.message = residual.message();
   fit.predictions = 1;
-  if (fit.valid) complete(residual, Vector(), fit);
   return fit;
 }
 
 Fit fit_model(const Problem& problem, const Whitening& whitening, const std::vector<int>& free,
               const std::vector<Vector>& starts, const FitOptions& options) {
-  if (free.empty()) return evaluate_model(problem, whitening, starts.front());
-  const int iterations = options.iterations.value_or(problem.settings.fit_iterations);
+  if (free.empty()) return evaluate_model(problem, whitening, starts.front(), options);
   Fit best;
 
   long predictions = 0;
   for (const Vector& start : starts) {
     Residual residual(problem, whitening, free, start);
-    Vector u = residual.reduced(start);
-    Fit fit;
-    fit.free = free;
-    fit.valid = minimise(residual, iterations, problem.settings, u) &&
-                residual.value(u, fit.residual) && residual.jacobian(u, fit.jacobian);
+    const Fit fit = fit_from(problem, whitening, free, options, residual, residual.reduced(start));
     predictions += residual.predictions();
     if (!fit.valid) {
       if (!best.valid) best.message = residual.message();
       continue;
     }
-    fit.p = residual.full(u);
-    fit.rows = residual.predicted();
-    complete(residual, u, fit);
-    if (!best.valid || fit.cost < best.cost) best = fit;
+    if (!best.valid || fit.log_evidence > best.log_evidence) best = fit;
     if (best.log_evidence >= options.enough) break;
   }
 
@@ -229,6 +277,9 @@ Fit fit_around(const Problem& problem, const Whitening& whitening, Fit fit,
   if (!fit.valid || fit.free.empty()) return fit;
   const int first = fit.free.front();
   const FreeParameter& own = problem.hypotheses.parameters[first];
+  FitOptions held;
+  held.scales = fit.scales;
+  held.hold_scales = true;
   Vector best;
   double least = fit.cost - problem.settings.lower_valley;
   for (const double factor : kAround) {
@@ -236,7 +287,7 @@ Fit fit_around(const Problem& problem, const Whitening& whitening, Fit fit,
     p[first] = std::clamp(own.nominal + factor * (fit.p[first] - own.nominal), own.bounds.lower,
                           own.bounds.upper);
     if (p[first] == fit.p[first]) continue;
-    const Fit there = evaluate_model(problem, whitening, p);
+    const Fit there = evaluate_model(problem, whitening, p, held);
     ++fit.predictions;
     if (!there.valid) continue;
     const double cost = there.cost + 0.5 * problem.hypotheses.scaled(fit.free, p).squaredNorm();
@@ -246,11 +297,13 @@ Fit fit_around(const Problem& problem, const Whitening& whitening, Fit fit,
   }
 
   if (best.size() == 0) return fit;
-  Fit next = fit_model(problem, whitening, fit.free, {best}, options);
+  FitOptions from = options;
+  from.scales = fit.scales;
+  Fit next = fit_model(problem, whitening, fit.free, {best}, from);
   next.predictions += fit.predictions;
   fit.predictions = next.predictions;
 
-  return next.valid && next.cost < fit.cost ? next : fit;
+  return next.valid && next.log_evidence > fit.log_evidence ? next : fit;
 }
 
 }  // namespace jaculus::diagnosis

@@ -1,16 +1,19 @@
 #pragma once
 // Most probable parameters of a model, and its evidence.
 //
-//   u = (p - nominal)/scale of the free parameters,  cost(u) = |r(u)|^2/2 + |u|^2/2,
-//   r = T (y - A m - f(p)) (noise/whitening.h)
+//   u = (p - nominal)/scale of the free parameters,  cost(u) = r^T V^-1 r/2 + |u|^2/2,
+//   r = T (y - A m - f(p)) (noise/whitening.h),  V = I + G S^2 G^T + C C^T: what noise, forces that
+//   the plant lacks and tolerances make of it (noise/random_effects.h)
 // minimised by Ceres (Levenberg-Marquardt with bounds), Jacobian by forward differences through
-// simulation, backward at an upper end. Laplace's evidence, relative to that of white noise, with H
-// = J^T J + I, gradient g, mean mu = u - H^-1 g:
-//   log Z = -cost + g^T H^-1 g/2 - log det(H)/2
-//           + sum over one-sided parameters [log 2 + log Phi(+-mu_i/sqrt(H^-1_ii))]
+// simulation, backward at an upper end, in turn with the deviations S that maximise the evidence.
+// Laplace's evidence, with H = J^T V^-1 J + I and mean mu of the posterior linearised at the
+// optimum:
+//   log Z = log N(r0; 0, V + J J^T), r0 = r - J u,
+//           + sum over bounded parameters [log of the posterior's mass within bounds, less the
+//             prior's]
 // so that a parameter which starts at its boundary carries half a prior and the part of its
-// posterior that the boundary leaves; g vanishes but for parameters held at a bound. Limits of
-// validity: one mode, nearly Gaussian in u; intervals are checked by profile.
+// posterior that the boundary leaves. Limits of validity: one mode, nearly Gaussian in u; intervals
+// are checked by profile.
 
 #include <optional>
 #include <string>
@@ -28,16 +31,20 @@ struct Fit {
   std::vector<Vector> rows;  ///< predicted there, a dataset each [units of the rows]
   Vector residual;           ///< r there
   Matrix jacobian;           ///< dr/du, rows x free
+  Vector scales;             ///< deviations S of the random effects
   Matrix covariance;         ///< of u, H^-1
   double chi2 = 0.0;         ///< |r|^2
-  double cost = 0.0;         ///< at the optimum
+  double cost = 0.0;         ///< at the optimum, by S
   double log_evidence = 0.0;
-  long predictions = 0;  ///< sets of simulations that it took
+  double log_complete = 0.0;  ///< the same where the plant lacks no force: S = 0
+  long predictions = 0;       ///< sets of simulations that it took
 };
 
 struct FitOptions {
   std::optional<int> iterations{};  ///< at most, a start; else settings.fit_iterations
   double enough = kInfinity;        ///< log evidence at which no further start is tried
+  Vector scales{};                  ///< deviations to begin with; empty: first_scales()
+  bool hold_scales = false;         ///< whether they stay
 };
 
 /// Fits the parameters `free` from each of `starts` in turn (full vectors; their other entries
@@ -45,8 +52,12 @@ struct FitOptions {
 Fit fit_model(const Problem& problem, const Whitening& whitening, const std::vector<int>& free,
               const std::vector<Vector>& starts, const FitOptions& options = {});
 
-/// Fixed parameters: r and log evidence alone.
-Fit evaluate_model(const Problem& problem, const Whitening& whitening, const Vector& p);
+/// Fixed parameters: r and log evidence alone. Of the options the deviations count.
+Fit evaluate_model(const Problem& problem, const Whitening& whitening, const Vector& p,
+                   const FitOptions& options = {});
+
+/// X = [r0 -J] of a fit: what is left of the data at u = 0, and its columns.
+Matrix linear_model(const Problem& problem, const Fit& fit);
 
 /// The same fit, or the one that starts where the first free parameter's departure from nominal is
 /// somewhat smaller or larger (`kAround`), the others as they are, if the cost there is less by

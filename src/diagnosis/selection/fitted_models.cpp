@@ -13,9 +13,7 @@ FittedModels::FittedModels(const Problem& problem, const Comparison& comparison,
   fit({Job{{}, {problem.hypotheses.nominal()}}});
 }
 
-double FittedModels::value(const ModelFit& model) const {
-  return log_weight(model, none().fit.log_evidence, problem_.settings.form_member);
-}
+double FittedModels::value(const ModelFit& model) const { return model.log_weight(); }
 
 const ModelFit* FittedModels::find(const Members& members) const {
   for (const ModelFit& model : models_)
@@ -33,11 +31,9 @@ const ModelFit* FittedModels::best(int size) const {
 }
 
 std::vector<ModelFit> FittedModels::close_to(const ModelFit& from, int count) const {
-  const double explained = from.fit.log_evidence - none().fit.log_evidence;
-  const double least = value(from) - problem_.settings.form_member * explained;
   std::vector<ModelFit> close;
   for (const ModelFit& model : models_)
-    if (model.candidates.size() == from.candidates.size() && value(model) >= least)
+    if (model.candidates.size() == from.candidates.size() && model.fit.valid)
       close.push_back(model);
 
   std::stable_sort(close.begin(), close.end(),
@@ -102,6 +98,7 @@ void FittedModels::fit(const std::vector<Job>& jobs) {
 
     FitOptions options;
     options.enough = jobs[i].enough;
+    if (!models_.empty()) options.scales = none().fit.scales;
     const std::vector<int> free = problem_.hypotheses.freed_by(model.candidates);
     model.fit = fit_model(problem_, comparison_.whitening, free, jobs[i].starts, options);
     if (model.candidates.size() == 1)

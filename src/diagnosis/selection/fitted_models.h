@@ -19,13 +19,13 @@ class FittedModels {
   [[nodiscard]] const ModelFit& none() const { return models_.front(); }
   [[nodiscard]] long predictions() const { return predictions_; }
 
-  /// log prior x evidence less form.
+  /// log prior x evidence.
   [[nodiscard]] double value(const ModelFit& model) const;
   /// The model of some candidates, valid or not; null where it was not fitted.
   [[nodiscard]] const ModelFit* find(const Members& members) const;
   /// The best valid model of a size; null where there is none.
   [[nodiscard]] const ModelFit* best(int size) const;
-  /// `from` and the others of its size that its form may hide, best first.
+  /// `from` and the next best of its size, best first.
   [[nodiscard]] std::vector<ModelFit> close_to(const ModelFit& from, int count) const;
 
   /// Screens all candidates about a model, by line search about none.

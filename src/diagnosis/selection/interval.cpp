@@ -19,9 +19,11 @@ double profile(const Problem& problem, const Whitening& whitening, const Fit& fi
     if (i != parameter) others.push_back(i);
   Vector p = fit.p;
   p[parameter] = p_value;
-  const int iterations = problem.settings.profile_iterations;
-  const Fit there = others.empty() ? evaluate_model(problem, whitening, p)
-                                   : fit_model(problem, whitening, others, {p}, {iterations});
+  FitOptions options;
+  options.iterations = problem.settings.profile_iterations;
+  options.scales = fit.scales;
+  options.hold_scales = true;
+  const Fit there = fit_model(problem, whitening, others, {p}, options);
   const FreeParameter& own = problem.hypotheses.parameters[parameter];
   const double u = (p_value - own.nominal) / own.scale;
   return there.valid ? there.cost + 0.5 * u * u : kFailed;

@@ -1,6 +1,5 @@
 #include "diagnosis/selection/line_search.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
@@ -11,6 +10,7 @@ namespace {
 struct Point {
   double u = 0.0;             ///< prior scales
   double score = -kInfinity;  ///< log evidence gained, width of the valley by its slope
+  double gain = -kInfinity;   ///< the same where the valley has no width
   double influence =
       kInfinity;  ///< norm of what the step changes; infinite where the simulation fails
 };
@@ -48,7 +48,19 @@ struct Line {
   const Whitening& whitening;
   const Fit& base;
   int parameter = 0;
-  double standing = 0.0;  ///< log evidence of the base model
+  Matrix model;           ///< [r0 -J] of the base model
+  double standing = 0.0;  ///< its log evidence
+
+  /// Log evidence gained by a smaller residual, as if it were one random effect in all directions
+  /// that the random effects have: on the way to a valley a residual may be smaller and yet of a
+  /// shape that no force has (a foot that slips too soon).
+  [[nodiscard]] double gain_of_size(const Vector& r) const {
+    double directions = 0.0;
+    for (const RandomBlock& block : whitening.random.blocks)
+      directions += static_cast<double>(block.columns.cols());
+    const double before = model.col(0).squaredNorm(), now = r.squaredNorm();
+    return 0.5 * std::min(directions, before) * std::log(before / std::max(now, 1e-300));
+  }
 
   [[nodiscard]] Point at(double u) const {
     Vector p = base.p;
@@ -56,12 +68,23 @@ struct Line {
     const PredictionSet set = predict_all(problem, p);
     if (!set.valid) return {u};
 
-    const Vector r = whitening.residual(rows_of(problem, whitening.alignments, set));
-    const double there =
-        linear_evidence(-base.jacobian, r).log_evidence - 0.5 * r.squaredNorm() - 0.5 * u * u;
-    const double influence = (r - base.residual).norm();
-    const double width = 0.5 * std::log1p(influence * influence / (u * u));
-    return {u, there - standing - width, influence};
+    // The base model's own parameters move linearly along.
+    const RandomEffects& random = whitening.random;
+    Matrix X = model;
+    X.col(0) += whitening.residual(rows_of(problem, whitening.alignments, set)) - base.residual;
+    const Products products = products_of(random, X);
+    const ScaleEstimate followed = screening_scales(problem, random, products, base.scales);
+    const double there = linear_evidence(random, products, followed.scales).log_evidence +
+                         followed.log_cost - 0.5 * u * u;
+
+    const Vector moved = X.col(0) - model.col(0);
+    const double energy = weigh(random, products_of(random, moved), followed.scales).gram(0, 0);
+    const double width = 0.5 * std::log1p(energy / (u * u));
+    const double influence = moved.norm();
+    double gain = there - standing;
+    if (const double smaller = gain_of_size(X.col(0)); smaller > 0.0)
+      gain = std::max(gain, smaller - 0.5 * u * u);
+    return {u, gain - width, gain, influence};
   }
 };
 
@@ -80,21 +103,28 @@ Point past_threshold(const Line& line, Point near, Point far, long& predictions)
   for (int i = 0; i < settings.threshold_halvings && sets_in(near, far, settings); ++i) {
     const Point middle = line.at(0.5 * (near.u + far.u));
     ++predictions;
-    if (middle.score > 0.0) return middle;
+    // Next to a threshold a valley is narrow: where it begins to help, a fit goes on.
+    if (middle.gain > 0.0) return middle;
     (middle.score < near.score - settings.threshold_harm ? far : near) = middle;
   }
-  return {0.0, 0.0, 0.0};
+  return {0.0, 0.0, 0.0, 0.0};
 }
 
 }  // namespace
 
-LinearEvidence linear_evidence(const Matrix& G, const Vector& r) {
-  if (G.cols() == 0) return {};
-  const Matrix A = G.transpose() * G + Matrix::Identity(G.cols(), G.cols());
-  const Vector b = G.transpose() * r;
-  const Eigen::LLT<Matrix> factor(A);
-  const Vector mean = factor.solve(b);
-  return {0.5 * b.dot(mean) - factor.matrixLLT().diagonal().array().log().sum(), mean};
+ScaleEstimate screening_scales(const Problem& problem, const RandomEffects& random,
+                               const Products& products, const Vector& scales) {
+  const Settings& settings = problem.settings;
+  return estimated_scales(random, products, scales, settings.screening_scale_steps,
+                          settings.scale_spread);
+}
+
+double followed_evidence(const Problem& problem, const Whitening& whitening, const Matrix& X,
+                         const Vector& scales) {
+  const Products products = products_of(whitening.random, X);
+  const ScaleEstimate followed = screening_scales(problem, whitening.random, products, scales);
+  return linear_evidence(whitening.random, products, followed.scales).log_evidence +
+         followed.log_cost;
 }
 
 double probe_step(const FreeParameter& parameter, double value, double share) {
@@ -104,10 +134,11 @@ double probe_step(const FreeParameter& parameter, double value, double share) {
 
 BestStep line_search(const Problem& problem, const Whitening& whitening, const Fit& base,
                      int first) {
-  const double alone = linear_evidence(-base.jacobian, base.residual).log_evidence;
-  const Line line{problem, whitening, base, first, alone - 0.5 * base.residual.squaredNorm()};
+  const Matrix model = linear_model(problem, base);
+  const Line line{problem, whitening, base,
+                  first,   model,     followed_evidence(problem, whitening, model, base.scales)};
   BestStep found;
-  std::vector<Point> points{{0.0, 0.0, 0.0}};
+  std::vector<Point> points{{0.0, 0.0, 0.0, 0.0}};
   const FreeParameter& parameter = problem.hypotheses.parameters[first];
   for (const double u : steps_of(parameter, base.p[first], problem.settings)) {
     points.push_back(line.at(u));

@@ -6,7 +6,8 @@
 // the first parameter also takes the steps u = its probing step times 1/8, 1/4, ... 8, both ways,
 // or 16 even spaces where its bounds are closer than that. With the base model's parameters moved
 // linearly,
-//   score(u) = log evidence there - u^2/2 - log(1 + |(r(u) - r)/u|^2)/2.
+//   score(u) = log evidence there - u^2/2 - log(1 + |(r(u) - r)/u|^2)/2,
+// the last norm by V^-1, the deviations of the random effects following at every step.
 // Effects with a threshold (slip, limits) do nothing up to it and soon too much: where what a step
 // changes is far beyond the proportion of the step before, and does harm, the space between the two
 // is halved until a step helps.
@@ -15,12 +16,12 @@
 
 namespace jaculus::diagnosis {
 
-/// Linear Gaussian model r = G u + noise, u ~ N(0, I).
-struct LinearEvidence {
-  double log_evidence = 0.0;  ///< relative to r being noise
-  Vector mean;                ///< of u
-};
-LinearEvidence linear_evidence(const Matrix& G, const Vector& r);
+/// Deviations of random effects that follow white columns X = [r Y] from `scales`, a few steps.
+ScaleEstimate screening_scales(const Problem& problem, const RandomEffects& random,
+                               const Products& products, const Vector& scales);
+/// Log evidence of white columns X = [r Y] by such deviations.
+double followed_evidence(const Problem& problem, const Whitening& whitening, const Matrix& X,
+                         const Vector& scales);
 
 /// Probing step of a parameter from `value`, times `share`; inwards where it would leave the
 /// bounds.

@@ -40,26 +40,42 @@ std::optional<Matrix> columns_of(const Problem& problem, const Whitening& whiten
   return columns;
 }
 
-/// Raises the probe's score and estimate to what these columns reach.
-void raise_score(const Problem& problem, const Fit& base, const Candidate& candidate,
-                 const Matrix& own, Probe& probe) {
-  const double alone = linear_evidence(-base.jacobian, base.residual).log_evidence;
-  Matrix G(own.rows(), own.cols() + base.jacobian.cols());
-  G << own, -base.jacobian;
-  LinearEvidence linear = linear_evidence(G, base.residual);
+/// What screening knows of the base model.
+struct Base {
+  const Problem& problem;
+  const Whitening& whitening;
+  const Fit& fit;
+  Matrix model;        ///< [r0 -J]
+  double alone = 0.0;  ///< its log evidence
+};
 
+/// The posterior of one more candidate's columns beside the base model's own.
+LinearEvidence with_columns(const Base& base, const Matrix& own) {
+  Matrix X(base.model.rows(), base.model.cols() + own.cols());
+  X << base.model.col(0), own, base.model.rightCols(base.model.cols() - 1);
+  const RandomEffects& random = base.whitening.random;
+  const Products products = products_of(random, X);
+  const ScaleEstimate followed = screening_scales(base.problem, random, products, base.fit.scales);
+  LinearEvidence linear = linear_evidence(random, products, followed.scales);
+  linear.log_evidence += followed.log_cost;
+  return linear;
+}
+
+/// Raises the probe's score and estimate to what these columns reach.
+void raise_score(const Base& base, const Candidate& candidate, const Matrix& own, Probe& probe) {
+  LinearEvidence linear = with_columns(base, own);
   for (Eigen::Index k = 0; k < own.cols(); ++k) {
-    const FreeParameter& p = problem.hypotheses.parameters[candidate.parameters[k]];
-    const double value = base.p[candidate.parameters[k]];
+    const FreeParameter& p = base.problem.hypotheses.parameters[candidate.parameters[k]];
+    const double value = base.fit.p[candidate.parameters[k]];
     const Bounds range{(p.bounds.lower - value) / p.scale, (p.bounds.upper - value) / p.scale};
     if (range.contains(linear.mean[k])) continue;
     linear.mean[k] = std::clamp(linear.mean[k], range.lower, range.upper);
     // On the wrong side of a boundary the first parameter can do nothing for the residual.
-    if (k == 0 && linear.mean[k] == 0.0) linear.log_evidence = alone - 1.0;
+    if (k == 0 && linear.mean[k] == 0.0) linear.log_evidence = base.alone - 1.0;
   }
 
-  if (linear.log_evidence - alone <= probe.score) return;
-  probe.score = linear.log_evidence - alone;
+  if (linear.log_evidence - base.alone <= probe.score) return;
+  probe.score = linear.log_evidence - base.alone;
   probe.estimate = linear.mean.head(own.cols());
 }
 
@@ -71,6 +87,9 @@ Probe probe_candidate(const Problem& problem, const Whitening& whitening, const 
   const int first = candidate.parameters.front();
   Probe probe;
   if (std::find(base.free.begin(), base.free.end(), first) != base.free.end()) return probe;
+  const Matrix model = linear_model(problem, base);
+  const Base known{problem, whitening, base, model,
+                   followed_evidence(problem, whitening, model, base.scales)};
 
   const double influence = problem.settings.influence;
   const auto full = columns_of(problem, whitening, base, candidate, 1.0);
@@ -78,8 +97,8 @@ Probe probe_candidate(const Problem& problem, const Whitening& whitening, const 
   probe.predictions = 2 * count_of(candidate.parameters);
   const bool by_full = full && full->norm() > influence;
   const bool by_small = small && small->norm() > influence;
-  if (by_full) raise_score(problem, base, candidate, *full, probe);
-  if (by_small) raise_score(problem, base, candidate, *small, probe);
+  if (by_full) raise_score(known, candidate, *full, probe);
+  if (by_small) raise_score(known, candidate, *small, probe);
   probe.valid = by_full || by_small;
   if (probe.valid) {
     probe.full = by_full ? *full : *small;
@@ -138,11 +157,17 @@ std::vector<Vector> fit_starts(const Problem& problem, const Vector& base, int c
   return {estimated, searched, probed};
 }
 
-double unexplained_energy(const Vector& signature, const Matrix& own) {
-  if (own.cols() == 0) return signature.squaredNorm();
-  const Matrix A = own.transpose() * own + kRidge * Matrix::Identity(own.cols(), own.cols());
-  const Vector u = A.llt().solve(own.transpose() * signature);
-  return (signature - own * u).squaredNorm();
+double unexplained_energy(const Whitening& whitening, const Vector& scales, const Vector& signature,
+                          const Matrix& own) {
+  Matrix X(signature.size(), 1 + own.cols());
+  X << signature, own;
+  const Matrix gram = weigh(whitening.random, products_of(whitening.random, X), scales).gram;
+  if (own.cols() == 0) return gram(0, 0);
+
+  const Eigen::Index n = own.cols();
+  const Matrix A = gram.bottomRightCorner(n, n) + kRidge * Matrix::Identity(n, n);
+  const Vector b = gram.col(0).tail(n);
+  return gram(0, 0) - b.dot(A.llt().solve(b));
 }
 
 }  // namespace jaculus::diagnosis

@@ -6,8 +6,8 @@
 //   step, because friction, play and limits are not linear from nominal on; second parameters (a
 //   damping) are probed with the first one set.
 //   score = log evidence of the linear Gaussian model with these columns and those of the base
-//   model, prior N(0, I) in u, less that of the base model alone:
-//       b^T A^-1 b/2 - log det(A)/2,   A = I + G^T G,   b = G^T r;
+//   model, prior N(0, I) in u, less that of the base model alone, each by the deviations of random
+//   effects that it needs (noise/random_effects.h);
 //   or that of the best step of a line search (line_search.h), where it is larger.
 
 #include <vector>
@@ -43,7 +43,8 @@ std::vector<Probe> screen(const Problem& problem, const Whitening& whitening, co
 std::vector<Vector> fit_starts(const Problem& problem, const Vector& base, int candidate,
                                const Probe& probe);
 
-/// Energy |.|^2 of a signature that the columns `own` can't reproduce.
-double unexplained_energy(const Vector& signature, const Matrix& own);
+/// Energy, by V^-1 at some deviations, of a white signature that the columns `own` can't reproduce.
+double unexplained_energy(const Whitening& whitening, const Vector& scales, const Vector& signature,
+                          const Matrix& own);
 
 }  // namespace jaculus::diagnosis

@@ -1,24 +1,17 @@
 #include "diagnosis/selection/search.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
-#include <numeric>
 #include <set>
 
 #include "diagnosis/selection/fitted_models.h"
-#include "diagnosis/selection/structure.h"
 
 namespace jaculus::diagnosis {
 namespace {
 
-double structure_of(const Problem& problem, const Comparison& comparison, const ModelFit& model) {
-  return structure_evidence(problem, comparison.noise, comparison.whitening, model.fit);
-}
-
 /// Candidates whose columns, at either strength, reproduce the signature of a fitted single.
-Members indistinguishable_from(const ModelFit& none, const ModelFit& single,
-                               const std::vector<Probe>& probes, double below) {
+Members indistinguishable_from(const Whitening& whitening, const ModelFit& none,
+                               const ModelFit& single, const std::vector<Probe>& probes,
+                               double below) {
   const Vector signature = none.fit.residual - single.fit.residual;
   const Matrix& nuisances = none.fit.jacobian;
   Members found;
@@ -28,7 +21,7 @@ Members indistinguishable_from(const ModelFit& none, const ModelFit& single,
     for (const Matrix* own : {&probes[c].small, &probes[c].full}) {
       Matrix all(signature.size(), own->cols() + nuisances.cols());
       all << *own, nuisances;
-      energy = std::min(energy, unexplained_energy(signature, all));
+      energy = std::min(energy, unexplained_energy(whitening, single.fit.scales, signature, all));
     }
     if (0.5 * energy < below) found.push_back(c);
   }
@@ -36,13 +29,14 @@ Members indistinguishable_from(const ModelFit& none, const ModelFit& single,
 }
 
 /// Fits whatever can't be told from the best single, best by screening first.
-void fit_indistinguishable(const Settings& settings, const std::vector<Probe>& probes,
-                           FittedModels& models) {
+void fit_indistinguishable(const Settings& settings, const Whitening& whitening,
+                           const std::vector<Probe>& probes, FittedModels& models) {
   const ModelFit* best = models.best(1);
   if (best == nullptr) return;
 
   const ModelFit none = models.none();
-  Members others = indistinguishable_from(none, *best, probes, settings.indistinguishable_below);
+  Members others =
+      indistinguishable_from(whitening, none, *best, probes, settings.indistinguishable_below);
   std::stable_sort(others.begin(), others.end(),
                    [&](int a, int b) { return probes[a].score > probes[b].score; });
   std::erase_if(others, [&](int c) { return models.find({c}) != nullptr; });
@@ -51,13 +45,13 @@ void fit_indistinguishable(const Settings& settings, const std::vector<Probe>& p
   models.extend(none, probes, others);
 }
 
-std::vector<Members> indistinguishable_sets(const FittedModels& models,
+std::vector<Members> indistinguishable_sets(const Whitening& whitening, const FittedModels& models,
                                             const std::vector<Probe>& probes, double below) {
   std::vector<Members> sets(probes.size());
   for (const ModelFit& model : models.all()) {
     if (model.candidates.size() != 1 || !model.fit.valid) continue;
     const int own = model.candidates.front();
-    Members others = indistinguishable_from(models.none(), model, probes, below);
+    Members others = indistinguishable_from(whitening, models.none(), model, probes, below);
     std::erase(others, own);
     others.insert(others.begin(), own);
     sets[own] = others;
@@ -89,30 +83,22 @@ void exchange(FittedModels& models, const ModelFit& best, const std::set<Members
 }
 
 /// Whether models of `size` effects are worth seeking: the best smaller one gains, and leaves
-/// structure.
-bool worth_enlarging(const Problem& problem, const Comparison& comparison,
-                     const FittedModels& models, int size) {
-  const Settings& settings = problem.settings;
+/// forces that the plant lacks.
+bool worth_enlarging(const Settings& settings, const FittedModels& models, int size) {
   const ModelFit *base = models.best(size - 1), *before = models.best(size - 2);
   if (base == nullptr || before == nullptr) return false;
   const double gain = size > 2 ? settings.larger_gain : 0.0;
-  if (models.value(*base) < models.value(*before) + gain) return false;
-
-  const double left = structure_of(problem, comparison, *base);
-  if (left < settings.structure_left) return false;
-  // A set that takes little off what its best member leaves is not on the way to an explanation.
-  return size == 2 ||
-         left <= settings.triples_worthwhile * structure_of(problem, comparison, *before);
+  return models.value(*base) >= models.value(*before) + gain &&
+         base->fit.log_evidence - base->fit.log_complete >= settings.remainder_left;
 }
 
-void search_larger(const Problem& problem, const Comparison& comparison,
-                   const SearchOptions& options, FittedModels& models) {
+void search_larger(const Problem& problem, const SearchOptions& options, FittedModels& models) {
   const Settings& settings = problem.settings;
   for (int size = 2; size <= options.largest; ++size) {
-    if (!worth_enlarging(problem, comparison, models, size)) return;
+    if (!worth_enlarging(settings, models, size)) return;
     if (options.progress) options.progress(size == 2 ? "pairs of effects" : "triples of effects");
 
-    // What the form of an effect may hide, a second effect may tell apart.
+    // What one effect stands in for, a second one may tell apart.
     const ModelFit from = *models.best(size - 1);
     std::set<Members> extended;
     for (const ModelFit& root : models.close_to(from, size == 2 ? settings.search_roots : 1)) {
@@ -127,37 +113,12 @@ void search_larger(const Problem& problem, const Comparison& comparison,
   }
 }
 
-/// Structure in what `none` leaves, and the models that lead with or without the form of effects
-/// counted.
-void test_structure(const Problem& problem, const Comparison& comparison,
-                    std::vector<ModelFit>& models) {
-  const double none = models.front().fit.log_evidence;
-  std::vector<int> order(models.size());
-  std::iota(order.begin(), order.end(), 0);
-  std::set<int> chosen;
-  for (const double form : {problem.settings.form_member, 0.0}) {
-    std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
-      return log_weight(models[a], none, form) > log_weight(models[b], none, form);
-    });
-    for (int i = 0; i < count_of(order); ++i)
-      if (i < problem.settings.structure_tested || models[order[i]].candidates.empty())
-        chosen.insert(order[i]);
-  }
-
-  const std::vector<int> tested(chosen.begin(), chosen.end());
-  tbb::parallel_for(0, count_of(tested), [&](int i) {
-    ModelFit& model = models[tested[i]];
-    if (model.fit.valid) model.structure = structure_of(problem, comparison, model);
-  });
-}
-
 /// The single that leads none clearly; null where none does.
 const ModelFit* clear_leader(const Posterior& posterior, const Settings& settings) {
   const ModelFit* none = posterior.find({});
-  const ModelFit* best = posterior.most_evident();
+  const ModelFit* best = posterior.leading();
   if (none == nullptr || best == nullptr) return nullptr;
-  const double lead = best->fit.log_evidence - none->fit.log_evidence;
-  return lead > settings.clear_lead ? best : nullptr;
+  return best->log_weight() - none->log_weight() > settings.clear_lead ? best : nullptr;
 }
 
 }  // namespace
@@ -173,14 +134,13 @@ SearchResult search_models(const Problem& problem, const Comparison& comparison,
   out.probes = models.probe(none);
   if (options.progress) options.progress("single effects");
   models.extend(none, out.probes, problem.settings.kept_singles);
-  fit_indistinguishable(problem.settings, out.probes, models);
-  search_larger(problem, comparison, options, models);
+  fit_indistinguishable(problem.settings, comparison.whitening, out.probes, models);
+  search_larger(problem, options, models);
 
-  out.indistinguishable =
-      indistinguishable_sets(models, out.probes, problem.settings.indistinguishable_below);
+  out.indistinguishable = indistinguishable_sets(comparison.whitening, models, out.probes,
+                                                 problem.settings.indistinguishable_below);
   out.models = models.all();
   out.predictions = models.predictions();
-  test_structure(problem, comparison, out.models);
   return out;
 }
 
@@ -203,8 +163,7 @@ Relinearised relinearise(const Problem& problem, Comparison comparison, Fit fit)
   for (int round = 0; round < problem.settings.relinearisations; ++round) {
     NoiseModel again = estimate_noise(problem, fit.p, comparison.noise.alignments);
     if (!again.valid()) break;
-    Comparison about =
-        comparison_about(problem, with_discrepancy_of(comparison.noise, std::move(again)));
+    Comparison about = comparison_about(problem, with_random_effects(problem, std::move(again)));
 
     // A fit goes with the comparison that it was made in: both are taken, or neither.
     const Fit next = fit_model(problem, about.whitening, fit.free, {fit.p});

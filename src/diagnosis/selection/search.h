@@ -4,12 +4,10 @@
 //
 // 1. Screen all candidates on the residual of `none`; fit the best by score and whatever these data
 //    can't tell from the best fit.
-// 2. Unless none is best, or nothing smooth is left to explain (structure.h): screen again on the
-//    best single (and on a second one that the first one's form may hide, posterior.h) and fit
-//    pairs; exchange each member of the best pair one for one; where the pair gains and takes half
-//    off what is left, the same for triples; drop members backwards. Every model fitted on the way
-//    stays in the comparison.
-// 3. Test what the best models leave for structure.
+// 2. Unless none is best, or the best needs no force that the plant lacks (noise/random_effects.h):
+//    screen again on the best single (and on the next best) and fit pairs; exchange each member of
+//    the best pair one for one; where the pair gains, the same for triples; drop members backwards.
+//    Every model fitted on the way stays in the comparison.
 
 #include <functional>
 #include <string>

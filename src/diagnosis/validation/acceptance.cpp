@@ -1,44 +1,53 @@
 #include "diagnosis/validation/acceptance.h"
 
+#include <algorithm>
+#include <optional>
+
 namespace jaculus::diagnosis {
+namespace {
 
-bool further_effects_predict(HeldOutGaps& gaps, const Posterior& posterior, const ModelFit& model,
-                             const Settings& settings) {
-  const ModelFit* evident = posterior.most_evident();
-  if (evident->candidates.size() <= model.candidates.size()) return false;
+/// The set without one member: as the search fitted it, else fitted from the larger one.
+ModelFit without_member(const Problem& problem, const Comparison& comparison,
+                        const Posterior& posterior, const ModelFit& model, int dropped) {
+  ModelFit less;
+  less.candidates = model.candidates;
+  std::erase(less.candidates, dropped);
+  if (const ModelFit* known = posterior.find(less.candidates)) return *known;
 
-  const HeldOut &own = gaps.of(model), &more = gaps.of(*evident);
-  return own.valid && more.valid && own.after > settings.form_gap &&
-         more.after < settings.further_effect * own.after;
+  Vector p = model.fit.p;
+  for (const int i : problem.hypotheses.candidates[dropped].parameters)
+    p[i] = problem.hypotheses.parameters[i].nominal;
+  FitOptions options;
+  options.scales = model.fit.scales;
+  less.fit = fit_model(problem, comparison.whitening, problem.hypotheses.freed_by(less.candidates),
+                       {p}, options);
+  less.log_prior =
+      log_prior(less.candidates.size(), problem.hypotheses.candidates.size(), problem.settings);
+  return less;
 }
 
-AcceptedPosterior accepted_posterior(const SearchResult& search, HeldOutGaps& gaps,
-                                     const Settings& settings) {
-  AcceptedPosterior accepted{posterior_of(search, settings)};
-  const ModelFit* leading = accepted.posterior.leading();
-  if (leading == nullptr || !further_effects_predict(gaps, accepted.posterior, *leading, settings))
-    return accepted;
-
-  Settings in_full = settings;
-  in_full.form_member = 0.0;
-  return {posterior_of(search, in_full), true};
+/// Whether a set leaves so much less of the held-out gap than a smaller one that the difference is
+/// worth a name.
+bool needed(const HeldOut& with, const HeldOut& without, const Settings& settings) {
+  const auto left = [](const HeldOut& gap) { return std::max(0.0, gap.after * gap.after - 1.0); };
+  return with.after < (1.0 - settings.least_improvement) * without.after &&
+         left(without) >= settings.named_beside * left(with);
 }
 
-const ModelFit* without_idle_members(const Posterior& posterior, HeldOutGaps& gaps,
-                                     const ModelFit* model, const Settings& settings) {
-  while (model->candidates.size() > 1 && gaps.of(*model).valid) {
-    const ModelFit* best = nullptr;
-    for (const int dropped : model->candidates) {
-      std::vector<int> rest = model->candidates;
-      std::erase(rest, dropped);
-      const ModelFit* less = posterior.find(rest);
-      if (less == nullptr || !gaps.of(*less).valid) continue;
-      if (best == nullptr || gaps.of(*less).log_gain > gaps.of(*best).log_gain) best = less;
+}  // namespace
+
+ModelFit without_idle_members(const Problem& problem, const Comparison& comparison,
+                              const Posterior& posterior, HeldOutGaps& gaps, ModelFit model) {
+  while (model.candidates.size() > 1 && gaps.of(model).valid) {
+    std::optional<ModelFit> best;
+    for (const int dropped : model.candidates) {
+      ModelFit less = without_member(problem, comparison, posterior, model, dropped);
+      if (!less.fit.valid || !gaps.of(less).valid) continue;
+      if (!best || gaps.of(less).after < gaps.of(*best).after) best = std::move(less);
     }
 
-    if (best == nullptr) break;
-    if (gaps.of(*model).log_gain - gaps.of(*best).log_gain > settings.worth) break;
-    model = best;
+    if (!best || needed(gaps.of(model), gaps.of(*best), problem.settings)) break;
+    model = std::move(*best);
   }
   return model;
 }

@@ -132,14 +132,19 @@ std::vector<Vector> refitted_rows(const Problem& problem, const Whitening& fold,
   std::vector<Vector> best = tangent.fit.rows, rows = best;
   if (size == 0) return best;
 
+  const RandomShrinkage shrinkage = random_shrinkage(fold.random, tangent.fit.scales);
   Matrix J(fold.rows, size);
-  for (Eigen::Index i = 0; i < size; ++i) J.col(i) = -fold.apply(tangent.slopes[i]);
+  for (Eigen::Index i = 0; i < size; ++i) {
+    J.col(i) = -fold.apply(tangent.slopes[i]);
+    shrinkage.apply(J.col(i));
+  }
   const Eigen::LLT<Matrix> curvature(J.transpose() * J + Matrix::Identity(size, size));
   Vector p = tangent.fit.p;
   double least = kInfinity;
   for (int step = 0;; ++step) {
     Vector u = problem.hypotheses.scaled(free, p);
-    const Vector r = fold.residual(rows);
+    Vector r = fold.residual(rows);
+    shrinkage.apply(r);
     const double cost = r.squaredNorm() + u.squaredNorm();
     if (cost < least) best = rows;
     if (cost >= least || step == problem.settings.refit_steps) return best;

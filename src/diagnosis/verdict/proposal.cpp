@@ -1,77 +1,149 @@
 #include "diagnosis/verdict/proposal.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <numeric>
 
 namespace jaculus::diagnosis {
 namespace {
 
-/// Candidates by inclusion probability, highest first.
-std::vector<int> by_inclusion(const Posterior& posterior) {
+bool contains(const std::vector<int>& sorted, int value) {
+  return std::binary_search(sorted.begin(), sorted.end(), value);
+}
+
+/// The set with one member exchanged, sorted.
+std::vector<int> exchanged(std::vector<int> members, int from, int to) {
+  std::erase(members, from);
+  members.insert(std::upper_bound(members.begin(), members.end(), to), to);
+  return members;
+}
+
+/// The place of one member of a model: who may fill it, and how probable it is that one does.
+Established place_of(const Posterior& posterior, const ModelFit& model, int member,
+                     const Settings& settings) {
+  Established place{member, {}, 0.0};
+  std::vector<int> filling = {member};
+  for (int c = 0; c < count_of(posterior.inclusion); ++c) {
+    if (contains(model.candidates, c)) continue;
+    const ModelFit* other = posterior.find(exchanged(model.candidates, member, c));
+    if (other == nullptr || other->probability() < settings.listed * model.probability()) continue;
+    place.others.push_back(c);
+    filling.push_back(c);
+  }
+  std::stable_sort(place.others.begin(), place.others.end(),
+                   [&](int a, int b) { return posterior.inclusion[a] > posterior.inclusion[b]; });
+
+  for (const ModelFit& m : posterior.models) {
+    const auto fills = [&](int c) { return contains(m.candidates, c); };
+    if (std::any_of(filling.begin(), filling.end(), fills)) place.probability += m.probability();
+  }
+  return place;
+}
+
+/// Those that may stand in for a member and predict held-out data as well as it does.
+std::vector<int> predicting(const Posterior& posterior, HeldOutGaps& gaps, const ModelFit& model,
+                            const Established& place, const Settings& settings) {
+  const HeldOut own = gaps.of(model);
+  std::vector<int> kept;
+  for (const int other : place.others) {
+    const ModelFit* fit = posterior.find(exchanged(model.candidates, place.effect, other));
+    const HeldOut gap = fit == nullptr ? HeldOut{} : gaps.of(*fit);
+    if (!own.valid || !gap.valid || gap.after * (1.0 - settings.least_improvement) <= own.after)
+      kept.push_back(other);
+  }
+  return kept;
+}
+
+/// Everything that reaches a share of what effects explain, most probable first, as one place.
+Established any_listed(const Posterior& posterior, const Settings& settings) {
+  const double by_effects = 1.0 - posterior.none - posterior.unexplained;
   std::vector<int> order(posterior.inclusion.size());
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(),
                    [&](int a, int b) { return posterior.inclusion[a] > posterior.inclusion[b]; });
-  return order;
+  Established place{order.front(), {}, by_effects};
+  for (const int c : order)
+    if (c != place.effect && posterior.inclusion[c] >= settings.listed * by_effects)
+      place.others.push_back(c);
+  return place;
 }
 
-std::vector<int> at_least(const Posterior& posterior, double probability) {
-  std::vector<int> found = by_inclusion(posterior);
-  std::erase_if(found, [&](int c) { return posterior.inclusion[c] < probability; });
-  return found;
-}
-
-std::vector<int> sorted(std::vector<int> members) {
+std::vector<int> members_of(const std::vector<Established>& effects) {
+  std::vector<int> members;
+  for (const Established& e : effects) members.push_back(e.effect);
   std::sort(members.begin(), members.end());
   return members;
 }
 
-/// Whether the sure ones of a longer list stand alone: held-out data don't ask for the rest.
-bool stand_alone(const std::vector<int>& sure, const Posterior& posterior, HeldOutGaps& gaps,
-                 const Settings& settings) {
-  const ModelFit* alone = sure.empty() ? nullptr : posterior.find(sorted(sure));
-  return alone != nullptr && gaps.of(*alone).valid &&
-         !further_effects_predict(gaps, posterior, *alone, settings);
+/// The most probable set, or one of settings.listed of its probability that predicts held-out data
+/// better by settings.least_improvement: evidence that hardly decides leaves it to them.
+const ModelFit* best_predicting(const Posterior& posterior, HeldOutGaps& gaps,
+                                const Settings& settings) {
+  const ModelFit* best = posterior.leading();
+  const double listed = settings.listed * best->probability();
+  for (const ModelFit& model : posterior.models) {
+    if (model.candidates.empty() || !model.fit.valid || model.probability() < listed) continue;
+    const HeldOut own = gaps.of(model), present = gaps.of(*best);
+    if (own.valid && present.valid &&
+        own.after < (1.0 - settings.least_improvement) * present.after)
+      best = &model;
+  }
+  return best;
 }
 
-Proposal name_effects(const Posterior& posterior, HeldOutGaps& gaps, const Settings& settings) {
-  const double by_effects = 1.0 - posterior.none - posterior.unexplained;
-  const std::vector<int> sure = at_least(posterior, settings.sure);
-  const std::vector<int> likely = at_least(posterior, settings.likely);
-  if (!sure.empty() && likely.size() == sure.size()) return {Naming::sure, sure, nullptr, {}};
+Naming naming_of(const std::vector<Established>& effects) {
+  if (effects.empty()) return Naming::nothing;
+  const bool alone = effects.size() == 1;
+  return alone && !effects.front().others.empty() ? Naming::rivals : Naming::sure;
+}
 
-  const std::vector<int> listed = at_least(posterior, settings.listed * by_effects);
-  if (listed.size() == 1) return {Naming::sure, listed, nullptr, {}};
-  if (stand_alone(sure, posterior, gaps, settings)) {
-    return {
-        Naming::sure,
-        sure,
-        nullptr,
-        {"more effects fit better, but which is not clear, and held-out data don't ask for them"}};
+Proposal name_effects(const Posterior& posterior, const ModelFit& leading,
+                      const Settings& settings) {
+  Proposal proposal;
+  for (const int member : leading.candidates) {
+    const Established place = place_of(posterior, leading, member, settings);
+    if (place.probability >= settings.likely) proposal.effects.push_back(place);
   }
-  return {Naming::rivals, listed, nullptr, {}};
+  std::stable_sort(
+      proposal.effects.begin(), proposal.effects.end(),
+      [](const Established& a, const Established& b) { return a.probability > b.probability; });
+
+  if (proposal.effects.empty()) proposal.effects = {any_listed(posterior, settings)};
+  return proposal;
 }
 
 }  // namespace
 
-Proposal propose(const Posterior& posterior, HeldOutGaps& gaps, const Settings& settings) {
-  if (posterior.unexplained > settings.likely)
-    return {Naming::nothing, {}, posterior.most_evident(), {}};
-  if (posterior.none > settings.likely) return {Naming::nothing, {}, posterior.find({}), {}};
+Proposal propose(const Problem& problem, const Comparison& comparison, const Posterior& posterior,
+                 HeldOutGaps& gaps) {
+  const Settings& settings = problem.settings;
+  const ModelFit* leading = posterior.leading();
+  if (posterior.none > settings.likely || leading == nullptr)
+    return {Naming::nothing, {}, *posterior.find({}), {}};
+  if (posterior.unexplained > settings.likely) return {Naming::nothing, {}, *leading, {}};
 
-  Proposal proposal = name_effects(posterior, gaps, settings);
-  const ModelFit* named =
-      proposal.naming == Naming::sure ? posterior.find(sorted(proposal.effects)) : nullptr;
-  proposal.chosen = named != nullptr ? named : posterior.most_evident();
-  if (proposal.naming != Naming::sure || proposal.effects.size() < 2) return proposal;
+  leading = best_predicting(posterior, gaps, settings);
+  Proposal proposal = name_effects(posterior, *leading, settings);
+  const ModelFit kept = without_idle_members(problem, comparison, posterior, gaps, *leading);
+  for (const int c : leading->candidates) {
+    if (contains(kept.candidates, c)) continue;
+    proposal.reasons.push_back(
+        fmt::format("{} would raise the evidence, but held-out data are predicted as well without "
+                    "it",
+                    problem.hypotheses.candidates[c].name));
+  }
 
-  const ModelFit* kept = without_idle_members(posterior, gaps, proposal.chosen, settings);
-  if (kept != proposal.chosen)
-    proposal.reasons.emplace_back("left out what held-out data are predicted as well without");
-  std::erase_if(proposal.effects, [&](int c) {
-    return !std::binary_search(kept->candidates.begin(), kept->candidates.end(), c);
+  std::erase_if(proposal.effects, [&](const Established& e) {
+    return contains(leading->candidates, e.effect) && !contains(kept.candidates, e.effect);
   });
-  proposal.chosen = kept;
+  for (Established& e : proposal.effects)
+    if (contains(leading->candidates, e.effect))
+      e.others = predicting(posterior, gaps, *leading, e, settings);
+  const ModelFit* named = posterior.find(members_of(proposal.effects));
+  const bool all = members_of(proposal.effects) == kept.candidates;
+  proposal.chosen = all || named == nullptr ? kept : *named;
+  proposal.naming = naming_of(proposal.effects);
   return proposal;
 }
 

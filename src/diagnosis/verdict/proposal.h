@@ -9,28 +9,36 @@
 namespace jaculus::diagnosis {
 
 enum class Naming {
-  nothing,  ///< none or something unknown is more probable than not
+  nothing,  ///< none, or something that no effect explains, is more probable than not
   sure,     ///< these effects
-  rivals    ///< these effects, among which the data don't decide
+  rivals    ///< one of these effects, among which the data don't decide
+};
+
+/// One thing at work: an effect, or one of several that the data can't tell from it.
+struct Established {
+  int effect = -1;           ///< candidate, the most probable
+  std::vector<int> others;   ///< candidates that may stand in its place, most probable first
+  double probability = 0.0;  ///< that one of them is at work
 };
 
 struct Proposal {
   Naming naming = Naming::nothing;
-  std::vector<int> effects;  ///< candidates, most probable first
-  const ModelFit* chosen =
-      nullptr;  ///< whose held-out gap is judged: the named effects', else the most evident
+  std::vector<Established> effects;  ///< most probable first
+  ModelFit chosen;  ///< whose held-out gap is judged: the named effects', else the most probable
   std::vector<std::string> reasons;  ///< why fewer than the posterior lists
 };
 
 /// In order:
-///   nothing  where p(unknown structure) or p(none) exceeds settings.likely;
-///   sure     effects of inclusion probability settings.sure or more, where no other reaches
-///            settings.likely;
-///   sure     the same beside less sure ones that held-out data don't ask for: they may merely bend
-///            to the form of the first;
-///   rivals   else all that reach settings.listed of what effects explain (sure where that is one
-///            alone).
-/// Of several sure ones those stay without which held-out data are predicted worse.
-Proposal propose(const Posterior& posterior, HeldOutGaps& gaps, const Settings& settings);
+///   nothing  where p(no effect, something lacking) or p(none) exceeds settings.likely;
+///   sure     the members of the set whose place is filled more probably than not
+///            (settings.likely), by themselves or by others that could stand in (the same set with
+///            the member exchanged, of settings.listed of its probability or more), if one is by
+///            itself or there are several; the set is the most probable one, or one hardly less
+///            probable that predicts held-out data better;
+///   rivals   one place that several could fill, or else all that reach settings.listed of what
+///            effects explain.
+/// Of them those stay without which held-out data are predicted worse.
+Proposal propose(const Problem& problem, const Comparison& comparison, const Posterior& posterior,
+                 HeldOutGaps& gaps);
 
 }  // namespace jaculus::diagnosis

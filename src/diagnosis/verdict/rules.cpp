@@ -8,8 +8,8 @@
 namespace jaculus::diagnosis {
 namespace {
 
-constexpr std::array<const char*, 6> kTexts = {"insufficient", "none",    "unexplained",
-                                               "effect",       "several", "ambiguous"};
+constexpr std::array<const char*, 7> kTexts = {"insufficient", "none",    "unexplained", "effect",
+                                               "several",      "partial", "ambiguous"};
 
 bool named(const VerdictEvidence& e) { return e.naming != Naming::nothing; }
 
@@ -33,9 +33,9 @@ bool no_better_prediction(const VerdictEvidence& e, const Settings& s) {
   return e.gap.log_gain <= s.worth || e.gap.after >= most;
 }
 
-bool too_much_left(const VerdictEvidence& e, const Settings& s) {
-  if (!e.gap.valid || e.gap.after <= s.plain_gap) return false;
-  return e.gap.after > s.most_left || e.gap.shrink.value_or(1.0) < s.shrink_asked;
+bool more_is_there(const VerdictEvidence& e, const Settings& s) {
+  return e.naming == Naming::sure && e.lacking > s.likely &&
+         remaining_share(e.gap) > s.remainder_share;
 }
 
 bool one_effect(const VerdictEvidence& e, const Settings&) {
@@ -55,7 +55,7 @@ Verdict verdict_from(const std::string& text, const std::string& place) {
   if (found == kTexts.end())
     throw InputError(
         place + ": '" + text +
-        "' given; allowed: insufficient, none, unexplained, effect, several, ambiguous");
+        "' given; allowed: insufficient, none, unexplained, effect, several, partial, ambiguous");
   return static_cast<Verdict>(found - kTexts.begin());
 }
 
@@ -63,30 +63,35 @@ const std::vector<VerdictRule>& verdict_rules() {
   static const std::vector<VerdictRule> rules = {
       {"one trial", Verdict::insufficient,
        "one trial: its noise can only be guessed from its own roughness, so no cause is stated; "
-       "record "
-       "three or more",
+       "record three or more",
        one_trial},
       {"none probable", Verdict::none, "", none_probable},
       {"small gap", Verdict::none,
        "the fit prefers a model with effects, but the nominal one predicts held-out data nearly to "
-       "the "
-       "noise, and the fit hardly better: no gap is claimed (settings plain_gap, worth_small_gap, "
+       "the noise, and the fit hardly better: no gap is claimed (settings plain_gap, "
+       "worth_small_gap, "
        "least_improvement_small_gap)",
        small_gap},
       {"unknown structure", Verdict::unexplained, "", unknown_structure},
       {"no better prediction", Verdict::unexplained,
        "the fitted effects predict held-out data no better than the nominal model does (settings "
-       "worth, "
-       "least_improvement)",
+       "worth, least_improvement)",
        no_better_prediction},
-      {"too much left", Verdict::unexplained,
-       "the fitted effects leave too much of the gap (settings most_left, plain_gap, shrink_asked)",
-       too_much_left},
+      {"more is there", Verdict::partial,
+       "what is named is established, but it is not all: forces remain that it doesn't explain "
+       "(settings remainder_share, prior_lacking)",
+       more_is_there},
       {"one effect", Verdict::effect, "", one_effect},
       {"several effects", Verdict::several, "", several_effects},
       {"rivals", Verdict::ambiguous, "", rivals}};
 
   return rules;
+}
+
+double remaining_share(const HeldOut& gap) {
+  if (!gap.valid) return 0.0;
+  const double before = gap.before * gap.before - 1.0, after = gap.after * gap.after - 1.0;
+  return before > 0.0 ? std::clamp(after / before, 0.0, 1.0) : 0.0;
 }
 
 const VerdictRule& decide(const VerdictEvidence& evidence, const Settings& settings) {

@@ -15,8 +15,9 @@ struct VerdictEvidence {
   double none = 0.0;         ///< posterior probability
   double unexplained = 0.0;  ///< posterior probability of something unknown
   Naming naming = Naming::nothing;
-  int effects = 0;  ///< how many are proposed
-  HeldOut gap;      ///< of the chosen model against the nominal one
+  int effects = 0;       ///< how many are proposed
+  double lacking = 0.0;  ///< probability that the proposed model lacks forces, given the model
+  HeldOut gap;           ///< of the chosen model against the nominal one
 };
 
 struct VerdictRule {
@@ -25,6 +26,10 @@ struct VerdictRule {
   const char* reason;  ///< for users; empty where the verdict says it all
   bool (*applies)(const VerdictEvidence& evidence, const Settings& settings);
 };
+
+/// Share of the held-out gap's energy beyond noise that a model leaves [0, 1]; 0 where it can't be
+/// judged.
+double remaining_share(const HeldOut& gap);
 
 /// In order; the last one always applies.
 const std::vector<VerdictRule>& verdict_rules();

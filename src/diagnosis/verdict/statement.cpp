@@ -14,6 +14,8 @@ namespace jaculus::diagnosis {
 namespace {
 
 constexpr int kRivals = 2;
+/// Boxes of a force that the data must tell for it to be worth a row.
+constexpr double kToldAtLeast = 0.5;
 
 std::vector<std::string> names_of(const Problem& problem, const std::vector<int>& candidates) {
   std::vector<std::string> names;
@@ -30,7 +32,7 @@ const ModelFit* best_with(const Posterior& posterior, int candidate) {
   const ModelFit* best = nullptr;
   for (const ModelFit& m : posterior.models) {
     const bool has = std::binary_search(m.candidates.begin(), m.candidates.end(), candidate);
-    if (has && m.fit.valid && (best == nullptr || m.probability > best->probability)) best = &m;
+    if (has && m.fit.valid && (best == nullptr || m.probability() > best->probability())) best = &m;
   }
   return best;
 }
@@ -53,17 +55,25 @@ Bounds with_form_error(const FreeParameter& parameter, double value, const Bound
           std::min(parameter.bounds.upper, value + std::hypot(ci.upper - value, form))};
 }
 
+/// An effect as `model` fitted it, or the most probable model that has it.
 FoundEffect found_effect(const Problem& problem, const Whitening& whitening,
-                         const Posterior& posterior, int c) {
+                         const Posterior& posterior, int c, const ModelFit* model,
+                         const std::vector<int>& others) {
   const Candidate& candidate = problem.hypotheses.candidates[c];
   FoundEffect found;
   found.name = candidate.name;
   if (candidate.effect != nullptr) found.caption = candidate.effect->caption;
   found.probability = posterior.inclusion[c];
-  for (const int other : posterior.indistinguishable[c])
-    if (other != c) found.indistinguishable.push_back(problem.hypotheses.candidates[other].name);
+  for (const std::vector<int>* list : {&others, &posterior.indistinguishable[c]}) {
+    for (const int other : *list) {
+      const std::string& name = problem.hypotheses.candidates[other].name;
+      if (other != c && index_of(found.indistinguishable, name) < 0)
+        found.indistinguishable.push_back(name);
+    }
+  }
 
-  const ModelFit* model = best_with(posterior, c);
+  if (!std::binary_search(model->candidates.begin(), model->candidates.end(), c))
+    model = best_with(posterior, c);
   if (model == nullptr) return found;
   for (int k = 0; k < count_of(candidate.parameters); ++k) {
     const int i = candidate.parameters[k];
@@ -76,30 +86,75 @@ FoundEffect found_effect(const Problem& problem, const Whitening& whitening,
   return found;
 }
 
+/// Values of a model's effects, as users read them.
+std::vector<FoundParameter> values_of(const Problem& problem, const ModelFit& model) {
+  std::vector<FoundParameter> values;
+  for (const int c : model.candidates) {
+    const Candidate& candidate = problem.hypotheses.candidates[c];
+    for (int k = 0; k < count_of(candidate.parameters); ++k) {
+      FoundParameter value =
+          shown(candidate, k, model.fit.p[candidate.parameters[k]], {kNaN, kNaN});
+      value.name = candidate.name + "." + value.name;
+      values.push_back(value);
+    }
+  }
+  return values;
+}
+
+/// What a model lacks, along every coordinate of which the data tell something.
+std::vector<LackingForce> lacking_forces(const Problem& problem, const Whitening& whitening,
+                                         const ModelFit& model) {
+  const RandomEffects& random = whitening.random;
+  const Products products = products_of(random, linear_model(problem, model.fit));
+  const Vector told = told_by(random, products, model.fit.scales);
+
+  std::vector<LackingForce> forces;
+  for (int g = 0; g < random.size(); ++g) {
+    const bool force = g < count_of(problem.hypotheses.forces);
+    const double unit =
+        force ? problem.hypotheses.parameters[problem.hypotheses.forces[g].boxes.front()].scale
+              : 1.0;
+    if (told[g] >= kToldAtLeast)
+      forces.push_back({random.groups[g], unit * model.fit.scales[g], told[g]});
+  }
+  return forces;
+}
+
+/// Probability that a model lacks forces, given that its effects are at work.
+double lacking_probability(const ModelFit& model, const Settings& settings) {
+  const double odds = settings.prior_lacking / (1.0 - settings.prior_lacking);
+  const double log_factor = model.fit.log_evidence - model.fit.log_complete;
+  return 1.0 / (1.0 + std::exp(-log_factor) / odds);
+}
+
 /// Every model worth a row, `chosen` however improbable: what is reported stands in the ranking.
 std::vector<Ranked> ranking_of(const Problem& problem, const Posterior& posterior,
-                               const ModelFit* chosen, HeldOutGaps& gaps) {
+                               const ModelFit& chosen, HeldOutGaps& gaps) {
   const Settings& settings = problem.settings;
   const double zero = posterior.find({})->fit.log_evidence;
   std::vector<Ranked> ranking;
   int judged = 0;
-  double log_unknown = -kInfinity;
   for (const ModelFit& model : posterior.models) {
-    const double log_evidence = model.fit.log_evidence - zero;
-    log_unknown = std::max(log_unknown, log_evidence + model.structure);
-    const bool improbable = model.candidates.size() > 1 && model.probability < settings.ranked;
-    if (!model.fit.valid || (improbable && &model != chosen)) continue;
+    const bool improbable = model.candidates.size() > 1 && model.probability() < settings.ranked;
+    if (!model.fit.valid || (improbable && model.candidates != chosen.candidates)) continue;
 
     const std::vector<std::string> members = names_of(problem, model.candidates);
-    Ranked row{joined(members), log_evidence, kNaN, model.probability, members};
-    if (judged < settings.ranked_held_out || members.empty() || &model == chosen) {
+    const double evidence = std::max(model.fit.log_evidence, model.fit.log_complete) - zero;
+    Ranked row{joined(members), evidence, kNaN, model.probability(), members};
+    row.parameters = values_of(problem, model);
+    if (members.empty()) {
+      row.log_evidence = model.fit.log_complete - zero;
+      row.probability = model.complete;
+    }
+    if (judged < settings.ranked_held_out || members.empty() ||
+        model.candidates == chosen.candidates) {
       row.held_out_error = gaps.of(model).after;
       ++judged;
     }
     ranking.push_back(row);
   }
 
-  ranking.push_back({to_text(Verdict::unexplained), log_unknown, kNaN, posterior.unexplained, {}});
+  ranking.push_back({to_text(Verdict::unexplained), 0.0, kNaN, posterior.unexplained, {}});
   std::stable_sort(ranking.begin(), ranking.end(),
                    [](const Ranked& a, const Ranked& b) { return a.probability > b.probability; });
   return ranking;
@@ -124,26 +179,23 @@ Statement state_verdict(const Problem& problem, const Selection& selection, bool
   const Settings& settings = problem.settings;
   const Fit& none = selection.search.models.front().fit;
   HeldOutGaps gaps(problem, selection.comparison, none);
-  const AcceptedPosterior accepted = accepted_posterior(selection.search, gaps, settings);
-  const Posterior& posterior = accepted.posterior;
-  const Proposal proposal = propose(posterior, gaps, settings);
-  const ModelFit& chosen = *proposal.chosen;
+  const Posterior posterior = posterior_of(selection.search, settings);
+  const Proposal proposal = propose(problem, selection.comparison, posterior, gaps);
+  const ModelFit& chosen = proposal.chosen;
 
   Statement out;
   out.gap = gaps.of(chosen);
+  const double lacking = lacking_probability(chosen, settings);
+  out.lacking_probability = lacking;
+  out.lacking = lacking_forces(problem, selection.comparison.whitening, chosen);
   const VerdictRule& rule = decide({one_trial, posterior.none, posterior.unexplained,
-                                    proposal.naming, count_of(proposal.effects), out.gap},
+                                    proposal.naming, count_of(proposal.effects), lacking, out.gap},
                                    settings);
   out.verdict = rule.verdict;
   out.rule = rule.name;
   out.none = {{}, none.p};
   out.model = {chosen.candidates, chosen.fit.p};
 
-  if (accepted.without_form)
-    append(
-        {"held-out data ask for more effects than log evidence, which allows for the form of the "
-         "first, would"},
-        out.reasons);
   append(proposal.reasons, out.reasons);
   append({rule.reason}, out.reasons);
   if (out.verdict == Verdict::unexplained && !chosen.candidates.empty())
@@ -152,18 +204,25 @@ Statement state_verdict(const Problem& problem, const Selection& selection, bool
            out.reasons);
 
   std::vector<FoundEffect> effects;
-  if (names_effects(out.verdict))
-    for (const int c : proposal.effects)
-      effects.push_back(found_effect(problem, selection.comparison.whitening, posterior, c));
+  if (names_effects(out.verdict)) {
+    const auto add = [&](int c, const std::vector<int>& others) {
+      effects.push_back(
+          found_effect(problem, selection.comparison.whitening, posterior, c, &chosen, others));
+    };
+    for (const Established& e : proposal.effects) add(e.effect, e.others);
+    // Rivals have a row each.
+    if (out.verdict == Verdict::ambiguous)
+      for (const int other : proposal.effects.front().others) add(other, {});
+  }
   if (out.verdict == Verdict::ambiguous) out.rivals = rivals_of(posterior);
-  std::vector<Ranked> ranking = ranking_of(problem, posterior, proposal.chosen, gaps);
+  std::vector<Ranked> ranking = ranking_of(problem, posterior, chosen, gaps);
   const std::vector<std::string> doubted = doubts(out.verdict, out.gap, effects, ranking, settings);
   append(doubted, out.reasons);
   Calibrated calibrated =
       calibrate(out.verdict, !doubted.empty(), std::move(effects), std::move(ranking));
   out.effects = std::move(calibrated.effects);
   out.ranking = std::move(calibrated.ranking);
-  out.posterior = accepted.posterior;
+  out.posterior = posterior;
   return out;
 }
 

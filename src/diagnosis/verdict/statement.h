@@ -17,6 +17,8 @@ struct Statement {
   std::vector<FoundEffect> effects;
   std::vector<Ranked> ranking;
   HeldOut gap;
+  double lacking_probability = 0.0;  ///< that `model` lacks forces, given that it is at work
+  std::vector<LackingForce> lacking;
   std::vector<FittedModel> rivals;
   FittedModel none, model;
   Posterior posterior;  ///< as held-out data leave it

@@ -119,14 +119,26 @@ void PlantEquations::set_forces(double t, const State& y, const std::vector<Touc
   }
   passive_.add(mechanism_, inertia_, drive_.motors, q, v, force_.data());
   if (compliant_) add_ground(y, modes);
-  for (const Push* push : inputs_.pushes()) {
-    const Frame& base = mechanism_.frame(0);
-    for (int i = 0; i < size(); ++i)
-      force_[i] += push->force_W.x() * base.jx[i] + push->force_W.y() * base.jz[i];
-  }
+  for (const Push* push : inputs_.pushes()) add_push(*push, q, v);
 
   for (int i = 0; i < size(); ++i) free_[i] = balance_[i] = force_[i] - inertia_.bias(i);
   inertia_.forward(free_.data());
+}
+
+void PlantEquations::add_push(const Push& push, const double* q, const double* v) {
+  const Frame& base = mechanism_.frame(0);
+  for (int i = 0; i < size(); ++i)
+    force_[i] +=
+        push.force_W.x() * base.jx[i] + push.force_W.y() * base.jz[i] + push.moment * base.w[i];
+  if (push.joint.empty()) return;
+
+  const int motor = plant_.model.motor_index(push.joint);
+  const int body = plant_.model.body_of_joint(push.joint);
+  JointState joint;
+  if (motor < 0) mechanism_.joint(body, q, v, joint);
+  const Row& row = motor < 0 ? joint.row : mechanism_.motor_row[motor];
+  const int count = motor < 0 ? plant_.model.bodies[body].count : plant_.model.motors[motor].count;
+  for (int i = 0; i < size(); ++i) force_[i] += count * push.torque * row[i];
 }
 
 void PlantEquations::add_ground(const State& y, const std::vector<Touch>& modes) {

@@ -1,11 +1,19 @@
 #include "simulation/control/inputs.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+
+#include "jaculus/core/error.h"
 
 namespace jaculus::simulation::detail {
 
 Inputs::Inputs(const Plant& plant, const Controller& controller)
-    : plant_(plant), controller_(plant, controller), quantity_(controller.quantity) {}
+    : plant_(plant), controller_(plant, controller), quantity_(controller.quantity) {
+  for (const Push& push : plant.pushes)
+    if (!push.joint.empty() && plant.model.body_of_joint(push.joint) < 0)
+      throw InputError(fmt::format("push: the robot has no joint '{}'", push.joint));
+}
 
 double Inputs::next_change(double t) const {
   double next = controller_.next_change(t);

@@ -1,0 +1,27 @@
+#pragma once
+// Ways in which a robot may be off its files without anything being wrong (model/tolerances.h), as
+// moves of plant and controller: e = 1 is one standard deviation of the builder's tolerance. Links
+// and motors that are lumped move alike.
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "jaculus/model/tolerances.h"
+#include "jaculus/simulation/controller.h"
+#include "jaculus/simulation/plant.h"
+
+namespace jaculus::diagnosis {
+
+struct ToleranceDirection {
+  std::string name;       ///< "mass of trunk"
+  bool geometry = false;  ///< whether the robot stands otherwise
+  std::function<void(double e, simulation::Plant& plant, simulation::Controller& controller)> move;
+};
+
+/// Those that can matter for a robot; gains and encoders' zeros only where a loop reads them.
+std::vector<ToleranceDirection> tolerance_directions(const model::PlanarModel& model,
+                                                     const model::Tolerances& tolerances,
+                                                     bool measured_input);
+
+}  // namespace jaculus::diagnosis

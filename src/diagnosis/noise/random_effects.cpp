@@ -1,0 +1,272 @@
+#include "diagnosis/noise/random_effects.h"
+
+#include <tbb/parallel_for.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "diagnosis/forward/sensitivities.h"
+
+namespace jaculus::diagnosis {
+namespace {
+
+/// s^2 below which a direction shrinks by less than its rounding.
+constexpr double kLeastEnergy = 1e-5;
+/// Range of a deviation, in the force that counts as large (hypotheses.h) or in noise floors:
+/// wide enough to hold what exists, narrow enough for rounding.
+constexpr double kLeastScale = 1e-7, kLargestScale = 1e4;
+constexpr double kFirstScale = 1e-2;
+/// Of one fixed-point step: factor on a deviation at most, and below which it stays.
+constexpr double kLargestFactor = 10.0, kStays = 0.02;
+/// Number of w told below which a deviation no longer matters.
+constexpr double kTold = 1e-3;
+
+/// Deviations of the columns of a block.
+Vector column_scales(const RandomBlock& block, const Vector& scales) {
+  Vector own(count_of(block.group));
+  for (int k = 0; k < count_of(block.group); ++k) own[k] = scales[block.group[k]];
+  return own;
+}
+
+/// Slopes of all rows by some parameters, a prior scale each; a matrix a dataset.
+std::vector<Matrix> slopes_by(const Problem& problem, const std::vector<Alignment>& alignments,
+                              const Vector& p, const std::vector<Vector>& rows_at_p,
+                              const std::vector<int>& parameters) {
+  std::vector<Matrix> slopes;
+  for (const Vector& rows : rows_at_p)
+    slopes.emplace_back(Matrix::Zero(rows.size(), count_of(parameters)));
+
+  tbb::parallel_for(0, count_of(parameters), [&](int k) {
+    const FreeParameter& own = problem.hypotheses.parameters[parameters[k]];
+    const double step = own.usual_step();
+    const auto moved = difference(problem, alignments, p, rows_at_p, parameters[k], step);
+    if (!moved) return;
+    for (std::size_t d = 0; d < slopes.size(); ++d)
+      slopes[d].col(k) = moved->rows[d] * (own.scale / moved->step);
+  });
+  return slopes;
+}
+
+/// One block's part of weighing.
+struct WeighedBlock {
+  Vector scales;             ///< a column each
+  Eigen::LLT<Matrix> inner;  ///< of I + S G^T G S
+  Matrix products;           ///< S G^T X
+};
+
+WeighedBlock weighed_block(const RandomBlock& block, const Matrix& products, const Vector& scales) {
+  WeighedBlock out;
+  out.scales = column_scales(block, scales);
+  Matrix inner = out.scales.asDiagonal() * block.gram * out.scales.asDiagonal();
+  inner.diagonal().array() += 1.0;
+  out.inner.compute(inner);
+  out.products = out.scales.asDiagonal() * products;
+  return out;
+}
+
+double log_det(const Eigen::LLT<Matrix>& factor) {
+  return 2.0 * factor.matrixLLT().diagonal().array().log().sum();
+}
+
+/// [X C]^T (I + G S^2 G^T)^-1 [X C], with the blocks that it was made of.
+struct WeighedByForces {
+  Matrix gram;
+  double log_det = 0.0;
+  std::vector<WeighedBlock> blocks;
+};
+
+WeighedByForces weigh_by_forces(const RandomEffects& effects, const Products& products,
+                                const Vector& scales) {
+  const Eigen::Index x = products.gram.cols(), t = effects.tolerances.cols();
+  WeighedByForces out;
+  out.gram.resize(x + t, x + t);
+  out.gram << products.gram, products.tolerances.transpose(), products.tolerances,
+      effects.tolerance_gram;
+
+  for (std::size_t b = 0; b < effects.blocks.size(); ++b) {
+    const RandomBlock& block = effects.blocks[b];
+    Matrix both(block.columns.cols(), x + t);
+    both << products.blocks[b], block.with_tolerances;
+    out.blocks.push_back(weighed_block(block, both, scales));
+    const Matrix half = out.blocks.back().inner.matrixL().solve(out.blocks.back().products);
+    out.gram.noalias() -= half.transpose() * half;
+    out.log_det += log_det(out.blocks.back().inner);
+  }
+  return out;
+}
+
+/// What one fixed-point step needs to know of a group.
+struct GroupSums {
+  Vector energy;  ///< |w/s|^2
+  Vector told;    ///< number of w that the data tell
+};
+
+struct FixedPoint {
+  double log_evidence = 0.0;
+  GroupSums sums;
+};
+
+/// Evidence of X = [r Y] and the sums, all of u and c marginalised.
+FixedPoint fixed_point(const RandomEffects& effects, const Products& products,
+                       const Vector& scales) {
+  const WeighedByForces weighed = weigh_by_forces(effects, products, scales);
+  const Eigen::Index n = weighed.gram.cols() - 1;
+  Matrix A = weighed.gram.bottomRightCorner(n, n);
+  A.diagonal().array() += 1.0;
+  const Vector b = weighed.gram.col(0).tail(n);
+  const Eigen::LLT<Matrix> factor(A);
+  const Vector mean = factor.solve(b);
+
+  FixedPoint out;
+  out.log_evidence = -0.5 * (weighed.gram(0, 0) - b.dot(mean) + weighed.log_det + log_det(factor));
+  out.sums = {Vector::Zero(effects.size()), Vector::Zero(effects.size())};
+  for (std::size_t i = 0; i < effects.blocks.size(); ++i) {
+    const WeighedBlock& own = weighed.blocks[i];
+    const Eigen::Index k = own.scales.size();
+    const Matrix P = own.inner.solve(own.products);
+    const Vector w = P.col(0) - P.rightCols(n) * mean;
+    const Vector alone = own.inner.solve(Matrix::Identity(k, k)).diagonal();
+    const Matrix along = factor.matrixL().solve(P.rightCols(n).transpose());
+    const Vector variance = alone + along.colwise().squaredNorm().transpose();
+    for (Eigen::Index j = 0; j < k; ++j) {
+      const int group = effects.blocks[i].group[j];
+      out.sums.energy[group] += w[j] * w[j];
+      out.sums.told[group] += std::max(0.0, 1.0 - variance[j]);
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+void Shrinkage::apply(VectorRef x) const {
+  if (shrink.size() == 0) return;
+  const Vector along = shrink.cwiseProduct(U.transpose() * x);
+  x -= U * along;
+}
+
+Shrinkage shrinkage(const Matrix& A) {
+  if (A.cols() == 0 || A.rows() == 0) return {};
+  const Eigen::SelfAdjointEigenSolver<Matrix> solver(A.transpose() * A);
+  Eigen::Index kept = 0;
+  while (kept < A.cols() && solver.eigenvalues()[A.cols() - 1 - kept] > kLeastEnergy) ++kept;
+
+  const Vector energy = solver.eigenvalues().tail(kept);
+  const Vector inverse = energy.cwiseSqrt().cwiseInverse();
+  return {A * solver.eigenvectors().rightCols(kept) * inverse.asDiagonal(),
+          1.0 - (1.0 + energy.array()).sqrt().inverse()};
+}
+
+RandomColumns random_columns(const Problem& problem, const std::vector<Alignment>& alignments,
+                             const Vector& p, const std::vector<Vector>& rows_at_p) {
+  RandomColumns columns;
+  std::vector<int> boxes;
+  for (int g = 0; g < count_of(problem.hypotheses.forces); ++g)
+    for (const int i : problem.hypotheses.forces[g].boxes) {
+      boxes.push_back(i);
+      columns.group.push_back(g);
+    }
+
+  columns.tolerances = slopes_by(problem, alignments, p, rows_at_p, problem.hypotheses.tolerances);
+  columns.forces = slopes_by(problem, alignments, p, rows_at_p, boxes);
+  return columns;
+}
+
+Vector first_scales(const RandomEffects& effects) {
+  return Vector::Constant(effects.size(), kFirstScale);
+}
+
+Products products_of(const RandomEffects& effects, const Matrix& X) {
+  Products products{X.transpose() * X, {}, Matrix(effects.tolerances.cols(), X.cols())};
+  for (const RandomBlock& block : effects.blocks)
+    products.blocks.emplace_back(block.columns.transpose() *
+                                 X.middleRows(block.first, block.count));
+  if (effects.tolerances.cols() > 0) products.tolerances = effects.tolerances.transpose() * X;
+  return products;
+}
+
+Weighed weigh(const RandomEffects& effects, const Products& products, const Vector& scales) {
+  const WeighedByForces all = weigh_by_forces(effects, products, scales);
+  const Eigen::Index x = products.gram.cols(), t = effects.tolerances.cols();
+  Weighed out{all.gram.topLeftCorner(x, x), all.log_det};
+  if (t == 0) return out;
+
+  const Eigen::LLT<Matrix> inner(all.gram.bottomRightCorner(t, t) + Matrix::Identity(t, t));
+  const Matrix half = inner.matrixL().solve(all.gram.bottomLeftCorner(t, x));
+  out.gram.noalias() -= half.transpose() * half;
+  out.log_det += log_det(inner);
+  return out;
+}
+
+LinearEvidence linear_evidence(const RandomEffects& effects, const Products& products,
+                               const Vector& scales) {
+  const Weighed weighed = weigh(effects, products, scales);
+  const Eigen::Index n = weighed.gram.cols() - 1;
+  LinearEvidence out;
+  out.log_evidence = -0.5 * (weighed.gram(0, 0) + weighed.log_det);
+  if (n == 0) return out;
+
+  Matrix A = weighed.gram.bottomRightCorner(n, n);
+  A.diagonal().array() += 1.0;
+  const Vector b = weighed.gram.col(0).tail(n);
+  const Eigen::LLT<Matrix> factor(A);
+  out.mean = factor.solve(b);
+  out.covariance = factor.solve(Matrix::Identity(n, n));
+  out.log_evidence += 0.5 * (b.dot(out.mean) - log_det(factor));
+  return out;
+}
+
+ScaleEstimate estimated_scales(const RandomEffects& effects, const Products& products,
+                               Vector scales, int steps, double spread) {
+  if (effects.size() == 0) return {scales, 0.0};
+  ScaleEstimate best{scales, 0.0};
+  double most = -kInfinity;
+  for (int step = 0; step <= steps; ++step) {
+    const FixedPoint point = fixed_point(effects, products, scales);
+    const Vector& told = point.sums.told;
+    const double cost = -0.5 * (1.0 + 2.0 * spread * spread * told.array()).log().sum();
+    if (point.log_evidence + cost > most) {
+      most = point.log_evidence + cost;
+      best = {scales, cost};
+    }
+
+    double moved = 0.0;
+    for (int g = 0; g < effects.size(); ++g) {
+      const double ratio = point.sums.energy[g] / std::max(1e-12, told[g]);
+      const double factor = std::clamp(std::sqrt(ratio), 1.0 / kLargestFactor, kLargestFactor);
+      const double next = std::clamp(scales[g] * factor, kLeastScale, kLargestScale);
+      if (told[g] > kTold) moved = std::max(moved, std::abs(std::log(next / scales[g])));
+      scales[g] = next;
+    }
+    if (moved < kStays) break;
+  }
+  return best;
+}
+
+Vector told_by(const RandomEffects& effects, const Products& products, const Vector& scales) {
+  return fixed_point(effects, products, scales).sums.told;
+}
+
+void RandomShrinkage::apply(VectorRef x) const {
+  for (const auto& [first, block] : blocks) block.apply(x.segment(first, block.U.rows()));
+  tolerances.apply(x);
+}
+
+RandomShrinkage random_shrinkage(const RandomEffects& effects, const Vector& scales) {
+  RandomShrinkage out;
+  Matrix tolerances = effects.tolerances;
+  for (const RandomBlock& block : effects.blocks) {
+    const Matrix scaled = block.columns * column_scales(block, scales).asDiagonal();
+    Shrinkage own = shrinkage(scaled);
+    if (own.shrink.size() == 0) continue;
+    for (Eigen::Index k = 0; k < tolerances.cols(); ++k)
+      own.apply(tolerances.col(k).segment(block.first, block.count));
+    out.blocks.emplace_back(block.first, std::move(own));
+  }
+  out.tolerances = shrinkage(tolerances);
+  return out;
+}
+
+}  // namespace jaculus::diagnosis

@@ -1,0 +1,139 @@
+// Random effects against dense Gaussian algebra, and deviations that were planted.
+
+#include "diagnosis/noise/random_effects.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <random>
+
+namespace jaculus::diagnosis {
+namespace {
+
+Matrix normal_matrix(Eigen::Index rows, Eigen::Index cols, unsigned seed) {
+  std::mt19937 generator(seed);
+  std::normal_distribution<double> normal;
+  return Matrix::NullaryExpr(rows, cols,
+                             [&](Eigen::Index, Eigen::Index) { return normal(generator); });
+}
+
+/// Two blocks of rows, two groups of columns that change places between them, two tolerances.
+RandomEffects small_effects(int rows_each, int columns) {
+  RandomEffects effects;
+  effects.groups = {"force a", "force b"};
+  effects.tolerances = normal_matrix(2 * rows_each, 2, 7);
+  effects.tolerance_gram = effects.tolerances.transpose() * effects.tolerances;
+  for (int b = 0; b < 2; ++b) {
+    RandomBlock block;
+    block.first = b * rows_each;
+    block.count = rows_each;
+    block.columns = normal_matrix(rows_each, columns, 11 + b);
+    for (int k = 0; k < columns; ++k) block.group.push_back((k + b) % 2);
+    block.gram = block.columns.transpose() * block.columns;
+    block.with_tolerances =
+        block.columns.transpose() * effects.tolerances.middleRows(block.first, block.count);
+    effects.blocks.push_back(block);
+  }
+  return effects;
+}
+
+/// I + G S^2 G^T + C C^T.
+Matrix covariance(const RandomEffects& effects, const Vector& scales) {
+  const Eigen::Index n = effects.tolerances.rows();
+  Matrix V = Matrix::Identity(n, n) + effects.tolerances * effects.tolerances.transpose();
+  for (const RandomBlock& block : effects.blocks)
+    for (int k = 0; k < count_of(block.group); ++k)
+      V.block(block.first, block.first, block.count, block.count) +=
+          std::pow(scales[block.group[k]], 2) * block.columns.col(k) *
+          block.columns.col(k).transpose();
+  return V;
+}
+
+TEST(RandomEffects, EvidenceIsTheDenseGaussians) {
+  const RandomEffects effects = small_effects(15, 5);
+  const Vector scales = Vector{{0.7, 2.5}};
+  const Matrix X = normal_matrix(30, 4, 3);
+  const Matrix V = covariance(effects, scales);
+  const Products products = products_of(effects, X);
+
+  const Weighed weighed = weigh(effects, products, scales);
+  const Matrix expected = X.transpose() * V.ldlt().solve(X);
+  EXPECT_LT((weighed.gram - expected).norm(), 1e-10 * expected.norm());
+  EXPECT_NEAR(weighed.log_det, std::log(V.determinant()), 1e-10);
+
+  // y = Y u + ... with u ~ N(0, I): one more random effect.
+  const Matrix all = V + X.rightCols(3) * X.rightCols(3).transpose();
+  const double log_density =
+      -0.5 * (X.col(0).dot(all.ldlt().solve(X.col(0))) + std::log(all.determinant()));
+  EXPECT_NEAR(linear_evidence(effects, products, scales).log_evidence, log_density, 1e-9);
+}
+
+TEST(RandomEffects, ShrinkageIsTheRootOfTheCovariance) {
+  const RandomEffects effects = small_effects(12, 4);
+  const Vector scales = Vector{{1.5, 0.2}};
+  const Matrix V = covariance(effects, scales);
+  const RandomShrinkage shrinkage = random_shrinkage(effects, scales);
+  for (unsigned seed = 0; seed < 5; ++seed) {
+    Vector x = normal_matrix(24, 1, 100 + seed);
+    const double expected = x.dot(V.ldlt().solve(x));
+    shrinkage.apply(x);
+    EXPECT_NEAR(x.squaredNorm(), expected, 1e-9 * expected);
+  }
+}
+
+TEST(RandomEffects, DeviationsThatWerePlantedComeBack) {
+  const RandomEffects effects = small_effects(400, 160);
+  Vector y = normal_matrix(800, 1, 5);
+  const Vector w = normal_matrix(320, 1, 6);
+  for (int b = 0; b < 2; ++b)
+    for (int k = 0; k < 160; ++k)
+      if (effects.blocks[b].group[k] == 0)
+        y.segment(400 * b, 400) += 2.0 * w[160 * b + k] * effects.blocks[b].columns.col(k);
+
+  const Products products = products_of(effects, y);
+  const ScaleEstimate estimate =
+      estimated_scales(effects, products, first_scales(effects), 50, 2.3);
+  EXPECT_NEAR(estimate.scales[0], 2.0, 0.25);  // of 160 boxes: 6 %
+  // Nothing was planted in the other: what it takes is no more than the noise lets it.
+  EXPECT_LT(estimate.scales[1], 0.05);
+  EXPECT_LT(estimate.log_cost, 0.0);
+
+  // At the maximum: less evidence to either side.
+  const auto evidence = [&](double factor) {
+    Vector scales = estimate.scales;
+    scales[0] *= factor;
+    return linear_evidence(effects, products, scales).log_evidence;
+  };
+  EXPECT_GT(evidence(1.0), evidence(1.15));
+  EXPECT_GT(evidence(1.0), evidence(0.85));
+}
+
+TEST(RandomEffects, MoreSamplesOfTheSameForceAddLittleEvidence) {
+  // One box of force seen by 10 or by 1,000 rows: beyond what tells the box itself, samples tell
+  // nothing of whether a force is missing.
+  double gain[2];
+  for (int i = 0; i < 2; ++i) {
+    const int rows = i == 0 ? 10 : 1000;
+    RandomEffects effects;
+    effects.groups = {"force"};
+    effects.tolerances.resize(rows, 0);
+    effects.tolerance_gram.resize(0, 0);
+    RandomBlock block{0, rows, Matrix::Constant(rows, 1, 10.0), {0}, {}, Matrix(1, 0)};
+    block.gram = block.columns.transpose() * block.columns;
+    effects.blocks = {block};
+    const Products products = products_of(effects, 3.0 * block.columns);
+    const ScaleEstimate estimate =
+        estimated_scales(effects, products, first_scales(effects), 50, 2.3);
+    const double with = linear_evidence(effects, products, estimate.scales).log_evidence;
+    // A model that leaves a tenth of that force.
+    const Products less = products_of(effects, 0.3 * block.columns);
+    const ScaleEstimate smaller = estimated_scales(effects, less, first_scales(effects), 50, 2.3);
+    gain[i] = linear_evidence(effects, less, smaller.scales).log_evidence - with;
+  }
+  EXPECT_NEAR(gain[0], std::log(10.0), 0.3);  // one box, ten times smaller
+  EXPECT_NEAR(gain[1], gain[0], 0.3);
+}
+
+}  // namespace
+}  // namespace jaculus::diagnosis
