@@ -93,9 +93,18 @@ TEST(VerdictRules, PartialWhereForcesRemainThatAreWorthStating) {
 TEST(VerdictRules, WhatIsEstablishedIsNotClearedBecauseMoreRemains) {
   VerdictEvidence e = plain();
   e.gap.before = 50.0;
-  e.gap.after = 30.0;
+  e.gap.after = 30.0;  // 36 % of the energy
   e.lacking = 1.0;
   EXPECT_TRUE(names_effects(decide(e, {}).verdict));
+}
+
+TEST(VerdictRules, UnexplainedWhereMoreIsLeftThanExplained) {
+  VerdictEvidence e = plain();
+  e.gap.before = 50.0;
+  e.gap.after = 40.0;  // 64 % of the energy
+  e.lacking = 1.0;
+  EXPECT_EQ(rule_of(e), "less than is left");
+  EXPECT_EQ(decide(e, {}).verdict, Verdict::unexplained);
 }
 
 TEST(VerdictRules, GapsThatCouldNotBeJudgedRefuseNothing) {

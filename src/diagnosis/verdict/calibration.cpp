@@ -96,8 +96,12 @@ std::vector<std::string> doubts(Verdict verdict, const HeldOut& gap,
 Calibrated calibrate(Verdict verdict, bool low_confidence, std::vector<FoundEffect> effects,
                      std::vector<Ranked> ranking) {
   const std::vector<Reliability>& table = reliabilities();
+  // Nothing was counted yet for `partial`: it takes what is nearest to it.
+  const bool partial = verdict == Verdict::partial, alone = effects.size() == 1;
+  const Verdict like = !partial ? verdict : alone ? Verdict::effect : Verdict::several;
+  const bool low = partial ? alone : low_confidence;
   const auto counted = std::find_if(table.begin(), table.end(), [&](const Reliability& r) {
-    return r.verdict == verdict && r.low_confidence == low_confidence;
+    return r.verdict == like && r.low_confidence == low;
   });
   std::vector<bool> reported;
   double claimed = 0.0;

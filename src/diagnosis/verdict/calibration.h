@@ -37,7 +37,8 @@ struct Calibrated {
   std::vector<FoundEffect> effects;
   std::vector<Ranked> ranking;  ///< sums to 1, most probable first
 };
-/// As they come where nothing was counted for the verdict.
+/// As they come where nothing was counted for the verdict; `partial` counts as an effect of low
+/// confidence, or as several.
 Calibrated calibrate(Verdict verdict, bool low_confidence, std::vector<FoundEffect> effects,
                      std::vector<Ranked> ranking);
 

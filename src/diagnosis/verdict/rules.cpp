@@ -33,6 +33,11 @@ bool no_better_prediction(const VerdictEvidence& e, const Settings& s) {
   return e.gap.log_gain <= s.worth || e.gap.after >= most;
 }
 
+bool less_than_is_left(const VerdictEvidence& e, const Settings& s) {
+  if (!e.gap.valid || e.gap.before < s.plain_gap) return false;
+  return remaining_share(e.gap) * s.named_beside > 1.0;
+}
+
 bool more_is_there(const VerdictEvidence& e, const Settings& s) {
   return e.naming == Naming::sure && e.lacking > s.likely &&
          remaining_share(e.gap) > s.remainder_share;
@@ -77,6 +82,10 @@ const std::vector<VerdictRule>& verdict_rules() {
        "the fitted effects predict held-out data no better than the nominal model does (settings "
        "worth, least_improvement)",
        no_better_prediction},
+      {"less than is left", Verdict::unexplained,
+       "the fitted effects explain less of the held-out gap than they leave, so that what is named "
+       "could be the shadow of something else (setting named_beside)",
+       less_than_is_left},
       {"more is there", Verdict::partial,
        "what is named is established, but it is not all: forces remain that it doesn't explain "
        "(settings remainder_share, prior_lacking)",

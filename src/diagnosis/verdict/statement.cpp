@@ -127,7 +127,20 @@ double lacking_probability(const ModelFit& model, const Settings& settings) {
   return 1.0 / (1.0 + std::exp(-log_factor) / odds);
 }
 
-/// Every model worth a row, `chosen` however improbable: what is reported stands in the ranking.
+/// A model's row, without held-out error.
+Ranked row_of(const Problem& problem, const ModelFit& model, double zero) {
+  const std::vector<std::string> members = names_of(problem, model.candidates);
+  const bool none = members.empty();
+  const double evidence =
+      none ? model.fit.log_complete : std::max(model.fit.log_evidence, model.fit.log_complete);
+  Ranked row{joined(members), evidence - zero, kNaN, none ? model.complete : model.probability(),
+             members};
+  row.parameters = values_of(problem, model);
+  return row;
+}
+
+/// Every model worth a row, `chosen` however improbable: what is reported stands in the ranking. A
+/// set that held-out data made of a larger one has that one's probability.
 std::vector<Ranked> ranking_of(const Problem& problem, const Posterior& posterior,
                                const ModelFit& chosen, HeldOutGaps& gaps) {
   const Settings& settings = problem.settings;
@@ -135,23 +148,20 @@ std::vector<Ranked> ranking_of(const Problem& problem, const Posterior& posterio
   std::vector<Ranked> ranking;
   int judged = 0;
   for (const ModelFit& model : posterior.models) {
+    const bool is_chosen = model.candidates == chosen.candidates;
     const bool improbable = model.candidates.size() > 1 && model.probability() < settings.ranked;
-    if (!model.fit.valid || (improbable && model.candidates != chosen.candidates)) continue;
+    if (!model.fit.valid || (improbable && !is_chosen)) continue;
 
-    const std::vector<std::string> members = names_of(problem, model.candidates);
-    const double evidence = std::max(model.fit.log_evidence, model.fit.log_complete) - zero;
-    Ranked row{joined(members), evidence, kNaN, model.probability(), members};
-    row.parameters = values_of(problem, model);
-    if (members.empty()) {
-      row.log_evidence = model.fit.log_complete - zero;
-      row.probability = model.complete;
-    }
-    if (judged < settings.ranked_held_out || members.empty() ||
-        model.candidates == chosen.candidates) {
-      row.held_out_error = gaps.of(model).after;
+    ranking.push_back(row_of(problem, model, zero));
+    if (judged < settings.ranked_held_out || model.candidates.empty() || is_chosen) {
+      ranking.back().held_out_error = gaps.of(model).after;
       ++judged;
     }
-    ranking.push_back(row);
+  }
+  if (posterior.find(chosen.candidates) == nullptr) {
+    ranking.push_back(row_of(problem, chosen, zero));
+    ranking.back().held_out_error = gaps.of(chosen).after;
+    ranking.back().probability = posterior.leading()->probability();
   }
 
   ranking.push_back({to_text(Verdict::unexplained), 0.0, kNaN, posterior.unexplained, {}});
