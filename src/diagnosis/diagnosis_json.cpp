@@ -99,26 +99,33 @@ Json where_json(const Diagnosis& d) {
 
 /// What the judged model lacks, and whether that is established.
 Json remainder_json(const Diagnosis& d) {
-  Json forces = Json::array();
+  Json places = Json::array();
   for (const LackingForce& f : d.lacking)
-    forces.push_back({{"along", f.name}, {"rms", json_number(f.rms)}, {"told", f.boxes}});
+    places.push_back({{"joint", f.name},
+                      {"rms", json_number(f.rms)},
+                      {"unit", f.unit},
+                      {"boxes_told", f.boxes}});
   return {{"established", d.verdict == Verdict::partial || d.verdict == Verdict::unexplained},
           {"probability", d.lacking_probability},
-          {"forces", forces}};
+          {"places", places}};
 }
 
 Json gap_json(const Diagnosis& d) {
   Json channels = Json::object();
   for (const auto& [name, c] : d.gap.channels)
     channels[name] = {{"before", json_number(c.before)}, {"after", json_number(c.after)}};
-  return {{"before", json_number(d.gap.before)},
-          {"after", json_number(d.gap.after)},
-          {"noise_floor", 1.0},
-          {"shrink", d.gap.shrink ? json_number(*d.gap.shrink) : Json(nullptr)},
-          {"ci95", pair(d.gap.ci95)},
-          {"held_out", d.gap.over},
-          {"folds", d.gap.folds},
-          {"per_channel", channels}};
+  return {
+      {"before", json_number(d.gap.before)},
+      {"after", json_number(d.gap.after)},
+      {"noise_floor", 1.0},
+      {"energy_explained", d.gap.valid ? json_number(1.0 - (d.gap.after * d.gap.after - 1.0) /
+                                                               (d.gap.before * d.gap.before - 1.0))
+                                       : Json(nullptr)},
+      {"shrink", d.gap.shrink ? json_number(*d.gap.shrink) : Json(nullptr)},
+      {"ci95", pair(d.gap.ci95)},
+      {"held_out", d.gap.over},
+      {"folds", d.gap.folds},
+      {"per_channel", channels}};
 }
 
 /// `name:parameter=value,...` of one chosen effect.

@@ -44,8 +44,9 @@ struct Ranked {
 
 /// What the model that is judged lacks along one coordinate.
 struct LackingForce {
-  std::string name;    ///< "force elbow", "channel x"
-  double rms = 0.0;    ///< of the force [N m or N], or of the channel's smooth fault [its unit]
+  std::string name;    ///< a coordinate, "elbow", "x"; or "channel x"
+  double rms = 0.0;    ///< of the force, or of the channel's smooth fault [unit]
+  std::string unit;    ///< "N m", "N"; of a channel "noise floors"
   double boxes = 0.0;  ///< boxes of time, or modes, of which the data tell it
 };
 

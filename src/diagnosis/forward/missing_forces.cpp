@@ -25,6 +25,12 @@ bool has_place(const model::PlanarModel& robot, const std::string& name) {
   return robot.coordinate_index(name) >= 0 || robot.body_of_joint(name) >= 0;
 }
 
+std::string force_unit(const model::PlanarModel& robot, const std::string& name) {
+  const int body = robot.body_of_joint(name);
+  const bool slides = body >= 0 && robot.bodies[body].kind == model::JointKind::prismatic;
+  return slides || name == "x" || name == "z" ? "N" : "N m";
+}
+
 simulation::Push box_push(const std::string& name, double value, double start, double duration) {
   simulation::Push push{start, duration};
   if (name == "x")

@@ -17,6 +17,9 @@ std::vector<std::pair<std::string, double>> force_scales(const model::PlanarMode
 /// Whether a force along a coordinate can act on a robot.
 bool has_place(const model::PlanarModel& robot, const std::string& name);
 
+/// "N" of the body's x and z and of joints that slide, else "N m".
+std::string force_unit(const model::PlanarModel& robot, const std::string& name);
+
 /// A force of the world along one coordinate, `value` [N m or N] over a box of time [s].
 simulation::Push box_push(const std::string& name, double value, double start, double duration);
 

@@ -127,13 +127,18 @@ void add_forces(Model& model) {
   const int boxes = std::max(1, static_cast<int>(std::ceil(time / model.settings.force_box)));
 
   std::map<std::string, double> scales;  // of all datasets' robots
-  for (const ObservedDataset& observed : model.observations.datasets)
-    for (const auto& [name, scale] : force_scales(observed.model)) scales.emplace(name, scale);
+  std::map<std::string, std::string> units;
+  for (const ObservedDataset& observed : model.observations.datasets) {
+    for (const auto& [name, scale] : force_scales(observed.model)) {
+      scales.emplace(name, scale);
+      units.emplace(name, force_unit(observed.model, name));
+    }
+  }
   for (const auto& [name, scale] : scales) {
     ForceGroup group{name, {}};
     for (int k = 0; k < boxes; ++k) {
       group.boxes.push_back(count_of(h.parameters));
-      FreeParameter box{"force", name, "N m or N", 0.0, scale, {}};
+      FreeParameter box{"force", name, units.at(name), 0.0, scale, {}};
       box.probe = model.settings.force_slope * scale;
       h.parameters.push_back(box);
     }

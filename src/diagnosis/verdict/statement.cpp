@@ -110,12 +110,14 @@ std::vector<LackingForce> lacking_forces(const Problem& problem, const Whitening
 
   std::vector<LackingForce> forces;
   for (int g = 0; g < random.size(); ++g) {
-    const bool force = g < count_of(problem.hypotheses.forces);
-    const double unit =
-        force ? problem.hypotheses.parameters[problem.hypotheses.forces[g].boxes.front()].scale
-              : 1.0;
-    if (told[g] >= kToldAtLeast)
-      forces.push_back({random.groups[g], unit * model.fit.scales[g], told[g]});
+    if (told[g] < kToldAtLeast) continue;
+    if (g >= count_of(problem.hypotheses.forces)) {
+      forces.push_back({random.groups[g], model.fit.scales[g], "noise floors", told[g]});
+      continue;
+    }
+    const ForceGroup& group = problem.hypotheses.forces[g];
+    const FreeParameter& box = problem.hypotheses.parameters[group.boxes.front()];
+    forces.push_back({group.name, box.scale * model.fit.scales[g], box.unit, told[g]});
   }
   return forces;
 }
