@@ -37,10 +37,45 @@ Effect guarded(Effect effect) {
 }
 
 /// A row's effect on a scope's joints, and on each part of them where shares tell the parts apart.
-Effect made_for(const Row& row, const JointScope& scope) {
+Effect with_parts(const Row& row, const JointScope& scope) {
   Effect effect = guarded(row.on_joints(scope));
   for (const JointScope& part : scope.parts)
     if (effect.acts_in(part.where.front())) effect.parts.push_back(guarded(row.on_joints(part)));
+  return effect;
+}
+
+/// The same with a robot's sizes.
+Effect made_to_size(const Row& row, const JointScope& scope, const PlanarModel& model,
+                    const JointRates& rates) {
+  Effect effect = with_parts(row, sized_scope(scope, model, rates));
+  if (all_slide(scope, model)) use_sliding_units(effect);
+  return effect;
+}
+
+/// An effect on a robot's joints together, and at each of them alone. Legs have front and rear for
+/// that; one joint's links that are all links say nothing of their own.
+std::vector<Effect> at_joints(const Row& row, const JointScope& scope, const PlanarModel& model,
+                              const JointRates& rates) {
+  std::vector<Effect> effects{made_to_size(row, scope, model, rates)};
+  const JointSet all = scope.select(model);
+  if (!scope.parts.empty() || all.joints.size() < 2) return effects;
+
+  const bool on_links = effects.front().where == scope.links_where;
+  for (const std::string& joint : all.joints) {
+    const JointScope one = one_joint(scope, joint);
+    if (on_links && one.select(model).bodies.size() == all.bodies.size()) continue;
+    Effect effect = made_to_size(row, one, model, rates);
+    effect.name = effects.front().name + "@" + joint;
+    effects.push_back(effect);
+  }
+  return effects;
+}
+
+Effect made_for(const Row& row, const JointScope& scope) {
+  Effect effect = with_parts(row, scope);
+  effect.sized = [row, scope](const PlanarModel& model, const JointRates& rates) {
+    return at_joints(row, scope, model, rates);
+  };
   return effect;
 }
 
@@ -106,6 +141,11 @@ std::vector<const Effect*> in_parts(const Effect& effect) {
   std::vector<const Effect*> parts;
   for (const Effect& part : effect.parts) parts.push_back(&part);
   return parts;
+}
+
+std::vector<Effect> sized_for(const Effect& effect, const PlanarModel& model,
+                              const JointRates& rates) {
+  return effect.sized ? effect.sized(model, rates) : std::vector<Effect>{effect};
 }
 
 std::vector<Effect> effects_of(const std::vector<Row>& rows) {

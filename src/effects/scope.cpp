@@ -96,7 +96,7 @@ JointScope make_leg_scope() {
   legs.where = {Component::rear_legs, Component::front_legs};
   legs.links_where = {Component::rear_legs, Component::front_legs, Component::body};
   legs.excited_by = {ExperimentKind::leap};
-  legs.usual = {0.1, 10.0, 7e-5};
+  legs.usual = {0.1, 10.0, 7e-5, 3.0};
   legs.select = legs_of;
 
   const JointScope front = leg_side(legs, "front", Component::front_legs, &JointGroups::front);
@@ -114,7 +114,7 @@ JointScope make_tail_scope() {
   tail.links_where = {Component::tail_transmission, Component::body};
   tail.excited_by = {ExperimentKind::leap, ExperimentKind::self_righting,
                      ExperimentKind::tail_bench};
-  tail.usual = {0.2, 10.0, 7e-5};
+  tail.usual = {0.2, 10.0, 7e-5, 12.0};
   tail.select = [](const PlanarModel& model) { return joint_groups(model).tail; };
   return tail;
 }
@@ -128,7 +128,7 @@ JointScope make_other_scope() {
   other.where = {Component::actuation};
   other.links_where = {Component::body};
   other.excited_by = {ExperimentKind::pendulum};
-  other.usual = {0.3, 5.0, 5e-3};
+  other.usual = {0.3, 5.0, 5e-3, 12.0};
   other.select = [](const PlanarModel& model) { return joint_groups(model).other; };
   return other;
 }

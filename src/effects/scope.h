@@ -28,9 +28,12 @@ JointGroups joint_groups(const model::PlanarModel& model);
 
 /// Typical sizes at a joint, of which priors are made.
 struct UsualSizes {
-  double torque = 0.0;   ///< of friction at the joint [N m]
-  double rate = 0.0;     ///< of the joint [rad/s]
-  double inertia = 0.0;  ///< before the gear [kg m^2]
+  double torque = 0.0;        ///< of friction at the joint [N m, N where it slides]
+  double rate = 0.0;          ///< of the joint [rad/s, m/s]
+  double inertia = 0.0;       ///< before the gear [kg m^2, kg]
+  double strength = 0.0;      ///< of the joints that these sizes are of [N m, N]
+  double torque_ratio = 1.0;  ///< of a robot's joints to those [-]
+  double rate_ratio = 1.0;    ///< [-]
 };
 
 /// Joints that share one effect of a kind: how it is called there, and what is typical of them.
@@ -53,6 +56,25 @@ const JointScope& leg_scope();
 const JointScope& other_scope();
 /// One joint of a scope. An effect is then called by the joint's name.
 JointScope one_joint(const JointScope& scope, const std::string& joint);
+
+/// Largest torque of a joint: its motor's limit behind the gear, else what holds the links that it
+/// carries level [N m, N where it slides].
+double joint_strength(const model::PlanarModel& model, const std::string& joint);
+
+/// A scope with the usual sizes of a robot's joints in it. With s the mean of their strengths over
+/// that of the joints for which the scope's numbers were chosen,
+///   torque' = s torque;   rate' = mean of the stated rates, else 0.1 m/s where joints slide, else
+///   as it was;
+///   inertia' = s inertia of legs and tails; of other joints 1/30 of the mean of what the
+///   links have about the joint, by the gear squared (as 5e-3 kg m^2 of an arm of 0.15).
+JointScope sized_scope(const JointScope& scope, const model::PlanarModel& model,
+                       const JointRates& rates);
+
+/// Whether all joints of a scope slide in a robot that has one.
+bool all_slide(const JointScope& scope, const model::PlanarModel& model);
+
+/// Replaces units of turning joints by those of sliding ones.
+void use_sliding_units(Effect& effect);
 
 /// Every effect of the catalogue that acts on joints or their links, made for a scope.
 std::vector<Effect> effects_on(const JointScope& scope);

@@ -28,20 +28,29 @@ std::string hint(const std::string& given, const std::vector<std::string>& names
   return near ? fmt::format(", did you mean '{}'?", *near) : "";
 }
 
-const Effect& effect_named(const std::string& name, const model::PlanarModel& model,
-                           const std::string& place) {
+/// Every effect that this robot can have, with its sizes, each joint's own among them.
+std::vector<Effect> effects_of(const model::PlanarModel& model) {
+  std::vector<Effect> all;
+  for (const Effect* effect : applicable_effects(model))
+    for (Effect& own : sized_for(*effect, model, {})) all.push_back(std::move(own));
+  return all;
+}
+
+std::shared_ptr<const Effect> effect_named(const std::string& name, const model::PlanarModel& model,
+                                           const std::string& place) {
   std::vector<std::string> names;
-  for (const Effect* effect : applicable_effects(model)) names.push_back(effect->name);
-  const Effect* effect = find_effect(name);
-  if (effect == nullptr) {
+  for (Effect& effect : effects_of(model)) {
+    if (effect.name == name) return std::make_shared<const Effect>(std::move(effect));
+    names.push_back(effect.name);
+  }
+
+  const Effect* other = find_effect(name);
+  if (other == nullptr) {
     throw InputError(fmt::format("{}: unknown effect '{}'{}; allowed: {}", place, name,
                                  hint(name, names), fmt::join(names, ", ")));
   }
-  if (!effect->applies(model)) {
-    throw InputError(fmt::format("{}: this robot can't have '{}' ({}); allowed: {}", place, name,
-                                 effect->caption, fmt::join(names, ", ")));
-  }
-  return *effect;
+  throw InputError(fmt::format("{}: this robot can't have '{}' ({}); allowed: {}", place, name,
+                               other->caption, fmt::join(names, ", ")));
 }
 
 double number_in(const std::string& text, const std::string& place) {
@@ -94,13 +103,14 @@ void set_parameter(const std::string& assignment, EffectValue& value, std::set<s
 EffectValue read_effect(const std::string& text, const model::PlanarModel& model,
                         const std::string& place) {
   const std::size_t colon = text.find(':');
-  const Effect& effect = effect_named(text.substr(0, colon), model, place);
+  const std::shared_ptr<const Effect> effect = effect_named(text.substr(0, colon), model, place);
   if (colon == std::string::npos) {
     throw InputError(fmt::format(
         "{}: '{}' has no parameter; allowed: name:parameter=value,... such as {}:{}={}", place,
-        text, effect.name, effect.parameters.front().name, effect.parameters.front().probed()));
+        text, effect->name, effect->parameters.front().name,
+        effect->parameters.front().probed()));
   }
-  EffectValue value{&effect, effect.nominal()};
+  EffectValue value{effect, effect->nominal()};
   std::set<std::size_t> seen;
   for (const std::string& part : split(text.substr(colon + 1), ','))
     set_parameter(part, value, seen, place);

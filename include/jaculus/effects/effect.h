@@ -8,6 +8,7 @@
 // which scopes it has an entry.
 
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -71,6 +72,9 @@ struct EffectParameter {
 /// {"bodies.base.com", "[0.01, 0]"}.
 using ModelOverride = std::pair<std::string, std::string>;
 
+/// Typical rates of joints by name, as data show them [rad/s, m/s where it slides].
+using JointRates = std::map<std::string, double>;
+
 struct Effect {
   std::string name;              ///< "tail_compliance"
   std::string caption;           ///< one line for users
@@ -93,6 +97,10 @@ struct Effect {
   /// Where it acts in front and rear legs: the same effect in each of them alone, of the same
   /// parameters.
   std::vector<Effect> parts;
+  /// The same effect with priors, bounds and units of a certain robot's joints, and of each joint
+  /// by itself where several share it ("joint_coulomb_friction@elbow"); null where all robots have
+  /// it alike.
+  std::function<std::vector<Effect>(const model::PlanarModel&, const JointRates&)> sized;
 
   [[nodiscard]] Vector nominal() const;  ///< of every parameter
   [[nodiscard]] Vector probed() const;   ///< of every parameter
@@ -101,6 +109,10 @@ struct Effect {
 
 /// An effect's parts, or itself where it has none.
 std::vector<const Effect*> in_parts(const Effect& effect);
+
+/// An effect as it is on a robot: see Effect::sized. One that is already some robot's stays.
+std::vector<Effect> sized_for(const Effect& effect, const model::PlanarModel& model,
+                              const JointRates& rates);
 
 /// Every effect, in a fixed order.
 const std::vector<Effect>& effect_catalogue();

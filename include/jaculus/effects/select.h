@@ -1,6 +1,7 @@
 #pragma once
 // Effects as users write and read them: "tail_compliance:stiffness=98,damping_ratio=0.1".
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -8,10 +9,10 @@
 
 namespace jaculus::effects {
 
-/// An effect of the catalogue with values of its parameters, in its own terms (compliance, not
+/// An effect as a robot has it, with values of its parameters, in its own terms (compliance, not
 /// stiffness).
 struct EffectValue {
-  const Effect* effect = nullptr;
+  std::shared_ptr<const Effect> effect;
   Vector theta;
 };
 
@@ -22,7 +23,8 @@ struct ShownParameter {
   std::string unit;  ///< "N m/rad"
 };
 
-/// Reads "name:parameter=value,parameter=value"; a parameter by its own name or the shown one, the
+/// Reads "name:parameter=value,parameter=value", or "name@joint:..." of one of several joints that
+/// share an effect; a parameter by its own name or the shown one, the
 /// others nominal. Values are SI. InputError, opening with `place` ("--effect", "file:line: key"),
 /// where a name is unknown, a value is no number or lies outside the bounds, or this robot can't
 /// have the effect.

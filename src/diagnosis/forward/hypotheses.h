@@ -10,6 +10,7 @@
 // alone.
 
 #include <cmath>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -52,6 +53,8 @@ struct ForceGroup {
 };
 
 struct Hypotheses {
+  /// of the candidates, with this robot's sizes; they point into it
+  std::shared_ptr<const std::vector<effects::Effect>> effects;
   std::vector<FreeParameter> parameters;
   std::vector<Candidate> candidates;
   std::vector<int> nuisances;   ///< indices

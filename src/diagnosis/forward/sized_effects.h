@@ -1,0 +1,18 @@
+#pragma once
+// Candidate effects as the robots of these data have them.
+
+#include <vector>
+
+#include "diagnosis/data/observations.h"
+#include "jaculus/effects/effect.h"
+
+namespace jaculus::diagnosis {
+
+/// Of some effects those that a dataset can show, with priors, bounds and units of the first robot
+/// that can have them, and of each joint alone where several share one (Effect::sized). Typical
+/// rates of joints are those of the data where a logged input drives them: root mean square of the
+/// windows' starts.
+std::vector<effects::Effect> sized_effects(const std::vector<ObservedDataset>& datasets,
+                                           const std::vector<const effects::Effect*>& effects);
+
+}  // namespace jaculus::diagnosis
