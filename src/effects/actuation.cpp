@@ -79,6 +79,20 @@ Effect actuation_delay() {
   return effect;
 }
 
+/// A current loop of bandwidth 1/T, or a winding's L/R: from some 0.1 ms to a few. Seen through
+/// inertia it is a delay of T but for what changes faster.
+Effect current_loop() {
+  Effect effect = on_actuation("current_loop", "the motors' torque follows its command with a lag");
+  effect.excited_by = {ExperimentKind::leap, ExperimentKind::tail_bench, ExperimentKind::pendulum};
+  effect.parameters = {{.name = "time_constant",
+                        .unit = "s",
+                        .bounds = {0.0, 0.03},
+                        .scale = 0.002,
+                        .reciprocal = {{"bandwidth", "rad/s"}}}};
+  effect.apply = [](const Vector& theta, Plant& plant) { plant.actuation.lag += theta[0]; };
+  return effect;
+}
+
 Effect late_start() {
   Effect effect = on_actuation("late_start", "the plan as a whole starts late");
   effect.where = {Component::actuation, Component::sensing};
@@ -177,11 +191,33 @@ Effect winding_heating() {
   return effect;
 }
 
+/// A current sensor or amplifier that is not zero at zero: the driver regulates the current that it
+/// sees, so that its log does not show the rest. It is the offset of the force balance
+/// F = M a + F_v v + F_c sign(v) + F_o (Janot, Gautier and Brunot 2019, "Data set and reference
+/// models of EMPS").
+Effect torque_offset(const JointScope& scope) {
+  const double scale = scope.usual.torque;
+  Effect effect =
+      effect_on_joints(scope, "torque_offset", "a constant torque that no log shows at");
+  effect.parameters = {{"torque", "N m", 0.0, {-10.0 * scale, 10.0 * scale}, scale}};
+  effect.apply = [select = scope.select](const Vector& theta, Plant& plant) {
+    for (const std::string& joint : select(plant.model).joints)
+      plant.actuation.torque_offset.try_emplace(joint, 0.0).first->second += theta[0];
+  };
+  return effect;
+}
+
 }  // namespace
 
 std::vector<Row> actuation() {
-  return {actuation_delay, late_start,    controller_gains, torque_constant,
-          voltage_limit,   current_limit, battery_sag,      winding_heating};
+  const JointScope &tail = tail_scope(), &legs = leg_scope(), &other = other_scope();
+  return {
+      {actuation_delay}, {current_loop},
+      {late_start},      {controller_gains},
+      {torque_constant}, {voltage_limit},
+      {current_limit},   {battery_sag},
+      {winding_heating}, {torque_offset, {tail, legs, other}},
+  };
 }
 
 }  // namespace jaculus::effects

@@ -1,4 +1,4 @@
-// Masses where the model does not have them.
+// Masses where the model does not have them, and where gravity pulls them.
 
 #include "effects/families.h"
 
@@ -140,6 +140,22 @@ Effect body_inertia() {
   return effect;
 }
 
+/// A base that is held nose-down by an angle, or a bench that slopes along x: in its frame gravity
+/// is g (sin, -cos). Of a base that moves, motion capture shows the tilt and the floor takes part.
+Effect base_tilt() {
+  Effect effect;
+  effect.name = "base_tilt";
+  effect.caption = "the base is held aslant, so that gravity leans along x";
+  effect.where = {Component::body};
+  effect.excited_by = {ExperimentKind::tail_bench, ExperimentKind::pendulum};
+  effect.parameters = {{"angle", "rad", 0.0, {-0.3, 0.3}, 0.03}};
+  effect.applies = [](const PlanarModel& model) {
+    return !base_moves(model) && model.gravity > 0.0;
+  };
+  effect.apply = [](const Vector& theta, Plant& plant) { plant.gravity_tilt += theta[0]; };
+  return effect;
+}
+
 }  // namespace
 
 std::vector<Row> inertia() {
@@ -151,6 +167,7 @@ std::vector<Row> inertia() {
       {payload},
       {com_shift},
       {body_inertia},
+      {base_tilt},
   };
 }
 

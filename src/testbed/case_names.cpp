@@ -113,6 +113,7 @@ Pool pool_of(const std::vector<Stage>& stages, const std::vector<std::string>& w
   Pool pool;
   for (const Stage& stage : stages) {
     for (const BenchEffect& effect : stage.effects) {
+      if (effect.by_name_only) continue;
       add_to(effect.event     ? pool.events
              : effect.outside ? pool.outside
                               : pool.catalogue,

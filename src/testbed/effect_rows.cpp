@@ -11,6 +11,7 @@ std::vector<BenchEffect> bench_effects(const RobotFiles& robot) {
   add_masses(rows);
   add_contact(rows);
   add_sensing(rows);
+  add_bias(rows);
   add_one_joint(rows);
   add_outside(rows);
   add_outside_anywhere(rows);

@@ -51,7 +51,8 @@ class EffectRows {
                    std::move(experiments),
                    std::move(apply),
                    false,
-                   {}});
+                   {},
+                   false});
     return all.back();
   }
 
@@ -67,7 +68,8 @@ class EffectRows {
                    std::move(experiments),
                    std::move(apply),
                    false,
-                   {}});
+                   {},
+                   false});
     return all.back();
   }
 
@@ -96,6 +98,7 @@ void add_air(EffectRows& rows);
 void add_masses(EffectRows& rows);
 void add_contact(EffectRows& rows);
 void add_sensing(EffectRows& rows);
+void add_bias(EffectRows& rows);
 void add_one_joint(EffectRows& rows);
 void add_outside(EffectRows& rows);
 void add_outside_anywhere(EffectRows& rows);

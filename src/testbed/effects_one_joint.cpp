@@ -44,6 +44,23 @@ void add_friction_at(EffectRows& rows, const OneJoint& at) {
          [joint](const Values& v, Changes& c) { c.joint_friction[joint].load += v[0]; });
 }
 
+/// What leans one way; batches do not draw it.
+void add_bias_at(EffectRows& rows, const OneJoint& at) {
+  const std::string joint = at.joint;
+  const double largest = round_figure(at.size.torque / 5.0);
+  add_at(rows, at, at.prefix + "_torque_offset", "a torque that no log shows",
+         {{"torque", "N m", 0.0, -largest, largest}},
+         [joint](const Values& v, Changes& c) { c.joint_torque_offset[joint] += v[0]; });
+  rows.all.back().by_name_only = true;
+  add_at(rows, at, at.prefix + "_directional_friction", "dry friction, more one way",
+         {{"torque", "N m", 0.0, 0.0, largest}, drawn("asymmetry", "-", 0.5, -1.0, 1.0)},
+         [joint](const Values& v, Changes& c) {
+           c.joint_friction[joint].positive += v[0] * (1.0 + v[1]);
+           c.joint_friction[joint].negative += v[0] * (1.0 - v[1]);
+         });
+  rows.all.back().by_name_only = true;
+}
+
 void add_motor_at(EffectRows& rows, const OneJoint& at) {
   const std::string joint = at.joint;
   const double torque = at.size.motor_torque;
@@ -100,6 +117,7 @@ void add_one_joint(EffectRows& rows) {
   for (const std::string& joint : joints) {
     const OneJoint at = one_joint_of(rows.files, joint);
     add_friction_at(rows, at);
+    add_bias_at(rows, at);
     add_motor_at(rows, at);
     add_play_at(rows, at);
     add_encoder_at(rows, at);

@@ -93,8 +93,10 @@ void Forces::apply(mjData& d) {
     states[i].torque = disturbed_torque(*this, i, states[i].torque, d);
     const JointPlace& joint = machine->drives[i];
     const JointMotion now{d.qpos[joint.qpos], d.qvel[joint.dof], states[i].torque};
-    d.qfrc_applied[joint.dof] += now.torque + torque_of_laws(changes->outside.joints, sizes[i],
-                                                             files->drives[i], memory[i], now);
+    const Drive& drive = files->drives[i];
+    d.qfrc_applied[joint.dof] +=
+        now.torque + torque_offset(*changes, drive) +
+        torque_of_laws(changes->outside.joints, sizes[i], drive, memory[i], now);
   }
   for (std::size_t i = 0; i < files->drags.size(); ++i)
     add_drag(*machine, i, files->drags[i], *changes, d);

@@ -34,9 +34,16 @@ double viscous_friction(const Changes& changes, const Drive& drive) {
   return sum;
 }
 
+double torque_offset(const Changes& changes, const Drive& drive) {
+  const bool tail = drive.limb == Limb::tail;
+  return (tail ? changes.tail_torque_offset : changes.leg_torque_offset) +
+         value_of(changes.joint_torque_offset, drive.planar, 0.0);
+}
+
 bool rubs(const Changes& changes, const Drive& drive) {
   double sum = drive.friction;
-  for (const DryFriction& f : frictions_of(changes, drive)) sum += f.coulomb + f.stribeck + f.load;
+  for (const DryFriction& f : frictions_of(changes, drive))
+    sum += f.coulomb + f.stribeck + f.load + f.positive + f.negative;
   return sum > 0.0;
 }
 
@@ -45,6 +52,7 @@ double dry_friction(const Changes& changes, const Drive& drive, double rate, dou
   for (const DryFriction& f : frictions_of(changes, drive)) {
     const double ratio = rate / f.stribeck_rate;
     level += f.coulomb + f.stribeck * std::exp(-ratio * ratio) + f.load * torque;
+    level += rate == 0.0 ? 0.5 * (f.positive + f.negative) : rate > 0.0 ? f.positive : f.negative;
   }
   return level;
 }

@@ -13,6 +13,8 @@ double play_of(const Changes& changes, const Drive& drive);
 double added_rotor_inertia(const Changes& changes, const Drive& drive);
 /// Damping [N m s/rad].
 double viscous_friction(const Changes& changes, const Drive& drive);
+/// Torque beside the motor's [N m].
+double torque_offset(const Changes& changes, const Drive& drive);
 /// Whether there is dry friction of a healthy bearing or of changes.
 bool rubs(const Changes& changes, const Drive& drive);
 /// Its level [N m] at a joint rate [rad/s] and under a motor torque of this size [N m].

@@ -67,7 +67,10 @@ class Writer {
  private:
   void head() {
     // Motion capture is levelled on the floor, so a floor that tilts is gravity that leans.
-    const double tilt = setting_.floor ? changes_.outside.floor_tilt : 0.0;
+    // So is a base that is held aslant.
+    const bool held = setting_.base_fixed || !files_.floating;
+    const double tilt =
+        (setting_.floor ? changes_.outside.floor_tilt : 0.0) + (held ? changes_.base_tilt : 0.0);
     out_ = fmt::format(
         "<mujoco model=\"{}\">\n<compiler angle=\"radian\" inertiafromgeom=\"false\" "
         "balanceinertia=\"false\" "

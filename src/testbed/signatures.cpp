@@ -124,7 +124,8 @@ std::vector<std::string> signature_effects(const Stage& stage) {
   std::vector<std::string> names;
   for (const BenchEffect& effect : stage.effects) {
     // What acts at one joint alone is taken for what it does there: no catalogue states it so yet.
-    if (!effect.outside && effect.joint.empty() && acting_effect(stage, effect.name) != nullptr)
+    if (!effect.outside && !effect.by_name_only && effect.joint.empty() &&
+        acting_effect(stage, effect.name) != nullptr)
       names.push_back(effect.name);
   }
   return names;

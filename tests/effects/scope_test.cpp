@@ -79,7 +79,10 @@ std::vector<double> at_joint(const simulation::Plant& plant, const std::string& 
   std::vector<double> values;
   for (const simulation::JointFriction& f : plant.friction)
     if (f.joint == joint)
-      values.insert(values.end(), {f.coulomb, f.viscous, f.stribeck, f.stribeck_rate, f.load});
+      values.insert(values.end(), {f.coulomb, f.viscous, f.stribeck, f.stribeck_rate, f.load,
+                                   f.positive, f.negative, f.load_stribeck, f.load_stribeck_rate});
+  const auto offset = plant.actuation.torque_offset.find(joint);
+  values.push_back(offset == plant.actuation.torque_offset.end() ? 0.0 : offset->second);
   for (const simulation::Transmission& t : plant.transmissions)
     if (t.joint == joint) values.insert(values.end(), {t.compliance, t.damping_ratio, t.play});
   const model::PlanarMotor& motor = plant.model.motors[plant.model.motor_index(joint)];

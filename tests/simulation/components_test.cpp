@@ -294,24 +294,26 @@ TEST(Components, StepsBetweenCommandsKeepWellBelowTheTolerance) {
   }
 }
 
-TEST(Components, LegsDrivenThroughTheirSingularPoseEndAtOnceAndSayWhere) {
+TEST(Components, LegsDrivenTowardsTheirSingularPoseMeetTheEndBeforeIt) {
   Push p = push_off();
-  for (const char* joint : {"front_a", "front_b"}) {
-    const int m = p.plant.model.motor_index(joint);
+  const int a = p.plant.model.motor_index("front_a"), b = p.plant.model.motor_index("front_b");
+  for (const int m : {a, b}) {
     p.controller.reference.position.row(m) << 1.0, 2.2, 3.4;  // at pi both knees coincide
     p.controller.kp[m] = 30.0;
   }
-  const Simulation s = simulate(p.plant, p.controller, p.start, options_for(1.0, 21));
-  EXPECT_EQ(s.status, SimulationStatus::singular) << s.message;
-  EXPECT_NE(s.message.find("front_extension is at 3.14"), std::string::npos) << s.message;
-  EXPECT_LT(s.evaluations, 20000);
+  const Simulation s = simulate(p.plant, p.controller, p.start, options_for(0.3, 301));
+  ASSERT_EQ(s.status, SimulationStatus::done) << s.message;
+
+  const Vector extension = 0.5 * (s.motor_position.row(a) + s.motor_position.row(b));
+  EXPECT_LT(extension.maxCoeff(), std::numbers::pi);
+  EXPECT_GT(extension.maxCoeff(), std::numbers::pi - 0.1);
 }
 
 TEST(Components, DivergenceIsAStatusWithItsTime) {
   Push p = push_off();
-  p.controller.kp.setConstant(-200.0);
-  p.controller.kd.setConstant(-5.0);
   p.plant.stops.clear();
+  // Drives the faster, the faster it turns: exp(100 t).
+  p.plant.friction.push_back({.joint = "tail", .viscous = -5.0});
   const Simulation s = simulate(p.plant, p.controller, p.start, options_for(2.0, 21));
   EXPECT_NE(s.status, SimulationStatus::done);
   EXPECT_LT(s.end_time, 2.0);

@@ -56,7 +56,8 @@ struct Controller {
 
 /// The reference in a plan's table (plan.csv), for the motors of a robot. InputError where a joint
 /// of the robot is missing. `quantity` says which column is the feed-forward; duty is the plan's
-/// voltage over `bus_voltage`.
+/// voltage over `bus_voltage`: a duty column counts in the plan's own voltage where its torques and
+/// rates tell that, else in the bus's.
 Reference plan_reference(const trajectory::Table& plan, const model::PlanarModel& model,
                          Quantity quantity, double bus_voltage, const std::filesystem::path& file);
 

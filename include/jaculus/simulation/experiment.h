@@ -96,7 +96,8 @@ model::Robot overridden_robot(const trajectory::Dataset& dataset);
 model::Robot dataset_robot(const trajectory::Dataset& dataset);
 /// When its commands end [s]: of its plan, else of its script. Misuse: neither.
 double command_duration(const trajectory::Dataset& dataset);
-/// nominal_plant() with the dataset's stops. InputError where the robot has no such joint.
+/// nominal_plant() with the dataset's stops and bus voltage. InputError where the robot has no such
+/// joint.
 Plant dataset_plant(const trajectory::Dataset& dataset, const model::PlanarModel& model);
 /// stated_controller() with known gains and the end that is stated. InputError where a gain is a
 /// range or unknown.

@@ -15,7 +15,9 @@
 namespace jaculus::simulation {
 
 /// Friction torque at a joint, opposing its rate w [rad/s]:
-///   tau = -s(w) [coulomb + load |tau_motor| + (stribeck) exp(-(w/stribeck_rate)^2)] - viscous w,
+///   tau = -s(w) [coulomb + load |tau_motor| + (stribeck) exp(-(w/stribeck_rate)^2)
+///                + load_stribeck |tau_motor| exp(-(w/load_stribeck_rate)^2)
+///                + positive (1 + s(w))/2 + negative (1 - s(w))/2] - viscous w,
 ///     s(w) = tanh(w/smoothing_rate).
 /// Left and right of a pair: values of one joint, counted `count` times as its motor is.
 struct JointFriction {
@@ -26,6 +28,10 @@ struct JointFriction {
   double stribeck_rate = 1.0;   ///< [rad/s]
   double load = 0.0;            ///< share of the motor's torque that friction takes [-]
   double smoothing_rate = 0.1;  ///< [rad/s]
+  double positive = 0.0;        ///< dry friction while the joint's angle grows alone [N m]
+  double negative = 0.0;        ///< and while it falls alone [N m]
+  double load_stribeck = 0.0;   ///< share of the motor's torque added at rest, fades with speed [-]
+  double load_stribeck_rate = 1.0;  ///< [rad/s]
 };
 
 /// A compliant transmission behind a motor: the joint splits into the motor's side (keeps the
@@ -56,13 +62,19 @@ struct Winding {
 };
 
 /// Commands reach the motors `delay` after their sample; `late_start` shifts the plan as a whole.
+/// What the motors make of a command c follows it as T u' = c - u (a current loop, a winding's
+/// L/R), from the first command on.
 struct Actuation {
   double delay = 0.0;                          ///< [s]
+  double lag = 0.0;                            ///< time constant T of the torque, below [s]
   double late_start = 0.0;                     ///< [s]
   double gain_scale_p = 1.0;                   ///< on every kp that the controller states [-]
   double gain_scale_d = 1.0;                   ///< on every kd [-]
   double feedforward_scale = 1.0;              ///< on the commanded quantity [-]
   std::map<std::string, double> torque_scale;  ///< by joint, on the torque that arrives there [-]
+  /// by joint with a motor: constant, beside what the motor is told and its log says (a current
+  /// sensor or an amplifier that is not zero at zero), of each of a pair [N m, N where it slides]
+  std::map<std::string, double> torque_offset;
 };
 
 /// What sensors make of the motion. Offsets and scales by channel name ("x", "pitch", "front_a",
@@ -119,6 +131,8 @@ struct Plant {
   std::vector<std::string> ground_points;
   std::vector<Push> pushes;
   double drag_smoothing = 0.02;  ///< eps of tail_drag.h [m/s]
+  /// by which gravity leans from -z towards +x: of a base that is held nose-down by it [rad]
+  double gravity_tilt = 0.0;
 };
 
 /// The robot as robot.yaml has it.

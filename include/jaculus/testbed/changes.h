@@ -16,7 +16,8 @@ namespace jaculus::testbed {
 
 /// Friction in a joint, as MuJoCo's dry friction (a constraint that can stick) whose level is
 /// renewed every step:
-///   loss = coulomb + stribeck exp(-(w/stribeck_rate)^2) + load |motor torque at the joint|,
+///   loss = coulomb + stribeck exp(-(w/stribeck_rate)^2) + load |motor torque at the joint|
+///          + positive or negative, by the sign of w (the mean of both at rest),
 ///     and viscous damping beside it.
 struct DryFriction {
   double coulomb = 0.0;        ///< [N m]
@@ -24,6 +25,8 @@ struct DryFriction {
   double stribeck = 0.0;       ///< [N m]
   double stribeck_rate = 2.0;  ///< [rad/s]
   double load = 0.0;           ///< [-]
+  double positive = 0.0;       ///< beside coulomb while the joint's angle grows [N m]
+  double negative = 0.0;       ///< while it falls [N m]
 };
 
 struct Changes {
@@ -48,6 +51,11 @@ struct Changes {
   /// planar joint: encoder reads the angle plus this [rad]
   std::map<std::string, double> joint_offset;
   double stop_restitution = 0.0;  ///< of the tail's stop [-]
+  /// beside the motor's torque and in no log, positive as the joint's angle [N m]
+  double tail_torque_offset = 0.0;
+  double leg_torque_offset = 0.0;  ///< at every motor's joint that is not the tail's [N m]
+  /// planar joint: beside that of its group [N m]
+  std::map<std::string, double> joint_torque_offset;
   // Drives
   double delay = 0.0;                 ///< from sample to torque [s]
   double late_start = 0.0;            ///< from the logs' zero to the plan's [s]
@@ -78,6 +86,8 @@ struct Changes {
   double tail_inertia = 1.0;  ///< factor on the tail's inertia about its centre of mass alone [-]
   /// factor on the inertia of all leg links about their centres of mass [-]
   double leg_inertia = 1.0;
+  /// of a fixed base about y, downhill along +x where positive [rad]
+  double base_tilt = 0.0;
   // Sensors
   std::map<std::string, double> latency;  ///< by stream [s]
   std::map<std::string, double> scale;    ///< by channel [-]

@@ -41,6 +41,9 @@ struct BenchEffect {
   /// parameters
   bool event = false;
   std::string joint;  ///< planar joint, of what acts at one joint only; else empty
+  /// played where it is asked for by name; blinded cases neither draw it nor count it among what
+  /// shows like the truth, so that batches keep the draws and measures that they had without it
+  bool by_name_only = false;
 };
 
 /// Name without the joint: "leg_coulomb_friction" of "leg_coulomb_friction@knee".

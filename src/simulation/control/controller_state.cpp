@@ -7,6 +7,7 @@
 
 #include "jaculus/core/error.h"
 #include "jaculus/core/yaml.h"
+#include "simulation/control/command_lag.h"
 #include "simulation/plant/named_values.h"
 
 namespace jaculus::simulation::detail {
@@ -51,14 +52,15 @@ ControllerState::ControllerState(const Plant& plant, const Controller& controlle
     : controller_(controller),
       rate_(controller.rate_hz),
       delay_(plant.actuation.delay),
+      lag_(plant.actuation.lag),
       late_(plant.actuation.late_start),
       latency_(value_or(plant.sensing.latency, trajectory::kJointStream, 0.0)),
       scale_(plant.actuation.feedforward_scale),
       continuous_(std::isinf(controller.rate_hz)) {
   const model::PlanarModel& model = plant.model;
   check_reference(controller, model);
-  if (delay_ < 0.0 || late_ < 0.0 || latency_ < 0.0)
-    throw InputError("actuation: delay, late start and latency of sensors can't be negative");
+  if (delay_ < 0.0 || lag_ < 0.0 || late_ < 0.0 || latency_ < 0.0)
+    throw InputError("actuation: delay, lag, late start and latency of sensors can't be negative");
 
   now_.resize(model.motors.size());
   bool feedback = false;
@@ -82,8 +84,9 @@ ControllerState::ControllerState(const Plant& plant, const Controller& controlle
     loops_.push_back(loop);
   }
 
-  if (continuous_ && feedback && (delay_ > 0.0 || latency_ > 0.0))
+  if (continuous_ && feedback && (delay_ > 0.0 || lag_ > 0.0 || latency_ > 0.0))
     throw InputError("controller: feedback without a rate can't be delayed; give it a rate");
+  if (continuous_ && lag_ > 0.0) lagged_ = lagged(controller.reference, lag_);
 }
 
 double ControllerState::read_instant(double k) const {
@@ -99,10 +102,10 @@ double ControllerState::next_change(double t) const {
   const double shift = late_ + delay_;
   if (t < shift) return shift;
   // Borders of the feed-forward; with linear ones these are kinks.
-  const Vector& time = controller_.reference.time;
+  const Vector& time = reference().time;
   for (Eigen::Index k = std::max<Eigen::Index>(sample_, 0); k < time.size(); ++k)
     if (time[k] + shift > t) return time[k] + shift;
-  const double end = controller_.reference.duration + shift;
+  const double end = reference().duration + shift;
   if (end > t) return end;
   const double landed =
       controller_.after_end == AfterEnd::pose ? end + controller_.landing_time : end;
@@ -124,8 +127,20 @@ void ControllerState::update(double t, const double* position, const double* vel
   }
   while (!queue_.empty() && queue_.front().time <= t) {
     now_ = queue_.front().commands;
+    if (lag_ > 0.0) lag_behind(now_);
     queue_.pop_front();
     waiting_ = false;
+  }
+}
+
+/// What the motors make of commands over the hold that begins.
+void ControllerState::lag_behind(std::vector<Command>& commands) {
+  const bool first = made_.empty();
+  made_.resize(commands.size());
+  for (std::size_t m = 0; m < commands.size(); ++m) {
+    Command& command = commands[m];
+    if (first) made_[m] = command.value;
+    command.value = held_mean(lag_, 1.0 / rate_, command.value, made_[m]);
   }
 }
 
@@ -137,14 +152,14 @@ const Command* ControllerState::commands(double t, const double* position, const
 /// The part of the reference that holds from its time `at` on: its sample, and whether it has
 /// ended.
 void ControllerState::find_segment(double at) {
-  const Reference& r = controller_.reference;
+  const Reference& r = reference();
   ended_ = r.time.size() == 0 || (at >= r.duration && at > 0.0);
   while (sample_ + 1 < r.time.size() && r.time[sample_ + 1] <= at) ++sample_;
 }
 
 /// On the way from the reference's end to the pose to land in, or there.
 ControllerState::Wanted ControllerState::landing(Eigen::Index row, double at) const {
-  const Reference& r = controller_.reference;
+  const Reference& r = reference();
   const double length = controller_.landing_time, pose = controller_.landing_pose[row];
   const double s = std::min(1.0, (at - r.duration) / length), c = 1.0 - s;
   const double from = r.position(row, sample_),
@@ -157,7 +172,7 @@ ControllerState::Wanted ControllerState::landing(Eigen::Index row, double at) co
 }
 
 ControllerState::Wanted ControllerState::wanted(Eigen::Index row, double at) const {
-  const Reference& r = controller_.reference;
+  const Reference& r = reference();
   if (ended_ && controller_.after_end == AfterEnd::pose) return landing(row, at);
   const Eigen::Index k = sample_, next = std::min(k + 1, r.time.size() - 1);
   const double length = r.time[next] - r.time[k];
@@ -185,7 +200,7 @@ ControllerState::Wanted ControllerState::wanted(Eigen::Index row, double at) con
 
 void ControllerState::evaluate(double at, const double* position, const double* velocity,
                                std::vector<Command>& out) const {
-  const Reference& r = controller_.reference;
+  const Reference& r = reference();
   for (Command& command : out) command = {};
   if (r.time.size() == 0 || (ended_ && controller_.after_end == AfterEnd::relax)) return;
   for (int i = 0; i < count_of(loops_); ++i) {

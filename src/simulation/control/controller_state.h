@@ -4,6 +4,7 @@
 // changes by a jump does so at an instant of next_change(), which the integration meets exactly.
 
 #include <deque>
+#include <optional>
 #include <vector>
 
 #include "jaculus/simulation/controller.h"
@@ -44,6 +45,10 @@ class ControllerState {
   struct Wanted {
     double feedforward = 0.0, position = 0.0, velocity = 0.0;
   };
+  [[nodiscard]] const Reference& reference() const {
+    return lagged_ ? *lagged_ : controller_.reference;
+  }
+  void lag_behind(std::vector<Command>& commands);
   void find_segment(double at);
   [[nodiscard]] Wanted wanted(Eigen::Index row, double at) const;
   [[nodiscard]] Wanted landing(Eigen::Index row, double at) const;
@@ -53,12 +58,14 @@ class ControllerState {
   [[nodiscard]] double read_instant(double k) const;
 
   const Controller& controller_;
-  std::vector<Loop> loops_;  ///< one a motor of the reference
-  double rate_;              ///< [Hz]
-  double delay_;             ///< of commands [s]
-  double late_;              ///< start of the plan as a whole [s]
-  double latency_;           ///< of the sensors that it reads [s]
-  double scale_;             ///< on the feed-forward [-]
+  std::optional<Reference> lagged_;  ///< the controller's, where it lags and no sample holds it
+  std::vector<Loop> loops_;          ///< one a motor of the reference
+  double rate_;                      ///< [Hz]
+  double delay_;                     ///< of commands [s]
+  double lag_;                       ///< time constant of what the motors make of them [s]
+  double late_;                      ///< start of the plan as a whole [s]
+  double latency_;                   ///< of the sensors that it reads [s]
+  double scale_;                     ///< on the feed-forward [-]
   bool continuous_;
   bool waiting_ = true;
   double next_read_ = 0.0;   ///< sample number, whole
@@ -66,6 +73,7 @@ class ControllerState {
   bool ended_ = false;       ///< the reference has
   std::deque<Arrival> queue_;
   std::vector<Command> now_;
+  std::vector<double> made_;  ///< a motor each: what it makes where a hold ends; empty before all
 };
 
 }  // namespace jaculus::simulation::detail

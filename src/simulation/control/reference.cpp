@@ -5,11 +5,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "jaculus/components/motor.h"
 #include "jaculus/core/error.h"
 #include "jaculus/core/yaml.h"
 #include "jaculus/simulation/controller.h"
+#include "simulation/control/plan_voltage.h"
 
 namespace jaculus::simulation {
 
@@ -51,9 +53,18 @@ Eigen::RowVectorXd plan_row(const trajectory::Table& plan, const std::string& na
   return values.transpose();
 }
 
-/// Feed-forward of one motor in the controller's quantity.
+/// By what a plan's duty is multiplied to be one of the bus: the plan's own voltage over it; 1
+/// where the plan doesn't tell its own, and within the rounding of columns.
+double duty_share(const trajectory::Table& plan, const model::PlanarModel& model, double bus,
+                  const std::filesystem::path& file) {
+  constexpr double kRounding = 0.01;
+  const std::optional<double> own = plan_voltage(plan, model, file);
+  return !own || std::abs(*own / bus - 1.0) < kRounding ? 1.0 : *own / bus;
+}
+
+/// Feed-forward of one motor in the controller's quantity. `share`: of duty_share.
 Eigen::RowVectorXd feedforward(const trajectory::Table& plan, const model::PlanarMotor& motor,
-                               Quantity commanded, double bus_voltage,
+                               Quantity commanded, double bus_voltage, double share,
                                const std::filesystem::path& file) {
   const std::string& joint = motor.joint;
   const auto has = [&](Quantity q) { return plan.column(channel_name(joint, q)) >= 0; };
@@ -67,8 +78,9 @@ Eigen::RowVectorXd feedforward(const trajectory::Table& plan, const model::Plana
   if (commanded == Quantity::torque) return row(commanded) / (motor.gear * motor.efficiency);
 
   const bool duty = commanded == Quantity::duty;
-  if (duty && has(Quantity::duty)) return row(Quantity::duty);
-  if (!has(Quantity::voltage) && has(Quantity::duty)) return row(Quantity::duty) * bus_voltage;
+  if (duty && has(Quantity::duty)) return share * row(Quantity::duty);
+  if (!has(Quantity::voltage) && has(Quantity::duty))
+    return share * row(Quantity::duty) * bus_voltage;
   return duty ? row(Quantity::voltage) / bus_voltage : row(Quantity::voltage);
 }
 
@@ -102,6 +114,8 @@ Reference plan_reference(const trajectory::Table& plan, const model::PlanarModel
   reference.position.resize(motors, samples);
   reference.velocity.resize(motors, samples);
   reference.feedforward.resize(motors, samples);
+  const double share =
+      commanded == Quantity::torque ? 1.0 : duty_share(plan, model, bus_voltage, file);
 
   for (Eigen::Index m = 0; m < motors; ++m) {
     const model::PlanarMotor& motor = model.motors[m];
@@ -114,7 +128,7 @@ Reference plan_reference(const trajectory::Table& plan, const model::PlanarModel
         plan_row(plan, motor.joint, angular ? dimension::angle : dimension::length, file);
     reference.velocity.row(m) =
         plan_row(plan, rate, angular ? dimension::angular_velocity : dimension::velocity, file);
-    reference.feedforward.row(m) = feedforward(plan, motor, commanded, bus_voltage, file);
+    reference.feedforward.row(m) = feedforward(plan, motor, commanded, bus_voltage, share, file);
     reference.initial[motor.joint] = reference.position(m, 0);
   }
 

@@ -66,6 +66,10 @@ model::Robot dataset_robot(const trajectory::Dataset& dataset) {
 
 Plant dataset_plant(const trajectory::Dataset& dataset, const model::PlanarModel& model) {
   Plant plant = nominal_plant(model);
+  if (dataset.controller.bus_voltage)
+    for (model::PlanarMotor& motor : plant.model.motors)
+      if (!motor.ideal()) motor.voltage = *dataset.controller.bus_voltage;
+
   for (const auto& [joint, stop] : dataset.stops) {
     if (model.body_of_joint(joint) < 0) {
       std::vector<std::string> joints;

@@ -56,6 +56,8 @@ Mechanism::Mechanism(const Plant& plant) {
     if (model.base_free[i]) base_[i] = column++;
   base_pose_ = model.base_pose;
   gravity_ = model.gravity;
+  gravity_x_ = -gravity_ * std::sin(plant.gravity_tilt);
+  gravity_z_ = gravity_ * std::cos(plant.gravity_tilt);
 
   for (const model::PlanarMotor& motor : model.motors) {
     const Body& link = bodies_[motor.body];
@@ -292,8 +294,8 @@ void Mechanism::assemble(double* mass, double* bias) const {
     const double ex = f.c * body.com.x() + f.s * body.com.y(),
                  ez = -f.s * body.com.x() + f.c * body.com.y();
     const double square = f.omega * f.omega, m = body.mass, inertia = body.inertia;
-    const double force_x = m * (f.ax + ez * f.alpha - ex * square);
-    const double force_z = m * (f.az - ex * f.alpha - ez * square + gravity_),
+    const double force_x = m * (f.ax + ez * f.alpha - ex * square + gravity_x_);
+    const double force_z = m * (f.az - ex * f.alpha - ez * square + gravity_z_),
                  moment = inertia * f.alpha;
     total_x += force_x;
     total_z += force_z;

@@ -136,7 +136,8 @@ class Mechanism {
   std::vector<double> motor_offset_, armature_;
   std::array<int, 3> base_{-1, -1, -1};
   Eigen::Vector3d base_pose_;
-  double gravity_ = 0.0, total_mass_ = 0.0;
+  double gravity_ = 0.0, gravity_x_ = 0.0, gravity_z_ = 0.0;  ///< size, and along -x and -z
+  double total_mass_ = 0.0;
 };
 
 }  // namespace jaculus::simulation::detail

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "jaculus/components/tail_drag.h"
@@ -14,6 +15,16 @@ namespace {
 /// Torque at which a flank of a gear gives way by its play: stiffness of the flanks = this / play
 /// [N m].
 constexpr double kFlankTorque = 200.0;
+/// Angle between a loop's links at the pin below which they meet [rad].
+constexpr double kLinksMeet = 0.1;
+
+/// Angle between two arms, from their cross and dot products, or what is left to a straight angle,
+/// whichever is smaller. `sense`: of its change with the first arm's angle less the second's.
+double angle_left(double cross, double dot, double& sense) {
+  const double folded = std::atan2(std::abs(cross), std::abs(dot));
+  sense = (cross > 0.0) == (dot > 0.0) ? 1.0 : -1.0;
+  return folded;
+}
 
 }  // namespace
 
@@ -23,10 +34,19 @@ PassiveForces::PassiveForces(const Plant& plant) : plant_(plant) {
   for (const JointFriction& f : plant.friction) {
     const int body = model.body_of_joint(f.joint);
     if (body < 0) throw InputError(fmt::format("friction: the robot has no joint '{}'", f.joint));
-    if (f.coulomb == 0.0 && f.viscous == 0.0 && f.stribeck == 0.0 && f.load == 0.0) continue;
+    const bool rubs = f.coulomb != 0.0 || f.viscous != 0.0 || f.stribeck != 0.0 || f.load != 0.0 ||
+                      f.positive != 0.0 || f.negative != 0.0 || f.load_stribeck != 0.0;
+    if (!rubs) continue;
     const int motor = model.motor_index(f.joint);
     friction_.push_back(
         {&f, body, motor, motor < 0 ? model.bodies[body].count : model.motors[motor].count});
+  }
+
+  for (const auto& [joint, torque] : plant.actuation.torque_offset) {
+    const int motor = model.motor_index(joint);
+    if (motor < 0)
+      throw InputError(fmt::format("torque offset: the robot has no motor at '{}'", joint));
+    if (torque != 0.0) offsets_.push_back({motor, model.motors[motor].count * torque});
   }
 
   for (const Transmission& t : plant.transmissions) {
@@ -41,21 +61,26 @@ void PassiveForces::add(const Mechanism& mechanism, const Inertia& inertia,
                         const std::vector<MotorState>& motors, const double* q, const double* v,
                         double* force) {
   if (!friction_.empty()) add_friction(mechanism, motors, q, v, force);
+  for (const Offset& offset : offsets_)
+    for (int i = 0; i < mechanism.n; ++i)
+      force[i] += offset.torque * mechanism.motor_row[offset.motor][i];
   if (!springs_.empty()) add_springs(mechanism, inertia, q, v, force);
   add_drag(mechanism, force);
+  if (!plant_.model.loops.empty()) add_loop_ends(mechanism, force);
 }
 
 void PassiveForces::add_friction(const Mechanism& mechanism, const std::vector<MotorState>& motors,
                                  const double* q, const double* v, double* force) const {
   for (const Friction& f : friction_) {
     const JointFriction& law = *f.law;
-    double rate, load = 0.0;
+    double rate, load = 0.0, load_at_rest = 0.0;
     JointState joint;
     const Row* row = &joint.row;
     if (f.motor >= 0) {
       rate = mechanism.motor_rate(f.motor, v);
       row = &mechanism.motor_row[f.motor];
       load = law.load * std::abs(motors[f.motor].torque);
+      load_at_rest = law.load_stribeck * std::abs(motors[f.motor].torque);
     } else {
       mechanism.joint(f.body, q, v, joint);
       const model::PlanarBody& link = plant_.model.bodies[f.body];
@@ -63,10 +88,13 @@ void PassiveForces::add_friction(const Mechanism& mechanism, const std::vector<M
     }
 
     const double ratio = rate / law.stribeck_rate;
-    const double level =
-        law.coulomb + load + (law.stribeck == 0.0 ? 0.0 : law.stribeck * std::exp(-ratio * ratio));
-    const double torque =
-        -f.count * (std::tanh(rate / law.smoothing_rate) * level + law.viscous * rate);
+    const double slow = rate / law.load_stribeck_rate;
+    const double sign = std::tanh(rate / law.smoothing_rate);
+    const double level = law.coulomb + load +
+                         (law.stribeck == 0.0 ? 0.0 : law.stribeck * std::exp(-ratio * ratio)) +
+                         (load_at_rest == 0.0 ? 0.0 : load_at_rest * std::exp(-slow * slow)) +
+                         0.5 * (law.positive * (1.0 + sign) + law.negative * (1.0 - sign));
+    const double torque = -f.count * (sign * level + law.viscous * rate);
     for (int i = 0; i < mechanism.n; ++i) force[i] += torque * (*row)[i];
   }
 }
@@ -104,6 +132,29 @@ void PassiveForces::add_drag(const Mechanism& mechanism, double* force) const {
         components::drag_load(drag, s, f.omega, plant_.drag_smoothing);
     for (int i = 0; i < mechanism.n; ++i)
       force[i] += load.force * (nx * f.jx[i] + nz * f.jz[i]) + load.moment * f.w[i];
+  }
+}
+
+void PassiveForces::add_loop_ends(const Mechanism& mechanism, double* force) const {
+  for (const model::PlanarLoop& loop : plant_.model.loops) {
+    const Frame &a = mechanism.frame(loop.body_a), &b = mechanism.frame(loop.body_b);
+    const Vec2 &ra = loop.point_a, &rb = loop.point_b;
+    const double ax = a.c * ra.x() + a.s * ra.y(), az = a.c * ra.y() - a.s * ra.x();
+    const double bx = b.c * rb.x() + b.s * rb.y(), bz = b.c * rb.y() - b.s * rb.x();
+    const double cross = ax * bz - az * bx, dot = ax * bx + az * bz;
+    // tan(0.1) > 0.1: the usual case is told without an arc tangent.
+    if (std::abs(cross) > 1.1 * kLinksMeet * std::abs(dot)) continue;
+    double sense;
+    const double left = angle_left(cross, dot, sense);
+    if (left >= kLinksMeet) continue;
+
+    const double length = std::sqrt(ra.squaredNorm()) + std::sqrt(rb.squaredNorm());
+    const double gravity = std::max(plant_.model.gravity, 1.0);
+    const double scale = plant_.model.total_mass() * gravity * length;
+    const double rate = sense * (a.omega - b.omega);
+    const double damped = 1.0 - rate / std::sqrt(gravity / length);
+    const double torque = scale * (kLinksMeet / left - 1.0) * std::max(0.0, damped);
+    for (int i = 0; i < mechanism.n; ++i) force[i] += torque * sense * (a.w[i] - b.w[i]);
   }
 }
 
