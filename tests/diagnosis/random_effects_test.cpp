@@ -21,7 +21,7 @@ Matrix normal_matrix(Eigen::Index rows, Eigen::Index cols, unsigned seed) {
 /// Two blocks of rows, two groups of columns that change places between them, two tolerances.
 RandomEffects small_effects(int rows_each, int columns) {
   RandomEffects effects;
-  effects.groups = {"force a", "force b"};
+  effects.groups = {{"a", 0}, {"b", 1}};
   effects.tolerances = normal_matrix(2 * rows_each, 2, 7);
   effects.tolerance_gram = effects.tolerances.transpose() * effects.tolerances;
   for (int b = 0; b < 2; ++b) {
@@ -116,7 +116,7 @@ TEST(RandomEffects, MoreSamplesOfTheSameForceAddLittleEvidence) {
   for (int i = 0; i < 2; ++i) {
     const int rows = i == 0 ? 10 : 1000;
     RandomEffects effects;
-    effects.groups = {"force"};
+    effects.groups = {{"force", 0}};
     effects.tolerances.resize(rows, 0);
     effects.tolerance_gram.resize(0, 0);
     RandomBlock block{0, rows, Matrix::Constant(rows, 1, 10.0), {0}, {}, Matrix(1, 0)};

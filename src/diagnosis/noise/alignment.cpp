@@ -10,14 +10,23 @@ namespace {
 
 constexpr double kLeastMisfit = 1e-12;  // that divides
 
+/// Mean of a span's residual before the command, where the robot rests; 0 without such rows.
+double rest_of(const Vector& residual, const Vector& time, double command) {
+  double sum = 0.0;
+  Eigen::Index count = 0;
+  for (; count < residual.size() && time[count] < command; ++count) sum += residual[count];
+  return count > 0 ? sum / static_cast<double>(count) : 0.0;
+}
+
 /// Residual of a span and minus its slope in time, both less their means where the channel is
-/// relative to rest.
+/// relative to rest. Other channels with an unknown zero begin at rest: a tracked point that sits
+/// 10 mm lower than stated is no clock that is 10 ms late.
 struct SpanSystem {
   Vector residual, slope;
 };
 
 SpanSystem span_system(const ObservedDataset& observed, const RowSpan& span,
-                       const Prediction& prediction, double shift) {
+                       const Prediction& prediction, double shift, const Settings& settings) {
   const Segment& segment = observed.segments[span.segment];
   const Vector& time = segment.time[span.channel];
   const double h = prediction.step;
@@ -31,9 +40,12 @@ SpanSystem span_system(const ObservedDataset& observed, const RowSpan& span,
     system.slope[i] = -(after - before) / (2.0 * h);
   }
 
-  if (relative_to_rest(observed, observed.channels[span.channel])) {
+  const Channel& channel = observed.channels[span.channel];
+  if (relative_to_rest(observed, channel)) {
     system.residual.array() -= system.residual.mean();
     system.slope.array() -= system.slope.mean();
+  } else if (offset_scale(observed, channel, settings) > 0.0) {
+    system.residual.array() -= rest_of(system.residual, time, segment.start + shift);
   }
   return system;
 }
@@ -41,12 +53,13 @@ SpanSystem span_system(const ObservedDataset& observed, const RowSpan& span,
 /// Misfit of every channel over all segments as they are aligned: the unit in which alignment
 /// weighs it.
 Vector misfits(const ObservedDataset& observed, const std::vector<const Prediction*>& predictions,
-               const Alignment& alignment) {
+               const Alignment& alignment, const Settings& settings) {
   Vector squares = Vector::Zero(count_of(observed.channels)), counts = squares;
   for (const RowSpan& span : row_spans(observed)) {
     const double shift = alignment.segments[span.segment].shift[observed.stream_of(span.channel)];
     squares[span.channel] +=
-        span_system(observed, span, *predictions[span.segment], shift).residual.squaredNorm();
+        span_system(observed, span, *predictions[span.segment], shift, settings)
+            .residual.squaredNorm();
     counts[span.channel] += span.count;
   }
   return (squares.array() / counts.array().max(1.0)).sqrt().max(kLeastMisfit);
@@ -72,7 +85,7 @@ struct ShiftSearch {
     double gradient = -shift * ridge, curvature = ridge;
 
     for (const RowSpan& span : spans) {
-      const SpanSystem system = span_system(observed, span, prediction, shift);
+      const SpanSystem system = span_system(observed, span, prediction, shift, settings);
       const double weight = 1.0 / (unit[span.channel] * unit[span.channel]);
       cost += weight * system.residual.squaredNorm();
       gradient += weight * system.slope.dot(system.residual);
@@ -123,7 +136,7 @@ Alignment align(const ObservedDataset& observed, const std::vector<const Predict
 
   for (int c = 0; c < count_of(observed.channels); ++c)
     alignment.late[c] = predictions.front()->lateness(c);
-  const Vector unit = misfits(observed, predictions, alignment);
+  const Vector unit = misfits(observed, predictions, alignment, settings);
   const std::vector<RowSpan> all = row_spans(observed);
   for (int r = 0; r < count_of(observed.segments); ++r) {
     for (int s = 0; s < count_of(observed.streams); ++s) {

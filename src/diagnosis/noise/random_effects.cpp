@@ -4,6 +4,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
@@ -247,6 +248,17 @@ ScaleEstimate estimated_scales(const RandomEffects& effects, const Products& pro
 
 Vector told_by(const RandomEffects& effects, const Products& products, const Vector& scales) {
   return fixed_point(effects, products, scales).sums.told;
+}
+
+RandomEffects beside_columns(RandomEffects effects, const Matrix& Y) {
+  if (effects.tolerances.cols() == 0 || Y.cols() == 0) return effects;
+
+  effects.tolerances -= Y * Y.colPivHouseholderQr().solve(effects.tolerances);
+  effects.tolerance_gram = effects.tolerances.transpose() * effects.tolerances;
+  for (RandomBlock& block : effects.blocks)
+    block.with_tolerances =
+        block.columns.transpose() * effects.tolerances.middleRows(block.first, block.count);
+  return effects;
 }
 
 void RandomShrinkage::apply(VectorRef x) const {

@@ -4,8 +4,9 @@
 //
 //   r = T (y - A m - f(p)) = C c + G w + e,   c ~ N(0, I),  w_k ~ N(0, s_g(k)^2),  e ~ N(0, I)
 //   C  slopes by the tolerances, one standard deviation each (forward/tolerance_directions.h)
-//   G  slopes by generalised forces that are constant over boxes of time, a group a coordinate; and
-//      smooth modes of every channel under a plan, a group a channel (nuisances.h)
+//   G  slopes by generalised forces that are constant over boxes of time, a group a coordinate
+//      under a plan, a group a coordinate and band under a logged input (force_bands.h); and smooth
+//      modes of every channel under a plan, a group a channel (nuisances.h)
 // The deviations s are unknown and belong to a model: a wrong model needs larger ones. They are
 // estimated for each by maximising its evidence (variance components; MacKay 1992, section 2;
 // process noise of grey-box models: Kristensen, Madsen and Jorgensen 2004). What a model lacks is
@@ -47,9 +48,16 @@ struct RandomBlock {
   Matrix with_tolerances;    ///< G^T C
 };
 
+/// Columns that share a deviation.
+struct RandomGroup {
+  std::string name;    ///< "elbow", "channel x"
+  int force = -1;      ///< index in Hypotheses::forces; -1: no force
+  double share = 1.0;  ///< of the force's mean square that the group's deviation squared is
+};
+
 /// Of white rows.
 struct RandomEffects {
-  std::vector<std::string> groups;  ///< "force at elbow", "channel x"
+  std::vector<RandomGroup> groups;
   std::vector<RandomBlock> blocks;
   Matrix tolerances;      ///< C, rows x t
   Matrix tolerance_gram;  ///< C^T C
@@ -98,6 +106,12 @@ ScaleEstimate estimated_scales(const RandomEffects& effects, const Products& pro
 
 /// Of each group, of how many of its w the data tell, X = [r Y].
 Vector told_by(const RandomEffects& effects, const Products& products, const Vector& scales);
+
+/// Tolerances beside columns Y of effects that are freed: with B = (Y^T Y)^-1 Y^T C,
+///   C' = C - Y B
+/// leaves to an effect all that it can explain, also where the builder may have been off by some of
+/// it, so that an estimate is what the data show in all.
+RandomEffects beside_columns(RandomEffects effects, const Matrix& Y);
 
 /// V^-1/2, as a fixed map on white rows.
 struct RandomShrinkage {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnosis/noise/force_bands.h"
 #include "diagnosis/noise/row_deviations.h"
 
 namespace jaculus::diagnosis {
@@ -80,22 +81,50 @@ ChannelModes channel_modes(const ObservedDataset& observed, const DatasetNoise& 
   return out;
 }
 
-/// The group of a name, which is added where it is new.
-int group_of(const std::string& name, std::vector<std::string>& groups) {
-  const int known = index_of(groups, name);
-  if (known >= 0) return known;
-  groups.push_back(name);
+/// The group of a channel, which is added where it is new.
+int channel_group(const std::string& name, std::vector<RandomGroup>& groups) {
+  const auto known = std::find_if(groups.begin(), groups.end(),
+                                  [&](const RandomGroup& group) { return group.name == name; });
+  if (known != groups.end()) return static_cast<int>(known - groups.begin());
+  groups.push_back({name});
   return count_of(groups) - 1;
 }
 
-/// Forces on the rows of one block of segments.
+/// Groups of the forces: each as a whole, then each one's bands.
+std::vector<RandomGroup> force_groups(const std::vector<ForceGroup>& forces) {
+  std::vector<RandomGroup> groups;
+  for (int g = 0; g < count_of(forces); ++g) groups.push_back({forces[g].name, g});
+  for (int g = 0; g < count_of(forces); ++g) {
+    const int boxes = count_of(forces[g].boxes);
+    for (int b = 0; b < bands_of(boxes); ++b)
+      groups.push_back({forces[g].name, g, share_of_band(b, boxes)});
+  }
+  return groups;
+}
+
+/// Slopes by boxes as those by cosines, and the group of each.
+Matrix in_bands(const Matrix& slopes, const std::vector<ForceGroup>& forces,
+                std::vector<int>& group) {
+  Matrix out(slopes.rows(), slopes.cols());
+  int column = 0, first_band = count_of(forces);
+  for (const ForceGroup& force : forces) {
+    const int boxes = count_of(force.boxes);
+    out.middleCols(column, boxes) = slopes.middleCols(column, boxes) * cosines(boxes);
+    for (int k = 0; k < boxes; ++k) group.push_back(first_band + band_of(k));
+    column += boxes;
+    first_band += bands_of(boxes);
+  }
+  return out;
+}
+
+/// Forces on the rows of a window.
 RandomBlock force_block(const DatasetWhitening& whitening, const SegmentBlock& segment,
-                        const DatasetNoise& noise, const Matrix& raw, const std::vector<int>& group,
-                        int first) {
+                        const DatasetNoise& noise, const Matrix& raw,
+                        const std::vector<ForceGroup>& forces, int first) {
   const SegmentNuisances& own = noise.nuisances[segment.segment];
-  RandomBlock block{first + segment.first, segment.count, {}, group, {}, {}};
-  block.columns = whitening.whiten_block(whitening.block_of(segment.segment),
-                                         raw.middleRows(own.first, own.count));
+  RandomBlock block{first + segment.first, segment.count, {}, {}, {}, {}};
+  const Matrix slopes = in_bands(raw.middleRows(own.first, own.count), forces, block.group);
+  block.columns = whitening.whiten_block(whitening.block_of(segment.segment), slopes);
   for (Eigen::Index k = 0; k < block.columns.cols(); ++k)
     segment.nuisances.apply(block.columns.col(k));
   return block;
@@ -110,7 +139,8 @@ void add_blocks(const Problem& problem, const NoiseModel& noise, int dataset, in
   const Matrix& raw = noise.random.forces[dataset];
   if (observed.measured_input) {
     for (const SegmentBlock& segment : whitening.blocks)
-      out.blocks.push_back(force_block(whitening, segment, own, raw, noise.random.group, first));
+      out.blocks.push_back(
+          force_block(whitening, segment, own, raw, problem.hypotheses.forces, first));
     return;
   }
 
@@ -122,7 +152,7 @@ void add_blocks(const Problem& problem, const NoiseModel& noise, int dataset, in
   block.columns.conservativeResize(whitening.rows, raw.cols() + modes.columns.cols());
   block.columns.rightCols(modes.columns.cols()) = modes.columns;
   for (const int channel : modes.channel)
-    block.group.push_back(group_of("channel " + observed.channels[channel].name, out.groups));
+    block.group.push_back(channel_group("channel " + observed.channels[channel].name, out.groups));
   out.blocks.push_back(std::move(block));
 }
 
@@ -130,8 +160,7 @@ RandomEffects random_effects(const Problem& problem, const NoiseModel& noise,
                              const std::vector<DatasetWhitening>& datasets, int rows) {
   RandomEffects out;
   if (noise.random.forces.empty()) return out;
-  for (const ForceGroup& group : problem.hypotheses.forces)
-    out.groups.push_back("force " + group.name);
+  out.groups = force_groups(problem.hypotheses.forces);
 
   out.tolerances.resize(rows, noise.random.tolerances.front().cols());
   int first = 0;

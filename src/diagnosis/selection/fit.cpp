@@ -177,23 +177,35 @@ double log_within_bounds(const Residual& residual, const LinearEvidence& linear)
 }
 
 /// Evidence at the optimum by the fit's deviations, and without forces; r, J, p are there.
-void complete(const Problem& problem, const RandomEffects& random, const Residual& residual,
-              const Products& products, const ScaleEstimate& estimate, Fit& fit) {
+/// `beside`: the random effects beside the columns by which costs are told.
+void complete(const Problem& problem, const RandomEffects& random, const RandomEffects& beside,
+              const Residual& residual, const ScaleEstimate& estimate, Fit& fit) {
   fit.scales = estimate.scales;
+  const Matrix model = linear_model(problem, fit);
+  const Products products = products_of(random, model);
   const LinearEvidence linear = linear_evidence(random, products, fit.scales);
   const LinearEvidence without = linear_evidence(random, products, Vector::Zero(random.size()));
   fit.chi2 = fit.residual.squaredNorm();
-  fit.covariance = linear.covariance;
   fit.log_evidence = linear.log_evidence + estimate.log_cost + log_within_bounds(residual, linear);
   fit.log_complete = without.log_evidence + log_within_bounds(residual, without);
 
-  const Products alone = products_of(random, fit.residual);
+  fit.covariance = linear_evidence(beside, products_of(beside, model), fit.scales).covariance;
+  const Vector marginal = linear.covariance.diagonal(), own = fit.covariance.diagonal();
+  fit.shared = (marginal - own).cwiseMax(0.0).cwiseSqrt();
   const Vector u = problem.hypotheses.scaled(fit.free, fit.p);
-  fit.cost = 0.5 * (weigh(random, alone, fit.scales).gram(0, 0) + u.squaredNorm());
+  const Products alone = products_of(beside, fit.residual);
+  fit.cost = 0.5 * (weigh(beside, alone, fit.scales).gram(0, 0) + u.squaredNorm());
 }
 
 Vector scales_of(const FitOptions& options, const RandomEffects& random) {
   return options.scales.size() == random.size() ? options.scales : first_scales(random);
+}
+
+RandomEffects without_tolerances(RandomEffects random) {
+  random.tolerances.resize(random.tolerances.rows(), 0);
+  random.tolerance_gram.resize(0, 0);
+  for (RandomBlock& block : random.blocks) block.with_tolerances.resize(block.columns.cols(), 0);
+  return random;
 }
 
 /// Minimises and estimates the deviations in turn, from u on. First without any force, as plain
@@ -202,13 +214,21 @@ Fit fit_from(const Problem& problem, const Whitening& whitening, const std::vect
              const FitOptions& options, Residual& residual, Vector u) {
   const Settings& settings = problem.settings;
   const RandomEffects& random = whitening.random;
-  const int iterations = options.iterations.value_or(settings.fit_iterations);
+  const int first_iterations = options.iterations.value_or(settings.fit_iterations);
   Fit fit;
   fit.free = free;
-  fit.scales = options.hold_scales ? options.scales : Vector(Vector::Zero(random.size()));
+  fit.scales = options.hold_scales || options.with_forces ? scales_of(options, random)
+                                                          : Vector(Vector::Zero(random.size()));
 
+  RandomEffects beside = fit.scales.isZero() && !options.hold_scales
+                             ? without_tolerances(random)
+                             : beside_columns(random, options.beside);
   for (int round = 0;; ++round) {
-    const RandomShrinkage shrinkage = random_shrinkage(random, fit.scales);
+    const RandomShrinkage shrinkage = random_shrinkage(beside, fit.scales);
+    // Later rounds set out from where the one before arrived.
+    const int iterations = round == 0 || !in_windows(problem)
+                               ? first_iterations
+                               : std::min(first_iterations, settings.profile_iterations);
     fit.valid = (free.empty() || minimise(residual, shrinkage, iterations, settings, u)) &&
                 residual.value(u, fit.residual) && residual.jacobian(u, fit.jacobian);
     if (!fit.valid) return fit;
@@ -217,16 +237,43 @@ Fit fit_from(const Problem& problem, const Whitening& whitening, const std::vect
     fit.rows = residual.predicted();
     const Products products = products_of(random, linear_model(problem, fit));
     const double before = linear_evidence(random, products, fit.scales).log_evidence;
-    const bool first = round == 0 && !options.hold_scales;
+    const bool first = round == 0 && !options.hold_scales && !options.with_forces;
     const ScaleEstimate estimate =
         estimated_scales(random, products, first ? scales_of(options, random) : fit.scales,
                          options.hold_scales ? 0 : settings.scale_steps, settings.scale_spread);
-    complete(problem, random, residual, products, estimate, fit);
+    if (options.beside.size() == 0) beside = beside_columns(random, fit.jacobian);
+    complete(problem, random, beside, residual, estimate, fit);
 
     const double gained = linear_evidence(random, products, fit.scales).log_evidence - before;
     const bool settled = free.empty() || gained < settings.scales_settled;
     if (settled || options.hold_scales || round == settings.scale_rounds) return fit;
   }
+}
+
+/// Starts in the order of their misfit there, by the deviations to begin with; those that can't be
+/// simulated last.
+std::vector<Vector> best_first(const Problem& problem, const Whitening& whitening,
+                               const std::vector<int>& free, const std::vector<Vector>& starts,
+                               const FitOptions& options) {
+  if (starts.size() < 2 || !in_windows(problem)) return starts;
+  const Vector scales = scales_of(options, whitening.random);
+  std::vector<std::pair<double, int>> order;
+  for (int i = 0; i < count_of(starts); ++i) {
+    Residual residual(problem, whitening, free, starts[i]);
+    const Vector u = residual.reduced(starts[i]);
+    Vector r;
+    double cost = kInfinity;
+    if (residual.value(u, r)) {
+      const Products products = products_of(whitening.random, r);
+      cost = 0.5 * (weigh(whitening.random, products, scales).gram(0, 0) + u.squaredNorm());
+    }
+    order.emplace_back(cost, i);
+  }
+
+  std::sort(order.begin(), order.end());
+  std::vector<Vector> sorted;
+  for (const auto& [cost, i] : order) sorted.push_back(starts[i]);
+  return sorted;
 }
 
 }  // namespace
@@ -255,17 +302,14 @@ Fit fit_model(const Problem& problem, const Whitening& whitening, const std::vec
   if (free.empty()) return evaluate_model(problem, whitening, starts.front(), options);
   Fit best;
 
-  long predictions = 0;
-  for (const Vector& start : starts) {
+  long predictions = starts.size() > 1 ? count_of(starts) : 0;
+  for (const Vector& start : best_first(problem, whitening, free, starts, options)) {
     Residual residual(problem, whitening, free, start);
     const Fit fit = fit_from(problem, whitening, free, options, residual, residual.reduced(start));
     predictions += residual.predictions();
-    if (!fit.valid) {
-      if (!best.valid) best.message = residual.message();
-      continue;
-    }
-    if (!best.valid || fit.log_evidence > best.log_evidence) best = fit;
-    if (best.log_evidence >= options.enough) break;
+    if (fit.valid && (!best.valid || fit.log_evidence > best.log_evidence)) best = fit;
+    if (!best.valid) best.message = residual.message();
+    if (best.valid && best.log_evidence >= options.enough) break;
   }
 
   best.predictions = predictions;
@@ -280,6 +324,7 @@ Fit fit_around(const Problem& problem, const Whitening& whitening, Fit fit,
   FitOptions held;
   held.scales = fit.scales;
   held.hold_scales = true;
+  held.beside = fit.jacobian;
   Vector best;
   double least = fit.cost - problem.settings.lower_valley;
   for (const double factor : kAround) {

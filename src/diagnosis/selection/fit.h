@@ -32,7 +32,9 @@ struct Fit {
   Vector residual;           ///< r there
   Matrix jacobian;           ///< dr/du, rows x free
   Vector scales;             ///< deviations S of the random effects
-  Matrix covariance;         ///< of u, H^-1
+  Matrix covariance;         ///< of u, H^-1, tolerances beside the effects (beside_columns)
+  /// Deviation of u that tolerances in its place add: squared, marginal less `covariance`.
+  Vector shared;
   double chi2 = 0.0;         ///< |r|^2
   double cost = 0.0;         ///< at the optimum, by S
   double log_evidence = 0.0;
@@ -43,12 +45,17 @@ struct Fit {
 struct FitOptions {
   std::optional<int> iterations{};  ///< at most, a start; else settings.fit_iterations
   double enough = kInfinity;        ///< log evidence at which no further start is tried
-  Vector scales{};                  ///< deviations to begin with; empty: first_scales()
-  bool hold_scales = false;         ///< whether they stay
+  Vector scales{};           ///< deviations to begin with; empty: first_scales()
+  bool hold_scales = false;  ///< whether they stay
+  /// Columns beside which tolerances stay; empty: those of the fit itself.
+  Matrix beside{};
+  /// Whether forces are granted from the first round on, at `scales`; else it is plain least
+  /// squares.
+  bool with_forces = false;
 };
 
 /// Fits the parameters `free` from each of `starts` in turn (full vectors; their other entries
-/// count as fixed) and keeps the best.
+/// count as fixed), the one of the least misfit first, and keeps the best.
 Fit fit_model(const Problem& problem, const Whitening& whitening, const std::vector<int>& free,
               const std::vector<Vector>& starts, const FitOptions& options = {});
 
@@ -68,7 +75,8 @@ Fit fit_around(const Problem& problem, const Whitening& whitening, Fit fit,
 
 /// 95 % interval of one free parameter: +-1.96 standard deviations, cut at the bounds, where the
 /// cost there rises as the curvature says within `profile_tolerance`; else ends where the profile
-/// (others refitted) has risen by 1.92.
+/// (others refitted) has risen by 1.92. Widened, squares added, by what tolerances grant in its
+/// place.
 Bounds interval95(const Problem& problem, const Whitening& whitening, const Fit& fit,
                   int parameter);
 

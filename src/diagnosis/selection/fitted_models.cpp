@@ -7,6 +7,26 @@
 
 namespace jaculus::diagnosis {
 
+namespace {
+
+/// From a model that this one contains, with the forces that it lacks: where plain least squares
+/// lead away.
+Fit fit_beside(const Problem& problem, const Whitening& whitening, const Fit& base,
+               const std::vector<int>& free) {
+  FitOptions options;
+  options.scales = base.scales;
+  options.with_forces = true;
+  return fit_model(problem, whitening, free, {base.p}, options);
+}
+
+Fit better(const Fit& a, const Fit& b) {
+  Fit best = b.valid && b.log_evidence > a.log_evidence ? b : a;
+  best.predictions = a.predictions + b.predictions;
+  return best;
+}
+
+}  // namespace
+
 FittedModels::FittedModels(const Problem& problem, const Comparison& comparison,
                            const SearchResult* earlier)
     : problem_(problem), comparison_(comparison), earlier_(earlier) {
@@ -43,10 +63,23 @@ std::vector<ModelFit> FittedModels::close_to(const ModelFit& from, int count) co
 }
 
 std::vector<Probe> FittedModels::probe(const ModelFit& base) {
-  const bool about_none = base.candidates.empty();
+  const bool again = earlier_ != nullptr && in_windows(problem_);
+  const bool search = base.candidates.empty() && !again;
   std::vector<Probe> probes = screen(problem_, comparison_.whitening, base.fit,
-                                     about_none ? Screening::line_search : Screening::steps);
-  for (const Probe& probe : probes) predictions_ += probe.predictions;
+                                     search ? Screening::line_search : Screening::steps);
+  for (std::size_t c = 0; c < probes.size(); ++c) {
+    predictions_ += probes[c].predictions;
+    if (!base.candidates.empty() || !again) continue;
+
+    // Steps that were searched for stay good starts where the noise is told anew.
+    const Probe& before = earlier_->probes[c];
+    probes[c].step = before.step;
+    probes[c].score = std::max(probes[c].score, before.score);
+    if (probes[c].valid || !before.valid) continue;
+    probes[c].valid = true;
+    probes[c].small = before.small;
+    probes[c].full = before.full;
+  }
   return probes;
 }
 
@@ -56,8 +89,15 @@ void FittedModels::extend(const ModelFit& base, const std::vector<Probe>& probes
   std::stable_sort(order.begin(), order.end(),
                    [&](int a, int b) { return probes[a].score > probes[b].score; });
 
-  const double least = base.candidates.empty() ? -kInfinity : problem_.settings.member_gain;
-  std::erase_if(order, [&](int c) { return !probes[c].valid || probes[c].score < least; });
+  // No step of a line search that helps: nothing to fit.
+  const Settings& settings = problem_.settings;
+  double best = 0.0;
+  for (const Probe& probe : probes) best = std::max(best, probe.valid ? probe.score : 0.0);
+  const double asked = base.candidates.empty() ? 0.0 : settings.member_gain;
+  const double worth = std::max(asked, settings.worth_fitting * best);
+  const double by_slopes = base.candidates.empty() ? -kInfinity : settings.member_gain;
+  const double least = in_windows(problem_) ? worth : by_slopes;
+  std::erase_if(order, [&](int c) { return !probes[c].valid || probes[c].score <= least; });
   if (count_of(order) > count) order.resize(count);
   extend(base, probes, order);
 }
@@ -75,7 +115,42 @@ void FittedModels::extend(const ModelFit& base, const std::vector<Probe>& probes
     job.starts = fit_starts(problem_, base.fit.p, c, probes[c]);
     if (const Fit* known = base.candidates.empty() ? fitted_earlier(c) : nullptr)
       job.starts.insert(job.starts.begin(), known->p);
-    job.enough = base.fit.log_evidence + probes[c].score - problem_.settings.start_reached;
+    job.base = base.fit;
+    job.enough = base.fit.log_evidence +
+                 (in_windows(problem_) ? problem_.settings.start_reached : 1.0) * probes[c].score;
+    jobs.push_back(job);
+  }
+  fit(jobs);
+}
+
+const Fit& FittedModels::contained_in(const Members& members) const {
+  const ModelFit* best = &none();
+  for (const int dropped : members) {
+    Members rest = members;
+    std::erase(rest, dropped);
+    const ModelFit* fitted = find(rest);
+    if (fitted != nullptr && fitted->fit.valid && value(*fitted) > value(*best)) best = fitted;
+  }
+  return best->fit;
+}
+
+void FittedModels::fit_sets(const std::vector<LinearSet>& sets) {
+  std::vector<Job> jobs;
+  for (const LinearSet& set : sets) {
+    if (find(set.members) != nullptr) continue;
+    Job job{set.members, {}, contained_in(set.members)};
+    Vector estimated = none().fit.p;
+    Eigen::Index k = 0;
+    for (const int c : set.members) {
+      for (const int i : problem_.hypotheses.candidates[c].parameters) {
+        const FreeParameter& own = problem_.hypotheses.parameters[i];
+        estimated[i] = std::clamp(estimated[i] + set.mean[k++] * own.scale, own.bounds.lower,
+                                  own.bounds.upper);
+      }
+    }
+    job.starts = {estimated};
+    if (job.base.valid) job.starts.push_back(job.base.p);
+    job.enough = job.base.log_evidence + problem_.settings.member_gain;
     jobs.push_back(job);
   }
   fit(jobs);
@@ -96,11 +171,17 @@ void FittedModels::fit(const std::vector<Job>& jobs) {
     model.candidates = jobs[i].members;
     model.log_prior = log_prior(model.candidates.size(), candidates, problem_.settings);
 
+    const Whitening& whitening = comparison_.whitening;
+    const Fit& base = jobs[i].base;
     FitOptions options;
     options.enough = jobs[i].enough;
     if (!models_.empty()) options.scales = none().fit.scales;
     const std::vector<int> free = problem_.hypotheses.freed_by(model.candidates);
-    model.fit = fit_model(problem_, comparison_.whitening, free, jobs[i].starts, options);
+    model.fit = fit_model(problem_, whitening, free, jobs[i].starts, options);
+    const double least =
+        base.valid ? base.log_evidence - problem_.settings.gone_astray : -kInfinity;
+    if (in_windows(problem_) && model.fit.valid && model.fit.log_evidence < least)
+      model.fit = better(model.fit, fit_beside(problem_, whitening, base, free));
     if (model.candidates.size() == 1)
       model.fit = fit_around(problem_, comparison_.whitening, model.fit, options);
   });

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "diagnosis/selection/comparison.h"
+#include "diagnosis/selection/linear_sets.h"
 #include "diagnosis/selection/posterior.h"
 
 namespace jaculus::diagnosis {
@@ -32,6 +33,8 @@ class FittedModels {
   std::vector<Probe> probe(const ModelFit& base);
   /// Fits `base` and one more candidate each, of the best `count` probes.
   void extend(const ModelFit& base, const std::vector<Probe>& probes, int count);
+  /// Fits sets of effects from their linear estimates, those that were not fitted yet.
+  void fit_sets(const std::vector<LinearSet>& sets);
   /// The same of these candidates.
   void extend(const ModelFit& base, const std::vector<Probe>& probes, const Members& which);
 
@@ -39,10 +42,13 @@ class FittedModels {
   struct Job {
     Members members;
     std::vector<Vector> starts;
-    double enough = kInfinity;  ///< log evidence that screening promised
+    Fit base{};                 ///< of the model that this one extends
+    double enough = kInfinity;  ///< log evidence at which no further start is tried
   };
 
   [[nodiscard]] const Fit* fitted_earlier(int candidate) const;
+  /// The best fit of what is left where one member of a set is dropped, or none's.
+  [[nodiscard]] const Fit& contained_in(const Members& members) const;
   void fit(const std::vector<Job>& jobs);
 
   const Problem& problem_;

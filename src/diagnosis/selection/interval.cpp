@@ -23,6 +23,7 @@ double profile(const Problem& problem, const Whitening& whitening, const Fit& fi
   options.iterations = problem.settings.profile_iterations;
   options.scales = fit.scales;
   options.hold_scales = true;
+  options.beside = fit.jacobian;
   const Fit there = fit_model(problem, whitening, others, {p}, options);
   const FreeParameter& own = problem.hypotheses.parameters[parameter];
   const double u = (p_value - own.nominal) / own.scale;
@@ -68,8 +69,14 @@ Bounds interval95(const Problem& problem, const Whitening& whitening, const Fit&
   const auto place = std::find(fit.free.begin(), fit.free.end(), parameter) - fit.free.begin();
   const FreeParameter& own = problem.hypotheses.parameters[parameter];
   const double deviation = own.scale * std::sqrt(fit.covariance(place, place));
-  return {interval_end(problem, whitening, fit, parameter, deviation, -1.0),
-          interval_end(problem, whitening, fit, parameter, deviation, 1.0)};
+  const double granted = quantiles::kTwoSided95 * own.scale * fit.shared[place],
+               value = fit.p[parameter];
+  const auto end = [&](double side) {
+    const double told = interval_end(problem, whitening, fit, parameter, deviation, side) - value;
+    return std::clamp(value + side * std::hypot(told, granted), own.bounds.lower,
+                      own.bounds.upper);
+  };
+  return {end(-1.0), end(1.0)};
 }
 
 }  // namespace jaculus::diagnosis

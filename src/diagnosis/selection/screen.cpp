@@ -61,8 +61,8 @@ LinearEvidence with_columns(const Base& base, const Matrix& own) {
   return linear;
 }
 
-/// Raises the probe's score and estimate to what these columns reach.
-void raise_score(const Base& base, const Candidate& candidate, const Matrix& own, Probe& probe) {
+/// Raises the probe's score and estimate to what these columns reach; whether they do.
+bool raise_score(const Base& base, const Candidate& candidate, const Matrix& own, Probe& probe) {
   LinearEvidence linear = with_columns(base, own);
   for (Eigen::Index k = 0; k < own.cols(); ++k) {
     const FreeParameter& p = base.problem.hypotheses.parameters[candidate.parameters[k]];
@@ -74,9 +74,10 @@ void raise_score(const Base& base, const Candidate& candidate, const Matrix& own
     if (k == 0 && linear.mean[k] == 0.0) linear.log_evidence = base.alone - 1.0;
   }
 
-  if (linear.log_evidence - base.alone <= probe.score) return;
+  if (linear.log_evidence - base.alone <= probe.score) return false;
   probe.score = linear.log_evidence - base.alone;
   probe.estimate = linear.mean.head(own.cols());
+  return true;
 }
 
 }  // namespace
@@ -98,7 +99,7 @@ Probe probe_candidate(const Problem& problem, const Whitening& whitening, const 
   const bool by_full = full && full->norm() > influence;
   const bool by_small = small && small->norm() > influence;
   if (by_full) raise_score(known, candidate, *full, probe);
-  if (by_small) raise_score(known, candidate, *small, probe);
+  if (by_small) probe.by_small = raise_score(known, candidate, *small, probe);
   probe.valid = by_full || by_small;
   if (probe.valid) {
     probe.full = by_full ? *full : *small;

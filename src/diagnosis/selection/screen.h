@@ -20,10 +20,13 @@ namespace jaculus::diagnosis {
 struct Probe {
   bool valid = false;
   Matrix small, full;  ///< rows x parameters, per prior scale, at the two strengths
+  bool by_small = false;  ///< whether the score is that of the small step's columns
   double score = -kInfinity;
   Vector estimate;     ///< u of its parameters by the better linear model, within bounds
   double step = kNaN;  ///< u of the first parameter by line search; NaN: none beats standing still
   long predictions = 0;  ///< sets of simulations that it took
+
+  [[nodiscard]] const Matrix& better() const { return by_small ? small : full; }
 };
 
 /// How thorough screening is: at the two steps, or by line search as well.

@@ -82,6 +82,55 @@ void exchange(FittedModels& models, const ModelFit& best, const std::set<Members
   }
 }
 
+/// Whether a model leaves forces that the plant lacks.
+bool leaves_more(const Settings& settings, const ModelFit& model) {
+  return model.fit.log_evidence - model.fit.log_complete >= settings.remainder_left;
+}
+
+/// Whether the best model of a size gains on the best smaller one.
+bool gains(const Settings& settings, const FittedModels& models, int size) {
+  const ModelFit *base = models.best(size), *before = models.best(size - 1);
+  if (base == nullptr || before == nullptr) return false;
+  const double gain = size > 1 ? settings.larger_gain : 0.0;
+  return models.value(*base) >= models.value(*before) + gain;
+}
+
+/// Every set of the members of one of `roots` and one more candidate.
+std::vector<Members> extended_by_one(const std::vector<Members>& roots, int candidates) {
+  std::set<Members> sets;
+  for (const Members& root : roots) {
+    for (int c = 0; c < candidates; ++c) {
+      if (std::binary_search(root.begin(), root.end(), c)) continue;
+      Members set = root;
+      set.insert(std::upper_bound(set.begin(), set.end(), c), c);
+      sets.insert(set);
+    }
+  }
+  return {sets.begin(), sets.end()};
+}
+
+/// Judges sets of one more effect than `roots` by linear algebra, fits the best, and makes the
+/// better ones the next roots. Whether those gain is not asked: two may help only together.
+void fit_best_sets(const Problem& problem, const Whitening& whitening,
+                   const std::vector<Probe>& probes, FittedModels& models,
+                   std::vector<Members>& roots) {
+  const Settings& settings = problem.settings;
+  std::vector<LinearSet> sets = linear_sets(problem, whitening, models.none().fit, probes,
+                                            extended_by_one(roots, count_of(probes)));
+  roots.clear();
+  for (const LinearSet& set : sets)
+    if (count_of(roots) < settings.kept_singles * settings.kept_pairs) roots.push_back(set.members);
+  if (count_of(sets) > settings.kept_pairs) sets.resize(settings.kept_pairs);
+  models.fit_sets(sets);
+}
+
+/// Whether the best set of a size leads one of less by so much that nothing else is sought.
+bool leads_clearly(const Settings& settings, const FittedModels& models, const ModelFit& from,
+                   int size) {
+  const ModelFit* best = models.best(size);
+  return best != nullptr && models.value(*best) - models.value(from) > settings.clear_lead;
+}
+
 /// Whether models of `size` effects are worth seeking: the best smaller one gains, and leaves
 /// forces that the plant lacks.
 bool worth_enlarging(const Settings& settings, const FittedModels& models, int size) {
@@ -92,7 +141,8 @@ bool worth_enlarging(const Settings& settings, const FittedModels& models, int s
          base->fit.log_evidence - base->fit.log_complete >= settings.remainder_left;
 }
 
-void search_larger(const Problem& problem, const SearchOptions& options, FittedModels& models) {
+void search_about_leaders(const Problem& problem, const SearchOptions& options,
+                          FittedModels& models) {
   const Settings& settings = problem.settings;
   for (int size = 2; size <= options.largest; ++size) {
     if (!worth_enlarging(settings, models, size)) return;
@@ -108,6 +158,35 @@ void search_larger(const Problem& problem, const SearchOptions& options, FittedM
 
     const ModelFit* reached = models.best(size);
     if (reached == nullptr || models.value(*reached) < models.value(from)) return;
+    const ModelFit best = *reached;
+    exchange(models, best, extended, settings.kept_pairs);
+  }
+}
+
+void search_larger(const Problem& problem, const Whitening& whitening,
+                   const std::vector<Probe>& probes, const SearchOptions& options,
+                   FittedModels& models) {
+  const Settings& settings = problem.settings;
+  std::vector<Members> roots;
+  for (int c = 0; c < count_of(probes); ++c) roots.push_back({c});
+  if (!gains(settings, models, 1)) return;
+
+  for (int size = 2; size <= options.largest; ++size) {
+    if (models.best(size - 1) == nullptr) return;
+    const ModelFit from = *models.best(size - 1);
+    if (!leaves_more(settings, from)) return;
+    if (options.progress) options.progress(size == 2 ? "pairs of effects" : "triples of effects");
+    fit_best_sets(problem, whitening, probes, models, roots);
+
+    // Slopes at none no longer hold where effects are strong: then about what leads.
+    if (leads_clearly(settings, models, from, size) || !gains(settings, models, size - 1)) continue;
+    std::set<Members> extended;
+    for (const ModelFit& root : models.close_to(from, size == 2 ? settings.search_roots : 1)) {
+      models.extend(root, models.probe(root), settings.kept_pairs);
+      extended.insert(root.candidates);
+    }
+    const ModelFit* reached = models.best(size);
+    if (reached == nullptr || models.value(*reached) < models.value(from)) continue;
     const ModelFit best = *reached;
     exchange(models, best, extended, settings.kept_pairs);
   }
@@ -135,7 +214,10 @@ SearchResult search_models(const Problem& problem, const Comparison& comparison,
   if (options.progress) options.progress("single effects");
   models.extend(none, out.probes, problem.settings.kept_singles);
   fit_indistinguishable(problem.settings, comparison.whitening, out.probes, models);
-  search_larger(problem, options, models);
+  if (in_windows(problem))
+    search_larger(problem, comparison.whitening, out.probes, options, models);
+  else
+    search_about_leaders(problem, options, models);
 
   out.indistinguishable = indistinguishable_sets(comparison.whitening, models, out.probes,
                                                  problem.settings.indistinguishable_below);

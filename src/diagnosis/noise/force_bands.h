@@ -1,0 +1,27 @@
+#pragma once
+// Bands of the forces that a plant lacks over a window.
+//
+// A force of one size at every frequency is no model of what logged inputs leave: their scatter is
+// quick (a driver's loop, quantised currents), so that its slow part is small, and a slow fault (a
+// friction, a wrong torque constant) would drown in the size of the quick one. Over the B boxes of
+// a window the force is therefore a sum of cosines,
+//   f_j = sum_k D_jk w_k,   D the orthonormal cosine transform (type II) of B points,
+// cosine k of k/(2 T) Hz over a window of T, and each band k = 2^b - 1 ... 2^(b+1) - 2 has a
+// deviation of its own, estimated over all windows. Under a plan there is one window, too few to
+// tell a spectrum: one deviation for all.
+
+#include <vector>
+
+#include "jaculus/core/types.h"
+
+namespace jaculus::diagnosis {
+
+int band_of(int cosine);
+/// Bands of so many boxes.
+int bands_of(int boxes);
+/// Share of all cosines that lie in a band [-].
+double share_of_band(int band, int boxes);
+/// D, boxes x boxes.
+Matrix cosines(int boxes);
+
+}  // namespace jaculus::diagnosis
