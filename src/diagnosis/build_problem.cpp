@@ -77,6 +77,47 @@ std::vector<model::PlanarModel> robots_of(const std::vector<trajectory::Dataset>
   return models;
 }
 
+/// Whether a segment has enough samples of some channel to be worth keeping.
+bool has_samples(const Segment& segment, int fewest) {
+  return std::any_of(segment.time.begin(), segment.time.end(),
+                     [fewest](const Vector& time) { return time.size() >= fewest; });
+}
+
+/// The observations up to where the model as stated can't be simulated any further, less what is
+/// simulated beyond the last row: a wrong model may well break down.
+Observations until_breakdown(const Problem& problem, std::vector<std::string>& notes) {
+  const Settings& settings = problem.settings;
+  const Vector nominal = problem.hypotheses.nominal();
+  Observations kept = problem.observations;
+  std::vector<SegmentTail> tails;
+
+  for (int d = 0; d < count_of(kept.datasets); ++d) {
+    ObservedDataset& observed = kept.datasets[d];
+    const bool each = observed.measured_input;  // has a simulation
+    for (int s = 0; s < (each ? count_of(observed.segments) : 1); ++s) {
+      const Prediction prediction = problem.forward(d, s, nominal);
+      if (prediction.valid || std::isnan(prediction.reached)) continue;
+
+      const double end = prediction.reached - settings.simulated_beyond - settings.grid;
+      for (int own = 0; own < count_of(observed.segments); ++own)
+        if (!each || own == s) tails.push_back({d, own, observed.segments[own].start + end});
+      if (!each) observed.window_end = end;
+      notes.push_back(
+          fmt::format("{}: the model as stated can't be simulated to the end ({}), so data from "
+                      "{:.3f} s on are "
+                      "left out",
+                      observed.name(), prediction.message, observed.segments[s].start + end));
+    }
+  }
+
+  kept = without_tails(std::move(kept), tails);
+  for (ObservedDataset& observed : kept.datasets)
+    std::erase_if(observed.segments,
+                  [&](const Segment& s) { return !has_samples(s, settings.fewest_samples); });
+  std::erase_if(kept.datasets, [](const ObservedDataset& d) { return d.segments.empty(); });
+  return kept;
+}
+
 std::vector<SegmentTail> tails_of(const std::vector<OneOff>& disturbances) {
   std::vector<SegmentTail> tails;
   for (const OneOff& one : disturbances) tails.push_back({one.dataset, one.segment, one.onset});
@@ -121,6 +162,13 @@ Prepared prepare(BuiltProblem built, const ProblemBuilder& rebuild) {
   Prepared out{std::move(built), {}, {}, {}, {}};
   const Vector nominal = out.built.problem->hypotheses.nominal();
   out.noise = estimate_noise(*out.built.problem, nominal);
+  if (!out.noise.valid()) {
+    Observations kept = until_breakdown(*out.built.problem, out.notes);
+    if (!kept.datasets.empty()) {
+      out.built = rebuild(std::move(kept));
+      out.noise = estimate_noise(*out.built.problem, nominal);
+    }
+  }
   if (!out.noise.valid()) {
     out.reasons.push_back("the nominal model can't be simulated through this experiment: " +
                           out.noise.at_p.message);

@@ -1,10 +1,16 @@
 #include "jaculus/diagnosis/diagnose.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <numeric>
 
 #include "diagnosis/build_problem.h"
 #include "diagnosis/localise/localise.h"
+#include "diagnosis/localise/postures.h"
 #include "diagnosis/preflight/next_experiment.h"
+#include "diagnosis/read_tolerances.h"
+#include "diagnosis/validation/agreement.h"
 #include "diagnosis/verdict/statement.h"
 
 namespace jaculus::diagnosis {
@@ -89,11 +95,17 @@ Diagnosis run_pipeline(BuiltProblem built, const ProblemBuilder& rebuild,
   const Statement statement =
       state_verdict(problem, selection, one_trial(problem.observations, problem.settings));
   Diagnosis out = answered(prepared, selection, statement);
+  tell(options, "agreement of the datasets");
+  const FittedModel& account = names_effects(statement.verdict) ? statement.model : statement.none;
+  out.agreement = agreement_of(problem, selection.comparison, selection.search.models.front().fit,
+                               selection.search.probes, account.candidates, account.p);
   if (!prepared.built.forward || present == nullptr) return out;
 
   tell(options, "where the gap lies");
   out.where =
       localise(problem, *prepared.built.forward, selection, statement.posterior, statement.verdict);
+  out.where->postures = postures_of(problem, *prepared.built.forward, *out.noise, out.none.p,
+                                    out.model.p, out.where->departure);
   if (out.rivals.size() == 2) {
     tell(options, "what to do next");
     out.next = next_experiment(*present, problem, *out.noise, rival_of(problem, out.rivals[0]),
@@ -114,20 +126,54 @@ Diagnosis insufficient(const Problem& problem) {
   return out;
 }
 
+/// The same with the horizon that the user names.
+DiagnoseOptions at_horizon(DiagnoseOptions options) {
+  options.settings.horizon = options.accuracy.horizon.value_or(options.settings.horizon);
+  return options;
+}
+
+/// Says where a horizon was asked for that no prediction reaches.
+std::string unreached(const HeldOut& gap, const std::optional<double>& horizon) {
+  double reach = 0.0;
+  for (const auto& [name, channel] : gap.channels)
+    for (const HorizonGap& at : channel.horizons) reach = std::max(reach, at.reach);
+  if (!gap.valid || !horizon || *horizon <= reach) return {};
+  return fmt::format(
+      "errors up to {:.3g} s were asked for, predictions end {:.3g} s after their start", *horizon,
+      reach);
+}
+
+Diagnosis with_accuracy(Diagnosis diagnosis, const Accuracy& accuracy, Tolerances tolerances) {
+  diagnosis.tolerances = std::move(tolerances);
+  diagnosis.horizon = accuracy.horizon;
+  const std::string note = unreached(diagnosis.gap, accuracy.horizon);
+  if (!note.empty()) diagnosis.notes.push_back(note);
+  return diagnosis;
+}
+
 }  // namespace
 
 Diagnosis diagnose(const std::vector<trajectory::Dataset>& datasets,
                    const DiagnoseOptions& options) {
-  BuiltProblem built = build_problem(datasets, options);
-  if (!built.forward) return insufficient(*built.problem);
-  return run_pipeline(std::move(built), builder_of(options), &datasets.front(), options);
+  const DiagnoseOptions asked = at_horizon(options);
+  BuiltProblem built = build_problem(datasets, asked);
+  Tolerances tolerances = read_tolerances(asked.accuracy.tolerances, built.problem->observations);
+  Diagnosis out = built.forward
+                      ? run_pipeline(std::move(built), builder_of(asked), &datasets.front(), asked)
+                      : insufficient(*built.problem);
+  return with_accuracy(std::move(out), asked.accuracy, std::move(tolerances));
 }
 
 Diagnosis diagnose_problem(const Problem& problem, const DiagnoseOptions& options) {
-  if (problem.observations.datasets.empty() || !problem.observations.insufficient.empty())
-    return insufficient(problem);
-  return run_pipeline({std::make_shared<const Problem>(problem), {}}, builder_like(problem),
-                      nullptr, options);
+  Tolerances tolerances = read_tolerances(options.accuracy.tolerances, problem.observations);
+  Problem asked = problem;
+  asked.settings.horizon = options.accuracy.horizon.value_or(problem.settings.horizon);
+  const bool enough =
+      !problem.observations.datasets.empty() && problem.observations.insufficient.empty();
+  Diagnosis out = enough ? run_pipeline({std::make_shared<const Problem>(asked), {}},
+                                        builder_like(asked), nullptr, options)
+                         : insufficient(problem);
+  return with_accuracy(std::move(out), options.accuracy, std::move(tolerances));
 }
 
 HeldOut held_out_with(const std::vector<trajectory::Dataset>& datasets,

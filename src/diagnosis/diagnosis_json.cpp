@@ -7,8 +7,10 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "diagnosis/agreement_text.h"
 #include "diagnosis/noise/noise_model.h"
 #include "jaculus/core/json.h"
+#include "jaculus/diagnosis/summary.h"
 #include "jaculus/effects/select.h"
 
 namespace jaculus::diagnosis {
@@ -22,6 +24,14 @@ using Json = nlohmann::ordered_json;
 
 Json pair(const Bounds& b) { return Json::array({json_number(b.lower), json_number(b.upper)}); }
 
+Json share_json(const std::optional<EffectShare>& share) {
+  if (!share) return nullptr;
+  return {{"alone", json_number(share->alone)},
+          {"last", json_number(share->last)},
+          {"shapley", json_number(share->shapley)},
+          {"ci95", pair(share->ci95)}};
+}
+
 Json effects_json(const Diagnosis& d) {
   Json list = Json::array();
   for (const FoundEffect& e : d.effects) {
@@ -33,6 +43,7 @@ Json effects_json(const Diagnosis& d) {
                     {"caption", e.caption},
                     {"probability", e.probability},
                     {"parameters", parameters},
+                    {"share", share_json(e.share)},
                     {"like", e.indistinguishable}});
   }
   return list;
@@ -110,6 +121,31 @@ Json remainder_json(const Diagnosis& d) {
           {"places", places}};
 }
 
+Json flag(const std::optional<bool>& value) { return value ? Json(*value) : Json(nullptr); }
+
+Json horizon_json(const HorizonGap& gap) {
+  return {{"horizon_s", json_number(gap.reach)},
+          {"whole", gap.horizon == kInfinity},
+          {"before", json_number(gap.before)},
+          {"after", json_number(gap.after)},
+          {"floor", json_number(gap.floor)}};
+}
+
+/// Errors in units that people read, at the horizon that is judged and at all of them.
+Json physical_json(const Diagnosis& d) {
+  Json channels = Json::object();
+  for (const PhysicalGap& row : physical_gaps(d.gap, d.tolerances, d.horizon)) {
+    Json& entry = channels[row.name] = {{"unit", row.unit}};
+    entry.update(horizon_json(row.judged));
+    entry["tolerance"] = row.tolerance ? json_number(*row.tolerance) : Json(nullptr);
+    entry["met"] = flag(row.met);
+    entry["met_before"] = flag(row.met_before);
+    entry["horizons"] = Json::array();
+    for (const HorizonGap& gap : row.horizons) entry["horizons"].push_back(horizon_json(gap));
+  }
+  return channels;
+}
+
 Json gap_json(const Diagnosis& d) {
   Json channels = Json::object();
   for (const auto& [name, c] : d.gap.channels)
@@ -125,6 +161,7 @@ Json gap_json(const Diagnosis& d) {
       {"ci95", pair(d.gap.ci95)},
       {"held_out", d.gap.over},
       {"folds", d.gap.folds},
+      {"physical", physical_json(d)},
       {"per_channel", channels}};
 }
 
@@ -135,25 +172,6 @@ std::string effect_text(const Diagnosis& d, int candidate) {
   for (std::size_t k = 0; k < c.parameters.size(); ++k)
     parts.push_back(fmt::format("{}={}", c.effect->parameters[k].name, d.model.p[c.parameters[k]]));
   return fmt::format("{}:{}", c.name, fmt::join(parts, ","));
-}
-
-std::string shown_number(double value) {
-  return std::isfinite(value) ? fmt::format("{:.4g}", value) : "-";
-}
-
-std::string effects_text(const Diagnosis& d) {
-  std::string text;
-  for (const FoundEffect& e : d.effects) {
-    text += fmt::format("  {:<26} p {:.2f}", e.name, e.probability);
-    for (const FoundParameter& p : e.parameters)
-      text += fmt::format("  {} {} [{}, {}] {}", p.name, shown_number(p.value),
-                          shown_number(p.ci95.lower), shown_number(p.ci95.upper), p.unit);
-    text += "\n";
-    if (!e.indistinguishable.empty())
-      text +=
-          fmt::format("    not told apart here from: {}\n", fmt::join(e.indistinguishable, ", "));
-  }
-  return text;
 }
 
 }  // namespace
@@ -176,14 +194,18 @@ std::string diagnosis_json(const Diagnosis& d) {
                             {"from_s", one.onset},
                             {"channel", one.channel},
                             {"excess", one.excess}});
-  Json json = {{"format", "jaculus-diagnosis/1"},
+  const Summary summary = summary_of(d);
+  Json json = {{"format", "jaculus-diagnosis/2"},
                {"verdict", to_text(d.verdict)},
+               {"summary",
+                {{"where", summary.where}, {"which", summary.which}, {"how_far", summary.how_far}}},
                {"reasons", d.reasons},
                {"effects", effects_json(d)},
                {"ranking", ranking},
                {"where", where_json(d)},
                {"gap", gap_json(d)},
                {"remainder", remainder_json(d)},
+               {"agreement", agreement_json(d.agreement)},
                {"disturbances", disturbances},
                {"notes", d.notes}};
   json["settings"] = Json::object();
@@ -234,36 +256,6 @@ std::string augmented_yaml(const Diagnosis& d) {
          "# All of it for simulation, in place of the overrides: jaculus simulate "
          "--effect\neffects:" +
          (effects.empty() ? " []\n" : "\n" + effects);
-}
-
-std::string diagnosis_text(const Diagnosis& d) {
-  std::string text = fmt::format("verdict: {}\n", to_text(d.verdict));
-  for (const std::string& reason : d.reasons) text += "  " + reason + "\n";
-  text += effects_text(d);
-  if (d.gap.valid) {
-    text += fmt::format("gap on held-out {}: {:.2f} noise floors before, {:.2f} after", d.gap.over,
-                        d.gap.before, d.gap.after);
-    text += d.gap.shrink
-                ? fmt::format(", shrink {:.2f} [{}, {}]\n", *d.gap.shrink,
-                              shown_number(d.gap.ci95.lower), shown_number(d.gap.ci95.upper))
-                : "\n";
-  }
-
-  if (!d.ranking.empty())
-    text += fmt::format("\n{:<44} {:>12} {:>9} {:>11}\n", "ranking", "log evidence", "held out",
-                        "probability");
-  std::size_t rows = 0;
-  for (const Ranked& r : d.ranking) {
-    if (++rows > 10) break;
-    text += fmt::format("{:<44} {:>12} {:>9} {:>11.3f}\n", r.effect, shown_number(r.log_evidence),
-                        shown_number(r.held_out_error), r.probability);
-  }
-
-  if (d.next)
-    text += fmt::format("\nto tell them apart: {} (expected log Bayes factor {:.1f})\n",
-                        d.next->experiment, d.next->log_bayes_factor);
-  for (const std::string& note : d.notes) text += "note: " + note + "\n";
-  return text;
 }
 
 }  // namespace jaculus::diagnosis

@@ -6,16 +6,15 @@
 #include <cmath>
 
 #include "diagnosis/forward/problem.h"
+#include "jaculus/diagnosis/summary.h"
 #include "report/diagnosis_parts.h"
+#include "report/diagnosis_picture.h"
+#include "report/diagnosis_tables.h"
 
 namespace jaculus::report {
 namespace {
 
 constexpr double kWorthASentence = 0.005;  // share of the gap's energy
-
-std::string shown(double value, int digits = 4) {
-  return std::isfinite(value) ? fmt::format("{:.{}g}", value, digits) : "–";
-}
 
 Bars ranking(const diagnosis::Diagnosis& d) {
   Bars bars{"ranking",
@@ -31,21 +30,6 @@ Bars ranking(const diagnosis::Diagnosis& d) {
   return bars;
 }
 
-ReportTable parameters(const diagnosis::Diagnosis& d) {
-  ReportTable table{"Parameters of what was found",
-                    {"effect", "probability", "parameter", "value", "95 % from", "to", "unit"},
-                    {},
-                    ""};
-  for (const diagnosis::FoundEffect& e : d.effects) {
-    for (const diagnosis::FoundParameter& p : e.parameters)
-      table.rows.push_back({plain(e.name), shown(e.probability, 3), plain(p.name), shown(p.value),
-                            shown(p.ci95.lower), shown(p.ci95.upper), p.unit});
-    if (e.parameters.empty())
-      table.rows.push_back({plain(e.name), shown(e.probability, 3), "–", "–", "–", "–", "–"});
-  }
-  return table;
-}
-
 Section which_section(const diagnosis::Diagnosis& d) {
   Section section{"Which effect"};
   for (const diagnosis::FoundEffect& e : d.effects) {
@@ -56,7 +40,8 @@ Section which_section(const diagnosis::Diagnosis& d) {
         fmt::format("{}: {}{}", plain(e.name), e.caption,
                     like.empty() ? "" : " These data can't tell it from: " + like + "."));
   }
-  if (!d.effects.empty()) section.tables.push_back(parameters(d));
+  if (!d.effects.empty()) section.tables.push_back(parameter_table(d));
+  if (ReportTable table = share_table(d); !table.rows.empty()) section.tables.push_back(table);
   if (!d.ranking.empty()) section.bars.push_back(ranking(d));
   return section;
 }
@@ -152,7 +137,12 @@ Section where_section(const diagnosis::Diagnosis& d) {
                     where.departure.time, where.departure.ci95.lower, where.departure.ci95.upper));
   }
 
-  if (!d.problem->observations.datasets.empty())
+  const auto moves = [](const model::PlanarModel& m) {
+    return m.base_free[0] || m.base_free[1] || m.base_free[2];
+  };
+  // An arm's parts have no components of their own that could be coloured.
+  if (!d.problem->observations.datasets.empty() &&
+      moves(d.problem->observations.datasets.front().model))
     section.drawings.push_back(
         body_picture(d.problem->observations.datasets.front().model, where.components));
   std::erase_if(section.drawings, [](const Drawing& p) { return p.parts.empty(); });
@@ -169,10 +159,12 @@ Section where_section(const diagnosis::Diagnosis& d) {
   return section;
 }
 
-Section shrink_section(const diagnosis::HeldOut& gap) {
+Section shrink_section(const diagnosis::Diagnosis& d) {
+  const diagnosis::HeldOut& gap = d.gap;
   Section section{"How far the gap shrinks on data that the fit never saw"};
   section.text.push_back(fmt::format(
       "Judged over {} ({} folds). One noise floor is as good as it gets.", gap.over, gap.folds));
+  section.tables.push_back(physical_table(d));
   Bars bars{"held_out_gap",
             "Gap on held-out data",
             "noise floors",
@@ -221,17 +213,21 @@ Report diagnosis_report(const diagnosis::Diagnosis& d, const std::string& title)
   Document document;
   document.kind = "diagnose";
   document.title = title;
+  const diagnosis::Summary summary = diagnosis::summary_of(d);
+  document.summary = {
+      {"Where", summary.where}, {"Which", summary.which}, {"How far", summary.how_far}};
+  document.picture = telling_picture(d);
   add_facts(d, document);
   document.notices = d.reasons;
   if (d.problem != nullptr) {
     const PredictedRows rows = predicted(d);
+    if (d.where) document.sections.push_back(where_section(d));
+    document.sections.push_back(which_section(d));
+    if (d.gap.valid) document.sections.push_back(shrink_section(d));
     Section motion{"Hardware and model in motion"};
     Animation animation = overlay(d, rows);
     if (!animation.panels.empty()) motion.animations.push_back(std::move(animation));
     if (!motion.animations.empty()) document.sections.push_back(std::move(motion));
-    document.sections.push_back(which_section(d));
-    if (d.where) document.sections.push_back(where_section(d));
-    if (d.gap.valid) document.sections.push_back(shrink_section(d.gap));
     Section channels{"Hardware and model over time"};
     for (std::size_t c = 0; c < d.problem->observations.datasets.size(); ++c)
       for (Chart& chart : channel_charts(d, rows, c)) channels.charts.push_back(std::move(chart));

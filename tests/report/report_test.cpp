@@ -44,6 +44,10 @@ Document named(const std::string& name) {
   actor.phases = {{name, 0.0, 1.0}};
   section.animations.push_back({"a", name, {{name, {actor}}}, name});
   report.sections.push_back(section);
+  report.summary = {{name, name}};
+  const Drawing panel{
+      "p", name, {{name, {Vec2(0, 0), Vec2(1, 0)}, 0.1, kNaN, name, "force"}}, name};
+  report.picture = {"picture", name, {panel}, {{"force", name}}, name};
   return report;
 }
 

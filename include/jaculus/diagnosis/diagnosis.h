@@ -7,8 +7,10 @@
 #include <vector>
 
 #include "jaculus/core/types.h"
+#include "jaculus/diagnosis/agreement.h"
 #include "jaculus/diagnosis/held_out.h"
 #include "jaculus/diagnosis/localisation.h"
+#include "jaculus/diagnosis/physical.h"
 #include "jaculus/diagnosis/settings.h"
 #include "jaculus/diagnosis/verdict.h"
 
@@ -29,6 +31,9 @@ struct FoundEffect {
   double probability = 0.0;
   std::vector<FoundParameter> parameters;
   std::vector<std::string> indistinguishable;  ///< effects that these data can't tell from it
+  /// Of the held-out gap's energy. A rival beside the named set has its share alone; nothing where
+  /// no share can be told.
+  std::optional<EffectShare> share{};
 };
 
 /// One row of the ranking: an effect or a set of them, "none" or "unexplained".
@@ -80,7 +85,10 @@ struct Diagnosis {
   std::vector<FoundEffect> effects;  ///< most probable first; empty where the verdict names none
   std::vector<Ranked> ranking;
   std::vector<OneOff> disturbances;
-  HeldOut gap;  ///< of `model` against `none`
+  HeldOut gap;                    ///< of `model` against `none`
+  Tolerances tolerances;          ///< that the user named
+  std::optional<double> horizon;  ///< by which they are judged [s]; nothing: the whole motion
+  Agreement agreement;  ///< of `model` with every dataset
   /// probability that `model` lacks forces, given that it is at work
   double lacking_probability = 0.0;
   std::vector<LackingForce> lacking;  ///< of `model`, by coordinate

@@ -4,13 +4,37 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "jaculus/core/types.h"
 
 namespace jaculus::diagnosis {
 
+/// Root mean square of held-out errors of one channel up to a horizon (validation/judge.h).
+struct HorizonGap {
+  double horizon = kInfinity;          ///< since the start; infinite: the whole motion [s]
+  double reach = kNaN;                 ///< of the last sample judged, since the start [s]
+  double before = kNaN, after = kNaN;  ///< of the nominal and of the augmented model [unit]
+  double floor = kNaN;  ///< expected of a perfect model: noise, and what starts leave open [unit]
+};
+
 struct ChannelShrink {
   double before = kNaN, after = kNaN;  ///< [noise floors]
+  std::string dataset{};               ///< empty where there is one
+  std::string channel{}, unit{};       ///< "x", "m"
+  std::vector<HorizonGap> horizons{};  ///< the whole motion, settings.horizon
+};
+
+struct FoldGap {
+  double before = kNaN, after = kNaN;  ///< [noise floors]
+};
+
+/// What one effect of a set explains of the held-out gap's energy (validation/shares.h).
+struct EffectShare {
+  double alone = kNaN;      ///< it alone against none [-]
+  double last = kNaN;       ///< lost where it is dropped from the set [-]
+  double shapley = kNaN;    ///< mean over the orders in which the set's effects join [-]
+  Bounds ci95{kNaN, kNaN};  ///< of shapley
 };
 
 struct HeldOut {
@@ -21,6 +45,7 @@ struct HeldOut {
   double log_gain = kNaN;  ///< log density of all judged rows together, after less before
   std::optional<double> shrink;
   Bounds ci95{kNaN, kNaN};                        ///< of shrink
+  std::vector<FoldGap> by_fold;                   ///< NaN where a fold could not be judged
   std::map<std::string, ChannelShrink> channels;  ///< by stream and name, "mocap.x"
 };
 

@@ -75,6 +75,19 @@ struct ForceResidual {
   Matrix deviation;                ///< standard deviation of `mean` by measurement noise
 };
 
+/// The robot at a telling time of one segment (localise/postures.h).
+struct Posture {
+  int dataset = 0, segment = 0;
+  double time = 0.0;  ///< since the segment's start, on the model's clock [s]
+  std::string why;    ///< "leaves the model", "largest error"
+  Vector measured;    ///< coordinates, the judged model's where nothing measures them [rad or m]
+  Vector nominal;     ///< as the nominal model predicts them
+  Vector augmented;   ///< as the judged model does
+  std::vector<bool> known;   ///< a coordinate each: whether sensors tell it
+  Vector force{};            ///< that the nominal model lacks, a coordinate each; empty: unknown
+  Vector force_deviation{};  ///< its standard deviation by measurement noise [N m or N]
+};
+
 struct Localisation {
   std::vector<ChannelGap> channels;
   std::vector<PhaseShare> phases;
@@ -82,6 +95,7 @@ struct Localisation {
   std::vector<RestartedWindow> windows;
   std::vector<ComponentShare> components;  ///< all of them, in the enum's order
   ForceResidual force;                     ///< empty where not every coordinate is measured
+  std::vector<Posture> postures;           ///< of one segment, rising in time
   double unexplained =
       0.0;  ///< share of the gap's energy that no effect of the catalogue accounts for [-]
   double strength = 0.0;           ///< overall gap, rms in noise floors [-]

@@ -11,6 +11,7 @@
 #include "diagnosis/forward/grid_simulation.h"
 #include "diagnosis/forward/measured_input.h"
 #include "diagnosis/forward/missing_forces.h"
+#include "diagnosis/forward/sized_effects.h"
 #include "diagnosis/forward/start_directions.h"
 #include "diagnosis/forward/tolerance_directions.h"
 #include "diagnosis/forward/unknown_gains.h"
@@ -44,7 +45,6 @@ struct Model {
   Settings settings;
   Hypotheses hypotheses;
   std::vector<Base> bases;
-  std::vector<const Effect*> effects;
 };
 
 Base base_of(const ObservedDataset& observed, const Settings& settings) {
@@ -68,13 +68,14 @@ Base base_of(const ObservedDataset& observed, const Settings& settings) {
   return base;
 }
 
-void add_effects(Model& model) {
+void add_effects(Model& model, std::vector<Effect> effects) {
   Hypotheses& h = model.hypotheses;
-  for (const Effect* effect : model.effects) {
-    Candidate candidate{effect->name, effect->where.front(), {}, effect};
-    for (const EffectParameter& p : effect->parameters) {
+  h.effects = std::make_shared<const std::vector<Effect>>(std::move(effects));
+  for (const Effect& effect : *h.effects) {
+    Candidate candidate{effect.name, effect.where.front(), {}, &effect};
+    for (const EffectParameter& p : effect.parameters) {
       candidate.parameters.push_back(count_of(h.parameters));
-      FreeParameter free{effect->name, p.name, p.unit, p.nominal, p.scale, p.bounds};
+      FreeParameter free{effect.name, p.name, p.unit, p.nominal, p.scale, p.bounds};
       free.probe = p.probed() - p.nominal;
       h.parameters.push_back(free);
     }
@@ -285,10 +286,16 @@ std::vector<double> command_steps(const SimulationSetup& setup) {
 
 Prediction simulate_segment(const Model& model, int dataset, int segment, const Vector& p) {
   const SimulationSetup setup = setup_of(model, dataset, segment, p);
-  const Simulation simulation =
-      simulate_on_grid(setup.plant, setup.controller, setup.start, setup.options);
+  // What steps with the loop is averaged over its holds, which doubles the samples: only where a
+  // channel needs it.
+  const std::vector<Channel>& channels = model.observations.datasets[dataset].channels;
+  const bool stepped = std::any_of(channels.begin(), channels.end(),
+                                   [](const Channel& c) { return c.zero_order_hold; });
+  const auto run = stepped ? simulate_on_grid : simulation::simulate;
+  const Simulation simulation = run(setup.plant, setup.controller, setup.start, setup.options);
   Prediction prediction;
   prediction.message = simulation.message;
+  prediction.reached = simulation.end_time;
   if (simulation.status != simulation::SimulationStatus::done ||
       simulation.time.size() != setup.options.sample_times.size())
     return prediction;
@@ -328,6 +335,19 @@ Prediction predict_segment(const Model& model, int dataset, int segment, const V
   return sum;
 }
 
+/// Of names of a dataset's unknowns: which controller it is, where the datasets have several.
+std::string controller_suffix(const std::vector<ObservedDataset>& datasets, int dataset) {
+  const auto like = [&](int own) {
+    int first = 0;
+    while (!same_controller(datasets[first].dataset.controller, datasets[own].dataset.controller))
+      ++first;
+    return first;
+  };
+  bool several = false;
+  for (int d = 0; d < count_of(datasets); ++d) several = several || like(d) != 0;
+  return several ? "_" + std::to_string(like(dataset) + 1) : "";
+}
+
 }  // namespace
 
 PlantForward plant_forward(const Observations& observations,
@@ -337,16 +357,10 @@ PlantForward plant_forward(const Observations& observations,
   model->settings = settings;
 
   const std::vector<ObservedDataset>& datasets = observations.datasets;
-  for (const Effect* effect : effects) {
-    const auto applies = [&](const ObservedDataset& d) {
-      return effect->applies(d.model) && !(effect->of_plan && d.measured_input);
-    };
-    if (std::any_of(datasets.begin(), datasets.end(), applies)) model->effects.push_back(effect);
-  }
-  add_effects(*model);
+  add_effects(*model, sized_effects(datasets, effects));
   for (int d = 0; d < count_of(datasets); ++d) {
     Base base = base_of(datasets[d], settings);
-    const std::string suffix = datasets.size() > 1 ? "_" + std::to_string(d + 1) : "";
+    const std::string suffix = controller_suffix(datasets, d);
     base.factors = add_gain_factors(datasets[d], base.controllers.front(), suffix, settings,
                                     model->hypotheses);
     model->bases.push_back(std::move(base));

@@ -29,6 +29,8 @@ struct Prediction {
   std::vector<double> stamped{};  ///< a channel each: its sensor stamps late by this [s]; empty: 0
   /// A channel each: its command and its stamps are late together by this [s]; empty: 0.
   std::vector<double> late{};
+  /// Where not valid: model time that the simulation reached; NaN: it never began [s].
+  double reached = kNaN;
 
   /// By which a channel is late [s].
   [[nodiscard]] double lateness(int channel) const { return late.empty() ? 0.0 : late[channel]; }

@@ -9,6 +9,11 @@
 
 namespace jaculus::diagnosis {
 
+struct Problem;
+/// Whether a logged input drives every dataset: errors start anew with each window, so that slopes
+/// at the nominal model hold; under a plan they grow over the whole motion.
+bool in_windows(const Problem& problem);
+
 struct Problem {
   Observations observations;
   Hypotheses hypotheses;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 
 namespace jaculus::diagnosis {
 namespace {
@@ -44,29 +45,70 @@ double unit_of_gain(const StatedController& controller, const PlanarMotor& motor
              : duty;
 }
 
-int add_factor(Hypotheses& hypotheses, const std::string& name, double spread, double bound) {
-  const Bounds bounds{-bound * spread, bound * spread};
+/// The factor of that name, which is added where there is none.
+int add_factor(Hypotheses& hypotheses, const std::string& name, double spread, double widest) {
+  const Bounds bounds{-widest * spread, widest * spread};
+  for (const int i : hypotheses.nuisances)
+    if (hypotheses.parameters[i].name == name) return i;
   hypotheses.nuisances.push_back(count_of(hypotheses.parameters));
   hypotheses.parameters.push_back({"nuisance", name, "-", 0.0, spread, bounds});
   return hypotheses.nuisances.back();
 }
 
-/// The motors of a controller's reference whose gain is unknown, those of the tail or the others.
-std::vector<int> unknown_motors(const ObservedDataset& observed,
-                                const simulation::Controller& controller, bool derivative,
-                                bool tail) {
+bool feedforward_unknown(const StatedController& stated, bool any_gain_unknown) {
+  const bool duty = stated.quantity == trajectory::Quantity::duty;
+  return !stated.gains_stated || (duty && any_gain_unknown);
+}
+
+/// What is open of some motors' gains.
+struct OpenGains {
+  bool derivative, tail, ranged;
+  [[nodiscard]] std::string name() const {
+    return std::string(ranged ? "range_" : "log_") + (derivative ? "kd" : "kp") +
+           (tail ? "_tail" : "");
+  }
+};
+
+bool has_range(const StatedGain* gain) {
+  return gain != nullptr && std::isfinite(gain->range.upper) && gain->range.lower >= 0.0;
+}
+
+/// The motors of a controller's reference whose gain is open so, those of the tail or the others.
+GainFactor open_motors(const ObservedDataset& observed, const simulation::Controller& controller,
+                       const OpenGains& open) {
   const StatedController& stated = observed.dataset.controller;
-  std::vector<int> motors;
+  GainFactor factor{-1, {}, open.derivative, {}};
   for (int m = 0; m < count_of(controller.reference.motors); ++m) {
     const std::string& joint = controller.reference.motors[m];
-    const auto& gains = derivative ? stated.kd : stated.kp;
-    if (is_tail(observed.model, joint) == tail && gain_unknown(gains, stated.gains_stated, joint))
-      motors.push_back(m);
+    const auto& gains = open.derivative ? stated.kd : stated.kp;
+    const StatedGain* gain = stated_gain(gains, joint);
+    if (is_tail(observed.model, joint) != open.tail || has_range(gain) != open.ranged ||
+        !gain_unknown(gains, stated.gains_stated, joint))
+      continue;
+    factor.motors.push_back(m);
+    if (open.ranged) factor.ranges.push_back(gain->range);
   }
-  return motors;
+  return factor;
+}
+
+bool same_gains(const std::map<std::string, StatedGain>& a,
+                const std::map<std::string, StatedGain>& b) {
+  const auto same = [](const auto& own, const auto& other) {
+    return own.first == other.first && own.second.range.lower == other.second.range.lower &&
+           own.second.range.upper == other.second.range.upper;
+  };
+  return a.size() == b.size() && std::equal(a.begin(), a.end(), b.begin(), same);
 }
 
 }  // namespace
+
+double share_of_range(double p) { return 0.5 * std::erfc(-p / std::numbers::sqrt2); }
+
+bool same_controller(const StatedController& a, const StatedController& b) {
+  return a.kind == b.kind && a.quantity == b.quantity && a.rate_hz == b.rate_hz &&
+         a.gains_stated == b.gains_stated && a.bus_voltage == b.bus_voltage &&
+         same_gains(a.kp, b.kp) && same_gains(a.kd, b.kd);
+}
 
 simulation::AssumedGains first_gains(const ObservedDataset& observed, const Settings& settings) {
   const StatedController& controller = observed.dataset.controller;
@@ -81,9 +123,9 @@ simulation::AssumedGains first_gains(const ObservedDataset& observed, const Sett
     for (const auto& [stated, into] :
          {std::pair(&controller.kp, &gains.kp), std::pair(&controller.kd, &gains.kd)}) {
       const StatedGain* gain = stated_gain(*stated, motor.joint);
-      if (gain == nullptr || !(gain->range.lower > 0.0) || !std::isfinite(gain->range.upper))
-        continue;
-      (*into)[motor.joint] = std::sqrt(gain->range.lower * gain->range.upper);
+      if (gain == nullptr) continue;
+      double& first = (*into)[motor.joint];
+      if (has_range(gain)) first = 0.5 * (gain->range.lower + gain->range.upper);
     }
   }
 
@@ -100,20 +142,22 @@ std::vector<GainFactor> add_gain_factors(const ObservedDataset& observed,
   std::vector<GainFactor> factors;
   for (const bool derivative : {false, true}) {
     for (const bool tail : {false, true}) {
-      const std::vector<int> motors = unknown_motors(observed, controller, derivative, tail);
-      if (motors.empty()) continue;
-      const std::string name =
-          std::string("log_") + (derivative ? "kd" : "kp") + (tail ? "_tail" : "");
-      const int parameter =
-          add_factor(hypotheses, name + suffix, settings.gain_spread, settings.factor_bound);
-      factors.push_back({parameter, motors, derivative});
+      for (const bool ranged : {false, true}) {
+        const OpenGains open{derivative, tail, ranged};
+        GainFactor factor = open_motors(observed, controller, open);
+        if (factor.motors.empty()) continue;
+        const double spread = ranged ? 1.0 : settings.gain_spread;
+        const double widest = ranged ? kInfinity : settings.factor_bound;
+        factor.parameter = add_factor(hypotheses, open.name() + suffix, spread, widest);
+        factors.push_back(std::move(factor));
+      }
     }
   }
 
-  if (!stated.gains_stated) {
+  if (feedforward_unknown(stated, !factors.empty())) {
     const int parameter = add_factor(hypotheses, "log_feedforward" + suffix,
                                      settings.feedforward_spread, settings.factor_bound);
-    factors.push_back({parameter, {}, false});
+    factors.push_back({parameter, {}, false, {}});
   }
   return factors;
 }
@@ -121,10 +165,18 @@ std::vector<GainFactor> add_gain_factors(const ObservedDataset& observed,
 void apply_factors(const std::vector<GainFactor>& factors, const Vector& p,
                    simulation::Plant& plant, simulation::Controller& controller) {
   for (const GainFactor& factor : factors) {
-    const double scale = std::exp(p[factor.parameter]);
+    const double p_own = p[factor.parameter], scale = std::exp(p_own);
     if (factor.motors.empty()) plant.actuation.feedforward_scale *= scale;
-    for (const int m : factor.motors)
-      (factor.derivative ? controller.kd : controller.kp)[m] *= scale;
+    Vector& gains = factor.derivative ? controller.kd : controller.kp;
+    for (std::size_t k = 0; k < factor.motors.size(); ++k) {
+      double& gain = gains[factor.motors[k]];
+      if (factor.ranges.empty()) {
+        gain *= scale;
+        continue;
+      }
+      const auto& [lower, upper] = factor.ranges[k];
+      gain = lower + (upper - lower) * share_of_range(p_own);
+    }
   }
 }
 

@@ -1,6 +1,15 @@
 #pragma once
-// Gains and feed-forward scale that a dataset leaves unknown: nuisances of the whole dataset, each
-// a factor exp(p) about a first value, p ~ N(0, spread^2).
+// Gains and feed-forward scale that a dataset leaves unknown: nuisances of the whole dataset. A
+// gain is uniform over the range that the file states, without a bound at which a fit would stall,
+//     gain = lower + (upper - lower) Phi(p),   p ~ N(0, 1),   Phi: the normal distribution,
+// and what has no range is a factor exp(p) about a first value, p ~ N(0, spread^2).
+//
+// Datasets that state the same controller were run by one program and share their factors: one
+// robot has one cause.
+//
+// A duty is a share of the bus voltage, which a file with unknown gains rarely knows any better:
+// there the feed-forward has a factor too. It scales the voltage; what torque comes of that falls
+// with speed (simulation/plant/drive.h), so that it is no scale of torque.
 
 #include <string>
 #include <vector>
@@ -11,18 +20,26 @@
 
 namespace jaculus::diagnosis {
 
-/// A nuisance that scales gains or the feed-forward of one dataset: factor exp(p).
+/// A nuisance that sets gains or scales the feed-forward of one dataset.
 struct GainFactor {
-  int parameter = -1;       ///< index in the hypotheses
-  std::vector<int> motors;  ///< of the controller's reference; empty: the feed-forward
-  bool derivative = false;  ///< kd, else kp
+  int parameter = -1;          ///< index in the hypotheses
+  std::vector<int> motors;     ///< of the controller's reference; empty: the feed-forward
+  bool derivative = false;     ///< kd, else kp
+  std::vector<Bounds> ranges;  ///< one a motor, as stated; empty: factor exp(p)
 };
 
 /// Gains to begin with where a file states none, as the controller's quantity at the motor; the
 /// middle of a stated range otherwise.
 simulation::AssumedGains first_gains(const ObservedDataset& observed, const Settings& settings);
 
-/// Adds the nuisances of a dataset to the hypotheses; `suffix` tells datasets apart in their names.
+/// Phi: the share of a stated range that lies below the gain.
+double share_of_range(double p);
+
+/// Whether two datasets state the same loop, and with it the same unknowns.
+bool same_controller(const trajectory::StatedController& a, const trajectory::StatedController& b);
+
+/// Adds the nuisances of a dataset to the hypotheses, or takes those of the same name that are
+/// there already; `suffix` tells controllers apart in their names.
 std::vector<GainFactor> add_gain_factors(const ObservedDataset& observed,
                                          const simulation::Controller& controller,
                                          const std::string& suffix, const Settings& settings,

@@ -269,7 +269,7 @@ Controller controller_from(const Controller& controller, double t0) {
   return shifted;
 }
 
-bool all_measured(const PlanarModel& model, const std::vector<DepartureChannel>& means) {
+Matrix position_rows(const PlanarModel& model, const std::vector<DepartureChannel>& means) {
   Matrix rows(count_of(means), model.size());
   rows.setZero();
   for (int c = 0; c < count_of(means); ++c) {
@@ -277,7 +277,11 @@ bool all_measured(const PlanarModel& model, const std::vector<DepartureChannel>&
     const Vector row = channel_row(model, means[c].name, rate);
     if (row.size() > 0 && !rate) rows.row(c) = row.transpose();
   }
-  return rows.colPivHouseholderQr().rank() == model.size();
+  return rows;
+}
+
+bool all_measured(const PlanarModel& model, const std::vector<DepartureChannel>& means) {
+  return position_rows(model, means).colPivHouseholderQr().rank() == model.size();
 }
 
 MeasuredState measured_state(const PlanarModel& model, const std::vector<DepartureChannel>& means,

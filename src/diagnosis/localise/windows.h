@@ -44,6 +44,8 @@ MeasuredState measured_state(const model::PlanarModel& model,
                              const std::vector<DepartureChannel>& means,
                              const simulation::Simulation& model_run, Eigen::Index k,
                              const Settings& settings);
+/// d(position channels)/dq, a row a channel; zero rows of those which are none.
+Matrix position_rows(const model::PlanarModel& model, const std::vector<DepartureChannel>& means);
 /// Whether the position channels tie every coordinate down by themselves.
 bool all_measured(const model::PlanarModel& model, const std::vector<DepartureChannel>& means);
 /// The controller with its clock set on by t0 [s].

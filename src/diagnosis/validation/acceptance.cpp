@@ -3,27 +3,17 @@
 #include <algorithm>
 #include <optional>
 
+#include "diagnosis/validation/subset_fit.h"
+
 namespace jaculus::diagnosis {
 namespace {
 
-/// The set without one member: as the search fitted it, else fitted from the larger one.
+/// The set without one member.
 ModelFit without_member(const Problem& problem, const Comparison& comparison,
                         const Posterior& posterior, const ModelFit& model, int dropped) {
-  ModelFit less;
-  less.candidates = model.candidates;
-  std::erase(less.candidates, dropped);
-  if (const ModelFit* known = posterior.find(less.candidates)) return *known;
-
-  Vector p = model.fit.p;
-  for (const int i : problem.hypotheses.candidates[dropped].parameters)
-    p[i] = problem.hypotheses.parameters[i].nominal;
-  FitOptions options;
-  options.scales = model.fit.scales;
-  less.fit = fit_model(problem, comparison.whitening, problem.hypotheses.freed_by(less.candidates),
-                       {p}, options);
-  less.log_prior =
-      log_prior(less.candidates.size(), problem.hypotheses.candidates.size(), problem.settings);
-  return less;
+  std::vector<int> members = model.candidates;
+  std::erase(members, dropped);
+  return fitted_subset(problem, comparison, posterior, model, members);
 }
 
 /// Whether a set leaves so much less of the held-out gap than a smaller one that the difference is

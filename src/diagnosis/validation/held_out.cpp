@@ -4,102 +4,16 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <optional>
 
 #include "diagnosis/forward/sensitivities.h"
+#include "diagnosis/validation/fold_interval.h"
 #include "diagnosis/validation/folds.h"
+#include "diagnosis/validation/judge.h"
 
 namespace jaculus::diagnosis {
 namespace {
-
-/// Squares and counts of judged errors by dataset and channel.
-struct Errors {
-  std::vector<Vector> squares, counts;  ///< a dataset each, a channel each
-  double log_density = 0.0;             ///< of all judged rows together, less what no model changes
-
-  explicit Errors(const Problem& problem) {
-    for (const ObservedDataset& observed : problem.observations.datasets) {
-      squares.push_back(Vector::Zero(count_of(observed.channels)));
-      counts.push_back(squares.back());
-    }
-  }
-  void add(const Errors& other) {
-    log_density += other.log_density;
-    for (std::size_t d = 0; d < squares.size(); ++d) {
-      squares[d] += other.squares[d];
-      counts[d] += other.counts[d];
-    }
-  }
-  /// Root of the mean over channels of their mean squares.
-  [[nodiscard]] double overall() const {
-    double sum = 0.0, channels = 0.0;
-    for (std::size_t d = 0; d < squares.size(); ++d) {
-      for (Eigen::Index c = 0; c < squares[d].size(); ++c) {
-        if (counts[d][c] == 0.0) continue;
-        sum += squares[d][c] / counts[d][c];
-        channels += 1.0;
-      }
-    }
-    return channels > 0.0 ? std::sqrt(sum / channels) : kNaN;
-  }
-};
-
-/// -r^T (I + B B^T)^-1 r/2 of the white rows that are judged, B: what the prefix leaves open of the
-/// nuisances, C L^-T.
-double log_density(const Vector& white, const Vector& judged, const Matrix& columns,
-                   const Matrix& root) {
-  const Vector r = white.cwiseProduct(judged);
-  const Matrix open = root.triangularView<Eigen::Lower>().solve(columns.transpose()).transpose();
-  const Matrix B = judged.asDiagonal() * open;
-  const Vector along = B.transpose() * r;
-  const Matrix inner = B.transpose() * B + Matrix::Identity(B.cols(), B.cols());
-  return -0.5 * (r.squaredNorm() - along.dot(inner.llt().solve(along)));
-}
-
-/// One dataset's held-out segments, to be judged.
-struct Judge {
-  const ObservedDataset& observed;
-  const DatasetNoise& noise;
-  const DatasetWhitening& whitening;  ///< of all rows
-  double trained = 1.0;               ///< segments that the fold was fitted to
-
-  /// Adds the errors of a segment after its nuisances were estimated from its prefix.
-  void judge(int dataset, int segment, const Vector& residual, Errors& errors) const {
-    const SegmentNuisances& own = noise.nuisances[segment];
-    const int block = whitening.block_of(segment);
-    if (block < 0) return;
-
-    const Matrix scaled = own.columns * own.scale.asDiagonal();
-    const Vector prefix = prefix_rows(observed, own, segment);
-    // A row whose predecessor is in the prefix is in it by time order, so its correlation counts.
-    const Matrix white_columns = whitening.whiten_block(block, scaled);
-    const Vector about_mean = residual.segment(own.first, own.count) - own.columns * own.mean;
-    const Vector white = whitening.whiten_block(block, about_mean);
-    const NuisanceEstimate estimate =
-        estimate_nuisances(own, prefix.asDiagonal() * white_columns, prefix.cwiseProduct(white));
-
-    const Vector left = about_mean - own.columns * estimate.deviation;
-    const Vector judged = (1.0 - prefix.array()).matrix();
-    errors.log_density +=
-        log_density(whitening.whiten_block(block, left), judged, white_columns, estimate.root);
-    // What the prefix leaves open of the nuisances: each row's square sum is a variance.
-    const Matrix open =
-        estimate.root.triangularView<Eigen::Lower>().solve(scaled.transpose()).transpose();
-    for (const RowSpan& span : row_spans(observed)) {
-      if (span.segment != segment) continue;
-      for (int i = 0; i < span.count; ++i) {
-        const int row = span.first - own.first + i;
-        if (judged[row] == 0.0) continue;
-        const double sigma = whitening.sigma[span.first + i];
-        const double variance = sigma * sigma * (1.0 + 1.0 / trained) + open.row(row).squaredNorm();
-        errors.squares[dataset][span.channel] += left[row] * left[row] / variance;
-        errors.counts[dataset][span.channel] += 1.0;
-      }
-    }
-  }
-};
 
 /// A fitted model with its rows' slopes: what all folds share.
 struct Tangent {
@@ -132,12 +46,11 @@ std::vector<Vector> refitted_rows(const Problem& problem, const Whitening& fold,
   std::vector<Vector> best = tangent.fit.rows, rows = best;
   if (size == 0) return best;
 
-  const RandomShrinkage shrinkage = random_shrinkage(fold.random, tangent.fit.scales);
   Matrix J(fold.rows, size);
-  for (Eigen::Index i = 0; i < size; ++i) {
-    J.col(i) = -fold.apply(tangent.slopes[i]);
-    shrinkage.apply(J.col(i));
-  }
+  for (Eigen::Index i = 0; i < size; ++i) J.col(i) = -fold.apply(tangent.slopes[i]);
+  const RandomShrinkage shrinkage =
+      random_shrinkage(beside_columns(fold.random, J), tangent.fit.scales);
+  for (Eigen::Index i = 0; i < size; ++i) shrinkage.apply(J.col(i));
   const Eigen::LLT<Matrix> curvature(J.transpose() * J + Matrix::Identity(size, size));
   Vector p = tangent.fit.p;
   double least = kInfinity;
@@ -177,7 +90,7 @@ FoldErrors judge_fold(const Problem& problem, const Comparison& comparison, cons
       const auto trained = static_cast<double>(std::count(mask[d].begin(), mask[d].end(), true));
       const bool alone = observed.measured_input || trained == 0.0;
       const Judge judge{observed, comparison.noise.datasets[d], comparison.whitening.datasets[d],
-                        alone ? kInfinity : trained};
+                        problem.settings, alone ? kInfinity : trained};
       const Vector residual =
           measured_rows(observed, comparison.noise.alignments[d]) - predicted[d];
       for (int s = 0; s < count_of(mask[d]); ++s)
@@ -199,15 +112,22 @@ Bounds shrink_interval(const std::vector<FoldErrors>& folds, double shrink, doub
     if (fold.valid && before > least_gap && std::isfinite(after))
       shrinks.push_back(shrink_of(before, after));
   }
-  const auto n = static_cast<double>(shrinks.size());
-  if (n < 2.0) return {kNaN, kNaN};
+  return fold_interval(shrinks, shrink);
+}
 
-  double mean = 0.0, squares = 0.0;
-  for (const double s : shrinks) mean += s / n;
-  for (const double s : shrinks) squares += (s - mean) * (s - mean);
-  const double t = boost::math::quantile(boost::math::students_t(n - 1.0), 0.975);
-  const double half = t * std::sqrt(squares / (n - 1.0) / n);
-  return {shrink - half, shrink + half};
+/// Errors of a channel in its unit, a horizon each.
+std::vector<HorizonGap> in_units(const Settings& settings, const Errors& before,
+                                 const Errors& after, int dataset, int channel) {
+  const std::vector<double> horizons = horizons_of(settings);
+  std::vector<HorizonGap> gaps;
+  for (std::size_t h = 0; h < horizons.size(); ++h) {
+    const UnitSums& none = before.units[h][dataset][channel];
+    const UnitSums& model = after.units[h][dataset][channel];
+    if (none.count == 0.0) continue;
+    gaps.push_back({horizons[h], none.reach, std::sqrt(none.squares / none.count),
+                    std::sqrt(model.squares / model.count), std::sqrt(none.variance / none.count)});
+  }
+  return gaps;
 }
 
 /// Root mean squares by channel, named by its dataset too where there are several.
@@ -223,7 +143,12 @@ std::map<std::string, ChannelShrink> by_channel(const Problem& problem, const Er
       if (count == 0.0) continue;
       const Channel& channel = observed.channels[c];
       channels[prefix + channel.stream + "." + channel.name] = {
-          std::sqrt(before.squares[d][c] / count), std::sqrt(after.squares[d][c] / count)};
+          std::sqrt(before.squares[d][c] / count),
+          std::sqrt(after.squares[d][c] / count),
+          several ? observed.name() : "",
+          channel.name,
+          channel.unit,
+          in_units(problem.settings, before, after, d, c)};
     }
   }
   return channels;
@@ -247,7 +172,9 @@ HeldOut held_out(const Problem& problem, const Comparison& comparison, const Fit
   });
   Errors before(problem), after(problem);
   for (const FoldErrors& fold : judged) {
+    out.by_fold.push_back({});
     if (!fold.valid) continue;
+    out.by_fold.back() = {fold.before.overall(), fold.after.overall()};
     ++out.folds;
     before.add(fold.before);
     after.add(fold.after);

@@ -3,12 +3,8 @@
 //
 // Folds: over datasets where there are several, else over trials, else (one trial) over its windows
 // in time.
-// In a fold the model is fitted on the rest; a held-out segment's own nuisances (shift, start,
-// offsets) are estimated from its prefix alone:
-//   n = argmin |W (y - f - A n)|^2 over rows of the prefix + |(n - m)/s|^2,
-// and rows after it are judged by what may be predicted at all (P: covariance of n that the prefix
-// leaves):
-//   e_i = (y - f - A n)_i/sqrt(sigma_i^2 (1 + 1/n_train) + (A P A^T)_ii).
+// In a fold the model is fitted on the rest, and held-out segments are judged after their prefix
+// (judge.h has the errors e).
 // Log density of the judged rows jointly: N(0, W^-1 + A P A^T).
 // Gap: square root of the mean over channels of the mean square of e. Shrink = 1 - (after -
 // 1)/(before - 1), nothing where before < settings.plain_gap. Its interval is Student's t over the

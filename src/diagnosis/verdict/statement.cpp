@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "diagnosis/noise/quantiles.h"
+#include "diagnosis/validation/shares.h"
 #include "diagnosis/verdict/calibration.h"
 #include "diagnosis/verdict/rules.h"
 #include "jaculus/effects/select.h"
@@ -108,16 +109,25 @@ std::vector<LackingForce> lacking_forces(const Problem& problem, const Whitening
   const Products products = products_of(random, linear_model(problem, model.fit));
   const Vector told = told_by(random, products, model.fit.scales);
 
+  // Bands of one force add up by their squares.
   std::vector<LackingForce> forces;
   for (int g = 0; g < random.size(); ++g) {
+    const RandomGroup& group = random.groups[g];
     if (told[g] < kToldAtLeast) continue;
-    if (g >= count_of(problem.hypotheses.forces)) {
-      forces.push_back({random.groups[g], model.fit.scales[g], "noise floors", told[g]});
+    LackingForce own{group.name, model.fit.scales[g], "noise floors", told[g]};
+    if (group.force >= 0) {
+      const int box = problem.hypotheses.forces[group.force].boxes.front();
+      own.rms *= problem.hypotheses.parameters[box].scale * std::sqrt(group.share);
+      own.unit = problem.hypotheses.parameters[box].unit;
+    }
+    const auto same = std::find_if(forces.begin(), forces.end(),
+                                   [&](const LackingForce& f) { return f.name == own.name; });
+    if (same == forces.end()) {
+      forces.push_back(own);
       continue;
     }
-    const ForceGroup& group = problem.hypotheses.forces[g];
-    const FreeParameter& box = problem.hypotheses.parameters[group.boxes.front()];
-    forces.push_back({group.name, box.scale * model.fit.scales[g], box.unit, told[g]});
+    same->rms = std::hypot(same->rms, own.rms);
+    same->boxes += own.boxes;
   }
   return forces;
 }
@@ -180,6 +190,23 @@ std::vector<FittedModel> rivals_of(const Posterior& posterior) {
   return rivals;
 }
 
+/// Gives the effects their shares of the held-out gap's energy: members of the chosen model within
+/// it, rivals alone.
+void add_shares(const Problem& problem, const Comparison& comparison, const Posterior& posterior,
+                HeldOutGaps& gaps, const ModelFit& chosen, std::vector<FoundEffect>& effects) {
+  const auto members = shares_of(problem, comparison, posterior, gaps, chosen);
+  for (FoundEffect& effect : effects) {
+    const int c = problem.hypotheses.candidate(effect.name);
+    const int place = index_of(chosen.candidates, c);
+    if (place >= 0) {
+      effect.share = members[place];
+    } else if (const ModelFit* rival = posterior.find({c})) {
+      effect.share = shares_of(problem, comparison, posterior, gaps, *rival).front();
+      if (effect.share) effect.share = EffectShare{effect.share->alone};
+    }
+  }
+}
+
 void append(const std::vector<std::string>& more, std::vector<std::string>& reasons) {
   for (const std::string& reason : more)
     if (!reason.empty()) reasons.push_back(reason);
@@ -225,6 +252,7 @@ Statement state_verdict(const Problem& problem, const Selection& selection, bool
     // Rivals have a row each.
     if (out.verdict == Verdict::ambiguous)
       for (const int other : proposal.effects.front().others) add(other, {});
+    add_shares(problem, selection.comparison, posterior, gaps, chosen, effects);
   }
   if (out.verdict == Verdict::ambiguous) out.rivals = rivals_of(posterior);
   std::vector<Ranked> ranking = ranking_of(problem, posterior, chosen, gaps);

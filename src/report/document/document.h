@@ -105,6 +105,7 @@ struct Drawing {
     double width = 0.01;     ///< [m]
     double value = kNaN;     ///< 0 to 1; NaN: plain
     std::string text = {};   ///< shown where the part is pointed at
+    std::string style = {};  ///< of report.css (measured, assumed, nominal, augmented, force)
   };
   std::string id;
   std::string title;
@@ -121,6 +122,15 @@ struct Choice {
   std::vector<std::string> labels;  ///< one a drawing
   std::vector<Drawing> drawings;
   int chosen = 0;
+};
+
+/// Drawings side by side at one scale, each with its title and caption.
+struct Picture {
+  std::string id = {};
+  std::string title = {};
+  std::vector<Drawing> panels = {};
+  std::vector<std::pair<std::string, std::string>> legend = {};  ///< a part's style and its meaning
+  std::string caption = {};
 };
 
 enum class ActorStyle { solid, ghost };
@@ -199,6 +209,9 @@ struct Document {
   std::vector<std::pair<std::string, std::string>> facts = {};
   std::vector<std::string> notices = {};  ///< what to mind, above everything else
   std::vector<Section> sections = {};
+  /// the answer in sentences, each with the question that it answers; first on the page
+  std::vector<std::pair<std::string, std::string>> summary = {};
+  Picture picture = {};  ///< what the summary says, drawn; none without panels
 };
 
 /// A finished document as a report.

@@ -136,8 +136,25 @@ Json drawing(const Drawing& d) {
                              {"line", line},
                              {"width", p.width},
                              {"value", json_number(p.value)},
-                             {"text", p.text}});
+                             {"text", p.text},
+                             {"style", p.style}});
   }
+  return json;
+}
+
+Json pairs(const std::vector<std::pair<std::string, std::string>>& list) {
+  Json json = Json::array();
+  for (const auto& [name, value] : list) json.push_back({name, value});
+  return json;
+}
+
+Json picture(const Picture& p) {
+  Json json = {{"id", p.id},
+               {"title", p.title},
+               {"caption", p.caption},
+               {"legend", pairs(p.legend)},
+               {"panels", Json::array()}};
+  for (const Drawing& d : p.panels) json["panels"].push_back(drawing(d));
   return json;
 }
 
@@ -217,11 +234,16 @@ Json NumberArrays::add(const std::vector<double>& values) {
 
 Json document_json(const Document& document) {
   NumberArrays arrays;
-  Json json = {{"format", "jaculus-report/1"}, {"version", version()},
-               {"title", document.title},      {"caption", document.caption},
-               {"kind", document.kind},        {"notices", document.notices},
-               {"facts", Json::array()},       {"sections", Json::array()}};
-  for (const auto& [name, value] : document.facts) json["facts"].push_back({name, value});
+  Json json = {{"format", "jaculus-report/1"},
+               {"version", version()},
+               {"title", document.title},
+               {"caption", document.caption},
+               {"kind", document.kind},
+               {"notices", document.notices},
+               {"facts", pairs(document.facts)},
+               {"summary", pairs(document.summary)},
+               {"picture", picture(document.picture)},
+               {"sections", Json::array()}};
   for (const Section& s : document.sections) json["sections"].push_back(section(s, arrays));
   json["arrays"] = arrays.list();
   return json;

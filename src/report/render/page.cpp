@@ -54,6 +54,8 @@ std::string plain_body(const Document& document) {
   std::string text =
       fmt::format("<h1>{}</h1>\n<p>{}</p>\n<p><b>{}</b></p>\n", html_escaped(document.title),
                   html_escaped(document.caption), kNoViewer);
+  for (const auto& [question, sentence] : document.summary)
+    text += fmt::format("<p><b>{}</b> {}</p>\n", html_escaped(question), html_escaped(sentence));
   for (const std::string& notice : document.notices)
     text += fmt::format("<p>{}</p>\n", html_escaped(notice));
   ReportTable facts{"", {"", ""}, {}, ""};

@@ -117,8 +117,9 @@ export function drawingSvg(drawing, box) {
       'stroke-width': part.width,
       'stroke-linecap': 'round',
       'stroke-linejoin': 'round',
-      class: part.value === null ? 'plain' : 'valued',
+      class: part.style || (part.value === null ? 'plain' : 'valued'),
     });
+    if (part.style === 'assumed') line.setAttribute('stroke-dasharray', `${2 * part.width} ${2.5 * part.width}`);
     if (part.value !== null) line.style.stroke = heat(part.value);
     const title = svg('title', {});
     title.textContent = part.text || part.name;
@@ -145,6 +146,21 @@ export function makeDrawing(drawing, place) {
   const named = drawing.parts.filter((p) => p.value !== null && p.text);
   if (named.length) figure.append(element('ul', 'legend', null, ...named.map((p) => element('li', '', p.text))));
   if (drawing.caption) figure.append(element('figcaption', '', drawing.caption));
+  place.append(figure);
+}
+
+/** Drawings side by side at one scale, with what their styles mean. */
+export function makePicture(picture, place) {
+  const figure = element('figure', 'drawing picture');
+  figure.id = `picture-${picture.id}`;
+  const box = boxOf(picture.panels);
+  const panels = element('div', 'panels');
+  for (const drawing of picture.panels)
+    panels.append(element('div', 'panel', null, element('h4', '', drawing.title), drawingSvg(drawing, box), element('p', 'note', drawing.caption)));
+  const legend = element('p', 'meanings');
+  for (const [style, meaning] of picture.legend) legend.append(element('span', style, meaning));
+  figure.append(element('h3', '', picture.title), panels, legend);
+  if (picture.caption) figure.append(element('figcaption', '', picture.caption));
   place.append(figure);
 }
 

@@ -3,7 +3,7 @@
 import 'uplot/dist/uPlot.min.css';
 import './report.css';
 import { makeAnimation, spanOf } from './animation.js';
-import { makeBars, makeChoice, makeDrawing, makeHeatMap, makeTable } from './blocks.js';
+import { makeBars, makeChoice, makeDrawing, makeHeatMap, makePicture, makeTable } from './blocks.js';
 import { makeChart } from './chart.js';
 import { makeClock, makeControls } from './clock.js';
 import { element, readData } from './data.js';
@@ -12,6 +12,9 @@ import { lowerBound } from './thin.js';
 function header(data) {
   const head = element('header');
   head.append(element('h1', '', data.title), element('p', 'caption', data.caption));
+  for (const [question, sentence] of data.summary)
+    head.append(element('p', 'summary', null, element('strong', '', question), element('span', '', sentence)));
+  if (data.picture.panels.length) makePicture(data.picture, head);
   if (data.facts.length) {
     const facts = element('dl', 'facts');
     for (const [name, value] of data.facts) facts.append(element('div', '', null, element('dt', '', name), element('dd', '', value)));

@@ -1,0 +1,20 @@
+#pragma once
+// What a diagnosis says, in three plain sentences.
+
+#include <string>
+
+#include "jaculus/diagnosis/diagnosis.h"
+
+namespace jaculus::diagnosis {
+
+struct Summary {
+  std::string where;    ///< where the gap lies
+  std::string which;    ///< which effect causes it
+  std::string how_far;  ///< how far it shrinks on held-out data, in units; whether that is enough
+};
+Summary summary_of(const Diagnosis& diagnosis);
+
+/// A name as words: "front_a" is "front a".
+std::string in_words(std::string name);
+
+}  // namespace jaculus::diagnosis

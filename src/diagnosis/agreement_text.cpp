@@ -1,0 +1,96 @@
+#include "diagnosis/agreement_text.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <numbers>
+
+#include "jaculus/core/json.h"
+
+namespace jaculus::diagnosis {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Channels of all sets, each once, in order.
+std::vector<std::string> channels_of(const Agreement& agreement) {
+  std::vector<std::string> names;
+  for (const SetAgreement& set : agreement.sets)
+    for (const ChannelAgreement& c : set.channels)
+      if (std::find(names.begin(), names.end(), c.channel) == names.end())
+        names.push_back(c.channel);
+  return names;
+}
+
+/// "x 13.9 -> 1.8 mm (held out 2.0)".
+std::string channel_text(const ChannelAgreement& c) {
+  const bool length = c.unit == "m", angle = c.unit == "rad";
+  const double factor = length ? 1e3 : angle ? 180.0 / std::numbers::pi : 1.0;
+  return fmt::format("{} {:.3g} -> {:.3g} {} (held out {:.3g}, unknowns alone {:.3g})", c.channel,
+                     factor * c.stated, factor * c.account,
+                     length  ? "mm"
+                     : angle ? "deg"
+                             : c.unit,
+                     factor * c.held_out, factor * c.unknowns);
+}
+
+}  // namespace
+
+Json agreement_json(const Agreement& agreement) {
+  Json unknowns = Json::object(), sets = Json::array(), explained = Json::object();
+  for (const FittedUnknown& u : agreement.unknowns)
+    unknowns[u.name] = {
+        {"kind", u.kind},
+        {"value", json_number(u.value)},
+        {"ci95", Json::array({json_number(u.ci95.lower), json_number(u.ci95.upper)})}};
+
+  for (const SetAgreement& set : agreement.sets) {
+    Json channels = Json::object();
+    for (const ChannelAgreement& c : set.channels)
+      channels[c.stream + "." + c.channel] = {{"unit", c.unit},
+                                              {"stated", json_number(c.stated)},
+                                              {"unknowns_fitted", json_number(c.unknowns)},
+                                              {"account", json_number(c.account)},
+                                              {"held_out", json_number(c.held_out)},
+                                              {"noise_floor", json_number(c.noise_floor)}};
+    sets.push_back({{"dataset", set.dataset},
+                    {"agrees", set.agrees},
+                    {"harmed_by", set.harmed_by},
+                    {"gap_rms", channels}});
+  }
+
+  for (const std::string& channel : channels_of(agreement))
+    explained[channel] = {{"account", json_number(agreement.explained(channel, false))},
+                          {"held_out", json_number(agreement.explained(channel, true))}};
+  return {{"unknowns", unknowns},
+          {"unknowns_pass_for", agreement.hidden},
+          {"sets", sets},
+          {"energy_explained", explained}};
+}
+
+std::string agreement_text(const Agreement& agreement) {
+  std::string text;
+  for (const FittedUnknown& u : agreement.unknowns)
+    text += fmt::format("left open by the files: {}, {} {:.3g} [{:.3g}, {:.3g}]\n", u.name, u.kind,
+                        u.value, u.ci95.lower, u.ci95.upper);
+  if (!agreement.hidden.empty())
+    text += fmt::format("the unknowns can pass for: {}\n", fmt::join(agreement.hidden, ", "));
+
+  for (const SetAgreement& set : agreement.sets) {
+    std::vector<std::string> parts;
+    for (const ChannelAgreement& c : set.channels) parts.push_back(channel_text(c));
+    const std::string harm =
+        set.harmed_by.empty() ? "" : fmt::format(", harmed by {}", fmt::join(set.harmed_by, ", "));
+    text += fmt::format("{}: {}{}; rms of {}\n", set.dataset,
+                        set.agrees ? "agrees" : "does not agree", harm, fmt::join(parts, ", "));
+  }
+
+  for (const std::string& channel : channels_of(agreement))
+    text += fmt::format(
+        "{} over all sets: {:.0f} % of the gap's energy explained, {:.0f} % held out\n", channel,
+        100.0 * agreement.explained(channel, false), 100.0 * agreement.explained(channel, true));
+  return text;
+}
+
+}  // namespace jaculus::diagnosis

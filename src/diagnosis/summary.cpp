@@ -1,0 +1,208 @@
+#include "jaculus/diagnosis/summary.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace jaculus::diagnosis {
+namespace {
+
+constexpr std::size_t kMostNamed = 3;  // places, effects or channels in a sentence
+constexpr double kWorthAWord = 0.05;   // share of the gap's energy
+constexpr double kWithinNoise = 1.5;   // of a channel's floor, below which its error is noise
+
+/// "a", "a and b", "a, b and c".
+std::string listed(const std::vector<std::string>& parts, const std::string& last = "and") {
+  std::string text;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    if (i > 0) text += i + 1 == parts.size() ? " " + last + " " : ", ";
+    text += parts[i];
+  }
+  return text;
+}
+
+std::string per_cent(double share) { return fmt::format("{:.0f} %", 100.0 * share); }
+
+std::string capital(std::string text) {
+  if (!text.empty()) text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
+  return text;
+}
+
+/// Coordinates along which the judged model lacks most, with the force.
+std::vector<std::string> lacking_places(const Diagnosis& d) {
+  std::vector<LackingForce> forces = d.lacking;
+  std::erase_if(forces, [](const LackingForce& f) { return f.unit == "noise floors"; });
+  std::stable_sort(forces.begin(), forces.end(),
+                   [](const LackingForce& a, const LackingForce& b) { return a.boxes > b.boxes; });
+  std::vector<std::string> places;
+  for (const LackingForce& f : forces)
+    if (places.size() < kMostNamed)
+      places.push_back(fmt::format("{:.2g} {} along {}", f.rms, f.unit, in_words(f.name)));
+  return places;
+}
+
+std::string where_sentence(const Diagnosis& d) {
+  if (d.verdict == Verdict::insufficient) return "These data can't say where a gap lies.";
+  if (d.verdict == Verdict::none)
+    return "Nowhere: no gap is beyond what sensors and a builder's tolerances allow.";
+
+  std::vector<ComponentShare> shares;
+  if (d.where)
+    for (const ComponentShare& s : d.where->components)
+      if (s.share >= kWorthAWord) shares.push_back(s);
+  std::stable_sort(
+      shares.begin(), shares.end(),
+      [](const ComponentShare& a, const ComponentShare& b) { return a.share > b.share; });
+  std::vector<std::string> places;
+  for (const ComponentShare& s : shares)
+    if (places.size() < kMostNamed)
+      places.push_back(fmt::format("{} ({} of its energy)",
+                                   in_words(effects::component_name(s.component)),
+                                   per_cent(s.share)));
+
+  const std::vector<std::string> lacking = lacking_places(d);
+  std::string text = places.empty() ? "The gap has no place that the catalogue could tell"
+                                    : "The gap lies in " + listed(places);
+  if (d.where && d.where->departure.found) {
+    const double time = d.where->departure.time;
+    text += time <= 0.0
+                ? "; the robot is off the model already when it starts"
+                : fmt::format("; the robot leaves the model {:.3g} s after the start", time);
+  }
+  const bool remains = d.verdict == Verdict::partial || d.verdict == Verdict::unexplained;
+  if (remains && !lacking.empty())
+    text += fmt::format("; what {} is {} (rms)",
+                        d.verdict == Verdict::partial ? "remains" : "it lacks", listed(lacking));
+  return text + ".";
+}
+
+/// "tail compliance (stiffness 100 N m/rad, 96 to 104)".
+std::string effect_phrase(const FoundEffect& effect) {
+  std::string text = in_words(effect.name);
+  if (effect.parameters.empty()) return text;
+  const FoundParameter& p = effect.parameters.front();
+  text +=
+      fmt::format(" ({} {:.3g}{}", in_words(p.name), p.value, p.unit == "-" ? "" : " " + p.unit);
+  if (std::isfinite(p.ci95.lower) && std::isfinite(p.ci95.upper))
+    text += fmt::format(", {:.3g} to {:.3g}", p.ci95.lower, p.ci95.upper);
+  return text + ")";
+}
+
+/// Shares as sentences give them: what is beyond nothing and all is noise.
+std::string clipped(double share) { return per_cent(std::clamp(share, 0.0, 1.0)); }
+
+/// "A explains 73 % of the gap's energy, with B 96 %", the largest share first; empty where there
+/// are none.
+std::string explaining(const Diagnosis& d) {
+  std::vector<FoundEffect> effects = d.effects;
+  for (const FoundEffect& e : effects)
+    if (!e.share) return {};
+  std::stable_sort(effects.begin(), effects.end(), [](const FoundEffect& a, const FoundEffect& b) {
+    return a.share->alone > b.share->alone;
+  });
+
+  std::string text =
+      fmt::format("{} explains {} of the held-out gap's energy", capital(effect_phrase(effects[0])),
+                  clipped(effects[0].share->alone));
+  std::vector<std::string> others;
+  for (std::size_t i = 1; i < effects.size(); ++i) others.push_back(effect_phrase(effects[i]));
+  const double before = d.gap.before * d.gap.before - 1.0;
+  const double all = 1.0 - (d.gap.after * d.gap.after - 1.0) / before;
+  if (!others.empty()) text += fmt::format(", with {} {}", listed(others), clipped(all));
+  return text;
+}
+
+std::string which_sentence(const Diagnosis& d) {
+  if (d.verdict == Verdict::none) return "No effect is needed.";
+  if (d.verdict == Verdict::insufficient)
+    return d.reasons.empty() ? "No effect can be named." : capital(d.reasons.front()) + ".";
+  if (d.effects.empty()) return "No effect of the catalogue is established.";
+
+  std::vector<std::string> named, rivals;
+  for (const FoundEffect& e : d.effects)
+    if (named.size() < kMostNamed) named.push_back(effect_phrase(e));
+  if (d.verdict == Verdict::ambiguous)
+    return fmt::format("One of these causes it, and these data can't tell which: {}.",
+                       listed(named, "or"));
+
+  for (const FoundEffect& e : d.effects) {
+    std::vector<std::string> others;
+    for (const std::string& other : e.indistinguishable)
+      if (others.size() < kMostNamed) others.push_back(in_words(other));
+    if (!others.empty()) rivals.push_back(in_words(e.name) + " from " + listed(others, "or"));
+  }
+  const char* verb = named.size() > 1 ? "cause" : "causes";
+  std::string text = explaining(d);
+  if (text.empty()) text = fmt::format("{} {} it", capital(listed(named)), verb);
+  if (!rivals.empty()) text += "; these data can't tell " + listed(rivals);
+  if (d.verdict == Verdict::partial) text += "; something else, not named, is there too";
+  return text + ".";
+}
+
+/// Channels whose error before is farthest above noise.
+std::vector<PhysicalGap> telling_channels(const Diagnosis& d) {
+  std::vector<PhysicalGap> rows = physical_gaps(d.gap, d.tolerances, d.horizon);
+  std::erase_if(rows, [](const PhysicalGap& row) { return !std::isfinite(row.judged.before); });
+  std::stable_sort(rows.begin(), rows.end(), [](const PhysicalGap& a, const PhysicalGap& b) {
+    return a.judged.before * b.judged.floor > b.judged.before * a.judged.floor;
+  });
+  if (rows.size() > kMostNamed) rows.resize(kMostNamed);
+  return rows;
+}
+
+std::string tolerance_phrase(const Diagnosis& d) {
+  std::vector<std::string> met, missed;
+  for (const PhysicalGap& row : physical_gaps(d.gap, d.tolerances, d.horizon)) {
+    if (!row.met) continue;
+    std::vector<std::string>& list = *row.met ? met : missed;
+    list.push_back(fmt::format("{} ({:.3g} against {:.3g} {})", in_words(row.name),
+                               row.judged.after, *row.tolerance, row.unit));
+  }
+  std::string text;
+  if (!met.empty()) text += " Good enough: " + listed(met) + ".";
+  if (!missed.empty()) text += " Not good enough: " + listed(missed) + ".";
+  return text;
+}
+
+std::string how_far_sentence(const Diagnosis& d) {
+  const std::vector<PhysicalGap> rows = telling_channels(d);
+  if (!d.gap.valid || rows.empty())
+    return "How far the gap shrinks can't be told: nothing could be held out.";
+
+  std::vector<std::string> changes;
+  const bool falls = std::all_of(rows.begin(), rows.end(), [](const PhysicalGap& row) {
+    return row.judged.after < row.judged.before;
+  });
+  const bool models_differ = !d.model.candidates.empty();
+  for (const PhysicalGap& row : rows) {
+    const std::string unit = " " + row.unit;
+    changes.push_back(models_differ ? fmt::format("{} from {:.3g} to {:.3g}{}", in_words(row.name),
+                                                  row.judged.before, row.judged.after, unit)
+                                    : fmt::format("{} {:.3g}{} (noise {:.2g})", in_words(row.name),
+                                                  row.judged.before, unit, row.judged.floor));
+  }
+  std::string text = fmt::format("{} {} (rms up to {:.2g} s after the start, {} that no fit saw)",
+                                 models_differ ? falls ? "Error falls in" : "Error changes in"
+                                               : "The nominal model's error is, in",
+                                 listed(changes), rows.front().judged.reach,
+                                 d.gap.over == "time" ? "windows" : in_words(d.gap.over));
+  const double before = d.gap.before * d.gap.before - 1.0;
+  if (models_differ && d.gap.before >= kWithinNoise)
+    text += fmt::format(": {} of the gap's energy",
+                        clipped(1.0 - (d.gap.after * d.gap.after - 1.0) / before));
+  return text + "." + tolerance_phrase(d);
+}
+
+}  // namespace
+
+std::string in_words(std::string name) {
+  std::replace(name.begin(), name.end(), '_', ' ');
+  return name;
+}
+
+Summary summary_of(const Diagnosis& diagnosis) {
+  return {where_sentence(diagnosis), which_sentence(diagnosis), how_far_sentence(diagnosis)};
+}
+
+}  // namespace jaculus::diagnosis

@@ -1,0 +1,105 @@
+#include "diagnosis/validation/shares.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <map>
+
+#include "diagnosis/validation/fold_interval.h"
+
+namespace jaculus::diagnosis {
+namespace {
+
+constexpr int kMostOrdered = 3;  // the search's largest set
+
+/// v, of all folds together and by fold; NaN where it can't be told.
+struct Explained {
+  double all = kNaN;
+  std::vector<double> by_fold;
+};
+
+double explained(double before, double after) {
+  return 1.0 - (after * after - 1.0) / (before * before - 1.0);
+}
+
+Explained explained_by(const HeldOut& gap, const Settings& settings) {
+  Explained out;
+  out.by_fold.assign(gap.by_fold.size(), kNaN);
+  if (!gap.valid || gap.before < settings.plain_gap) return out;
+
+  out.all = explained(gap.before, gap.after);
+  for (std::size_t f = 0; f < gap.by_fold.size(); ++f) {
+    const FoldGap& fold = gap.by_fold[f];
+    if (fold.before > settings.gap_of_fold) out.by_fold[f] = explained(fold.before, fold.after);
+  }
+  return out;
+}
+
+Explained nothing_explained(std::size_t folds) { return {0.0, std::vector<double>(folds, 0.0)}; }
+
+/// v of all subsets that are needed, by bits of the members' places.
+using Subsets = std::map<unsigned, Explained>;
+
+/// Weighted mean of value(v(S and i)) - value(v(S)) over the sets S of the others.
+template <class Value>
+double shapley(const Subsets& v, int n, int i, Value&& value) {
+  double factorial[kMostOrdered + 1] = {1.0};
+  for (int k = 1; k <= n; ++k) factorial[k] = factorial[k - 1] * k;
+
+  double sum = 0.0;
+  for (unsigned set = 0; set < 1u << n; ++set) {
+    if ((set >> i & 1u) != 0) continue;
+    const int size = std::popcount(set);
+    const double weight = factorial[size] * factorial[n - size - 1] / factorial[n];
+    sum += weight * (value(v.at(set | 1u << i)) - value(v.at(set)));
+  }
+  return sum;
+}
+
+EffectShare share_of(const Subsets& v, int n, int i) {
+  const unsigned all = (1u << n) - 1u, own = 1u << i;
+  EffectShare share;
+  share.alone = v.at(own).all;
+  share.last = v.at(all).all - v.at(all & ~own).all;
+  if (n > kMostOrdered) return share;
+
+  share.shapley = shapley(v, n, i, [](const Explained& e) { return e.all; });
+  std::vector<double> by_fold;
+  for (std::size_t f = 0; f < v.at(all).by_fold.size(); ++f)
+    by_fold.push_back(shapley(v, n, i, [f](const Explained& e) { return e.by_fold[f]; }));
+  share.ci95 = fold_interval(by_fold, share.shapley);
+  return share;
+}
+
+}  // namespace
+
+std::vector<std::optional<EffectShare>> shares_of(const Problem& problem,
+                                                  const Comparison& comparison,
+                                                  const Posterior& posterior, HeldOutGaps& gaps,
+                                                  const ModelFit& model) {
+  const int n = count_of(model.candidates);
+  std::vector<std::optional<EffectShare>> shares(model.candidates.size());
+  const HeldOut whole = gaps.of(model);
+  if (!whole.valid || whole.before < problem.settings.plain_gap) return shares;
+
+  Subsets v;
+  v[0] = nothing_explained(whole.by_fold.size());
+  for (unsigned set = 1; set < 1u << n; ++set) {
+    const int size = std::popcount(set);
+    if (n > kMostOrdered && size != 1 && size < n - 1) continue;
+    std::vector<int> members;
+    for (int i = 0; i < n; ++i)
+      if ((set >> i & 1u) != 0) members.push_back(model.candidates[i]);
+    const ModelFit fitted = fitted_subset(problem, comparison, posterior, model, members);
+    v[set] = {kNaN, std::vector<double>(whole.by_fold.size(), kNaN)};
+    if (fitted.fit.valid) v[set] = explained_by(gaps.of(fitted), problem.settings);
+  }
+
+  for (int i = 0; i < n; ++i) {
+    const EffectShare share = share_of(v, n, i);
+    if (std::isfinite(share.alone) && std::isfinite(share.last)) shares[i] = share;
+  }
+  return shares;
+}
+
+}  // namespace jaculus::diagnosis
