@@ -1,5 +1,6 @@
 // jaculus diagnose: why a robot did something else than its plan.
 
+#include "jaculus/core/interrupt.h"
 #include "jaculus/diagnosis/diagnose.h"
 
 #include <fmt/format.h>
@@ -9,6 +10,7 @@
 #include <memory>
 
 #include "cli/reporting.h"
+#include "jaculus/core/units.h"
 #include "jaculus/diagnosis/diagnosis_json.h"
 #include "jaculus/report/diagnosis_report.h"
 #include "jaculus/trajectory/csv.h"
@@ -19,7 +21,9 @@ namespace {
 struct DiagnoseOptions {
   Common common;
   std::vector<std::string> datasets;
-  std::string settings;  ///< file
+  std::string settings;                 ///< file
+  std::vector<std::string> tolerances;  ///< "x=5mm"
+  std::string horizon;                  ///< "0.1 s"; empty: the whole motion
   bool explain = false;
 };
 
@@ -31,13 +35,32 @@ const std::vector<std::pair<std::string, double>> kStages = {{"screening", 0.003
                                                              {"held-out gap and intervals", 0.8},
                                                              {"where the gap lies", 0.9}};
 
+/// The horizon of --horizon, in the range of the setting.
+std::optional<double> horizon_of(const std::string& text) {
+  if (text.empty()) return {};
+  double value = kNaN;
+  try {
+    value = parse_quantity(text, dimension::time);
+  } catch (const InputError& e) {
+    throw InputError(fmt::format("--horizon: {}", e.what()));
+  }
+  for (const diagnosis::SettingRow& row : diagnosis::setting_rows({})) {
+    if (row.name != "horizon" || row.range.contains(value)) continue;
+    throw InputError(fmt::format("--horizon: '{}' given; allowed: {} to {} s", text,
+                                 row.range.lower, row.range.upper));
+  }
+  return value;
+}
+
 int run_diagnose(const DiagnoseOptions& options) {
+  restore_default_interrupts();
   diagnosis::DiagnoseOptions diagnosing;
   if (!options.settings.empty()) diagnosing.settings = diagnosis::read_settings(options.settings);
   if (options.explain) {
     print(diagnosis::settings_text(diagnosing.settings));
     return kDone;
   }
+  diagnosing.accuracy = {options.tolerances, horizon_of(options.horizon)};
   if (options.datasets.empty())
     throw InputError("diagnose: no dataset given; allowed: one or more folders of datasets");
 
@@ -82,6 +105,13 @@ void add_diagnose(CLI::App& app, Action& chosen) {
   command->add_option("datasets", options->datasets, "folders of datasets");
   command->add_option("--settings", options->settings,
                       "YAML file of settings that replace defaults (--explain lists them)");
+  command
+      ->add_option("--tolerance", options->tolerances,
+                   "held-out error that is good enough, by channel: x=5mm,pitch=1deg")
+      ->delimiter(',');
+  command->add_option("--horizon", options->horizon,
+                      "since the start, up to which errors are judged: 0.1s; default: the whole "
+                      "motion (0.1 s is stated beside it)");
   command->add_flag("--explain", options->explain,
                     "print every setting with its unit, value and origin");
   add_common(*command, options->common,

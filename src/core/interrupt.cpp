@@ -26,6 +26,11 @@ void install_interrupt_handler() {
   sigaction(SIGTERM, &action, nullptr);
 }
 
+void restore_default_interrupts() {
+  signal(SIGINT, SIG_DFL);
+  signal(SIGTERM, SIG_DFL);
+}
+
 bool interrupt_requested() { return requested.load(); }
 void request_interrupt() { requested.store(true); }
 void clear_interrupt() { requested.store(false); }

@@ -291,6 +291,8 @@ double parse_quantity(std::string_view text, const Dimension& expected) {
   return result;
 }
 
+Dimension unit_dimension(std::string_view unit) { return UnitParser(unit).parse().dimension; }
+
 std::string unit_name(const Dimension& d) {
   for (const Name& name : kNames) {
     if (name.dimension == d) return std::string(name.text);

@@ -8,6 +8,9 @@ namespace jaculus {
 /// command line only.
 void install_interrupt_handler();
 
+/// Lets a signal end the program at once, where nothing half done is worth keeping.
+void restore_default_interrupts();
+
 /// True once a signal has come (or request_interrupt() was called).
 bool interrupt_requested();
 

@@ -49,6 +49,10 @@ inline constexpr Dimension angular_damping{2, 1, -1, 0, -1};    // N m s/rad
 /// none, throws InputError (without location).
 double parse_quantity(std::string_view text, const Dimension& expected);
 
+/// Dimension of a unit in the same notation: "N m/A". InputError (without location) where it is
+/// none.
+Dimension unit_dimension(std::string_view unit);
+
 /// The SI unit of a dimension as a user reads it: "N m", "rad/s", "-".
 std::string unit_name(const Dimension& dimension);
 
