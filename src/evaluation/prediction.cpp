@@ -61,9 +61,16 @@ NamedEffect effect_of(const json& entry, const std::string& path) {
   return effect;
 }
 
-/// Per channel: what is given in noise floors, times the floor in the channel's unit.
+/// Per channel, in its unit: as given, else (format 1) what is given in noise floors, times the
+/// floor.
 std::map<std::string, ChannelGap> channels_of(const json& root) {
   std::map<std::string, ChannelGap> channels;
+  const json physical = root.value("/gap/physical"_json_pointer, json::object());
+  for (const auto& [name, gap] : physical.items())
+    channels[name] = {gap.value("unit", ""), number_of(gap.value("before", json()), name),
+                      number_of(gap.value("after", json()), name)};
+  if (!channels.empty()) return channels;
+
   const json per = root.value("/gap/per_channel"_json_pointer, json::object());
   const json floors = root.value("/where/channels"_json_pointer, json::object());
 
@@ -147,9 +154,11 @@ Prediction read_prediction(const std::filesystem::path& file) {
   const json root = json::parse(text, nullptr, false);
   if (root.is_discarded())
     throw InputError(fmt::format("{}: is no JSON; allowed: a diagnosis.json", file.string()));
-  if (text_in(root, "format", file.string()) != "jaculus-diagnosis/1") {
-    throw InputError(fmt::format("{}: format: {} given; allowed: jaculus-diagnosis/1",
-                                 file.string(), root.at("format").dump()));
+  const std::string format = text_in(root, "format", file.string());
+  if (format != "jaculus-diagnosis/1" && format != "jaculus-diagnosis/2") {
+    throw InputError(
+        fmt::format("{}: format: {} given; allowed: jaculus-diagnosis/1, jaculus-diagnosis/2",
+                    file.string(), root.at("format").dump()));
   }
   return prediction_of(root, file.string());
 }

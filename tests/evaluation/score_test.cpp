@@ -493,6 +493,18 @@ TEST(Answer, ReadsTheFormatAndKeepsItThroughText) {
   EXPECT_EQ(prediction.gap_after, 1.1);
 }
 
+TEST(Answer, TakesTheGapInUnitsWhereItIsGiven) {
+  const test::TemporaryFolder folder;
+  const Prediction prediction = read_prediction(
+      folder.write("diagnosis.json", R"({"format": "jaculus-diagnosis/2", "verdict": "none",
+    "where": {"channels": {"x": {"noise_floor": 0.5, "unit": "m"}}},
+    "gap": {"physical": {"x": {"unit": "mm", "before": 7.0, "after": 2.0}},
+            "per_channel": {"mocap.x": {"before": 3.0, "after": 1.0}}}})"));
+  EXPECT_EQ(prediction.channels.at("x").unit, "mm");
+  EXPECT_EQ(prediction.channels.at("x").before, 7.0);
+  EXPECT_EQ(prediction.channels.at("x").after, 2.0);
+}
+
 TEST(Answer, KeepsJointsAndEvents) {
   Prediction prediction = tells(0.5, -2.0);
   prediction.effects = {{"joint_coulomb_friction", 0.9, {}, {}, {"elbow"}}};
