@@ -33,8 +33,7 @@ transcription::TermType pitch_rate() {
   transcription::TermType type;
   type.name = "pitch_rate";
   type.meaning = "how fast the body may pitch";
-  type.keys = {{"limit",
-                transcription::key::Number{dimension::angular_velocity, {1e-3, 100.0}},
+  type.keys = {{"limit", transcription::key::Number{dimension::angular_velocity, {1e-3, 100.0}},
                 "largest rate either way"}};
   type.example = "limit: 300 deg/s";
 

@@ -1,6 +1,5 @@
 // jaculus diagnose: why a robot did something else than its plan.
 
-#include "jaculus/core/interrupt.h"
 #include "jaculus/diagnosis/diagnose.h"
 
 #include <fmt/format.h>
@@ -10,6 +9,7 @@
 #include <memory>
 
 #include "cli/reporting.h"
+#include "jaculus/core/interrupt.h"
 #include "jaculus/core/units.h"
 #include "jaculus/diagnosis/diagnosis_json.h"
 #include "jaculus/report/diagnosis_report.h"

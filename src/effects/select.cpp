@@ -107,8 +107,7 @@ EffectValue read_effect(const std::string& text, const model::PlanarModel& model
   if (colon == std::string::npos) {
     throw InputError(fmt::format(
         "{}: '{}' has no parameter; allowed: name:parameter=value,... such as {}:{}={}", place,
-        text, effect->name, effect->parameters.front().name,
-        effect->parameters.front().probed()));
+        text, effect->name, effect->parameters.front().name, effect->parameters.front().probed()));
   }
   EffectValue value{effect, effect->nominal()};
   std::set<std::size_t> seen;

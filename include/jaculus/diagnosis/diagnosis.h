@@ -88,7 +88,7 @@ struct Diagnosis {
   HeldOut gap;                    ///< of `model` against `none`
   Tolerances tolerances;          ///< that the user named
   std::optional<double> horizon;  ///< by which they are judged [s]; nothing: the whole motion
-  Agreement agreement;  ///< of `model` with every dataset
+  Agreement agreement;            ///< of `model` with every dataset
   /// probability that `model` lacks forces, given that it is at work
   double lacking_probability = 0.0;
   std::vector<LackingForce> lacking;  ///< of `model`, by coordinate

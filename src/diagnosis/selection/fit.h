@@ -35,8 +35,8 @@ struct Fit {
   Matrix covariance;         ///< of u, H^-1, tolerances beside the effects (beside_columns)
   /// Deviation of u that tolerances in its place add: squared, marginal less `covariance`.
   Vector shared;
-  double chi2 = 0.0;         ///< |r|^2
-  double cost = 0.0;         ///< at the optimum, by S
+  double chi2 = 0.0;  ///< |r|^2
+  double cost = 0.0;  ///< at the optimum, by S
   double log_evidence = 0.0;
   double log_complete = 0.0;  ///< the same where the plant lacks no force: S = 0
   long predictions = 0;       ///< sets of simulations that it took
@@ -45,8 +45,8 @@ struct Fit {
 struct FitOptions {
   std::optional<int> iterations{};  ///< at most, a start; else settings.fit_iterations
   double enough = kInfinity;        ///< log evidence at which no further start is tried
-  Vector scales{};           ///< deviations to begin with; empty: first_scales()
-  bool hold_scales = false;  ///< whether they stay
+  Vector scales{};                  ///< deviations to begin with; empty: first_scales()
+  bool hold_scales = false;         ///< whether they stay
   /// Columns beside which tolerances stay; empty: those of the fit itself.
   Matrix beside{};
   /// Whether forces are granted from the first round on, at `scales`; else it is plain least

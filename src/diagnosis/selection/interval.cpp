@@ -73,8 +73,7 @@ Bounds interval95(const Problem& problem, const Whitening& whitening, const Fit&
                value = fit.p[parameter];
   const auto end = [&](double side) {
     const double told = interval_end(problem, whitening, fit, parameter, deviation, side) - value;
-    return std::clamp(value + side * std::hypot(told, granted), own.bounds.lower,
-                      own.bounds.upper);
+    return std::clamp(value + side * std::hypot(told, granted), own.bounds.lower, own.bounds.upper);
   };
   return {end(-1.0), end(1.0)};
 }

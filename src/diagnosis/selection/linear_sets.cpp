@@ -19,7 +19,7 @@ struct SetProducts {
 };
 
 SetProducts set_products(const Problem& problem, const Whitening& whitening, const Fit& none,
-               const std::vector<Probe>& probes) {
+                         const std::vector<Probe>& probes) {
   SetProducts table;
   const Matrix base = linear_model(problem, none);
   Eigen::Index count = base.cols();
@@ -92,9 +92,8 @@ std::vector<LinearSet> linear_sets(const Problem& problem, const Whitening& whit
                                    const std::vector<std::vector<int>>& sets) {
   const SetProducts table = set_products(problem, whitening, none, probes);
   std::vector<LinearSet> out(sets.size());
-  tbb::parallel_for(0, count_of(sets), [&](int i) {
-    out[i] = evaluated(problem, whitening, none, table, sets[i]);
-  });
+  tbb::parallel_for(0, count_of(sets),
+                    [&](int i) { out[i] = evaluated(problem, whitening, none, table, sets[i]); });
 
   std::erase_if(out, [](const LinearSet& set) { return set.log_evidence == -kInfinity; });
   std::stable_sort(out.begin(), out.end(), [](const LinearSet& a, const LinearSet& b) {

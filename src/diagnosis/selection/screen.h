@@ -19,7 +19,7 @@ namespace jaculus::diagnosis {
 /// Signatures of one candidate about a base model.
 struct Probe {
   bool valid = false;
-  Matrix small, full;  ///< rows x parameters, per prior scale, at the two strengths
+  Matrix small, full;     ///< rows x parameters, per prior scale, at the two strengths
   bool by_small = false;  ///< whether the score is that of the small step's columns
   double score = -kInfinity;
   Vector estimate;     ///< u of its parameters by the better linear model, within bounds
