@@ -154,6 +154,37 @@ TEST(NoiseModel, IsNotMisalignedByAnImpactThatIsNotWhereItWasPredicted) {
     EXPECT_NEAR(noise.alignments[0].segments[r].shift[0], late[r], 5e-4) << r;
 }
 
+TEST(NoiseModel, DatesAClockByAModelThatFitsAndHardlyByOneThatDoesNot) {
+  // All clocks are 6 ms late. A motion that is 30 % too large looks late by more than that.
+  for (const double size : {1.0, 0.7}) {
+    const auto problem = toy_problem(Vector::Zero(4));
+    diagnosis::ObservedDataset& dataset = problem->observations.datasets[0];
+    std::mt19937 generator(3);
+    std::normal_distribution<double> normal(0.0, 1e-4);
+    for (auto& segment : dataset.segments)
+      for (std::size_t c = 0; c < 2; ++c)
+        for (Eigen::Index i = 0; i < segment.time[c].size(); ++i)
+          segment.value[c][i] =
+              size * std::pow(std::max(0.0, segment.time[c][i] - 6e-3), 2) + normal(generator);
+    problem->forward = [](int, int, const Vector&) {
+      diagnosis::Prediction prediction;
+      prediction.valid = true;
+      prediction.values.resize(2, 531);
+      for (int i = 0; i < 531; ++i) prediction.values.col(i).setConstant(std::pow(1e-3 * i, 2));
+      return prediction;
+    };
+    const diagnosis::NoiseModel noise = diagnosis::estimate_noise(*problem, Vector::Zero(4));
+    for (const auto& segment : noise.alignments[0].segments) {
+      if (size == 1.0) {
+        EXPECT_NEAR(segment.shift[0], 6e-3, 5e-4);
+        continue;
+      }
+      // Free of a prior it would be the largest that is allowed, 30 ms.
+      EXPECT_LT(segment.shift[0], 8e-3);
+    }
+  }
+}
+
 TEST(NoiseModel, KnowsALateCommandFromALateClockByItsPriorAlone) {
   // A command that is late by p is the same motion later: free clocks make every p alike but for
   // what they cost.

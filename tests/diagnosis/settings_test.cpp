@@ -79,7 +79,7 @@ TEST(Settings, ThatWouldHangOrDivideByZeroAreRefused) {
   for (const std::string name :
        {"force_step", "one_off_bins", "hat_functions", "hat_functions_alone", "rows_of_hat", "grid",
         "window_length", "quiet_one_in", "line_search_lowest", "line_search_even", "time_folds",
-        "variability_modes", "state_half_width", "shift_ridge", "shift_prior_segments", "force_box",
+        "variability_modes", "state_half_width", "shift_prior_segments", "force_box",
         "onset_step"}) {
     for (const std::string value : {"0", "-1"}) {
       const std::string text = "# settings\n" + name + ": " + value + "\n";

@@ -8,7 +8,7 @@
 namespace jaculus::diagnosis {
 namespace {
 
-constexpr double kLeastMisfit = 1e-12;  // that divides
+constexpr double kLeastMisfit = 1e-12;  // of a row [unit], that divides
 
 /// Mean of a span's residual before the command, where the robot rests; 0 without such rows.
 double rest_of(const Vector& residual, const Vector& time, double command) {
@@ -50,46 +50,32 @@ SpanSystem span_system(const ObservedDataset& observed, const RowSpan& span,
   return system;
 }
 
-/// Misfit of every channel over all segments as they are aligned: the unit in which alignment
-/// weighs it.
-Vector misfits(const ObservedDataset& observed, const std::vector<const Prediction*>& predictions,
-               const Alignment& alignment, const Settings& settings) {
-  Vector squares = Vector::Zero(count_of(observed.channels)), counts = squares;
-  for (const RowSpan& span : row_spans(observed)) {
-    const double shift = alignment.segments[span.segment].shift[observed.stream_of(span.channel)];
-    squares[span.channel] +=
-        span_system(observed, span, *predictions[span.segment], shift, settings)
-            .residual.squaredNorm();
-    counts[span.channel] += span.count;
-  }
-  return (squares.array() / counts.array().max(1.0)).sqrt().max(kLeastMisfit);
-}
-
 /// One stream of one segment, whose shift is sought.
 struct ShiftSearch {
   const ObservedDataset& observed;
   const Prediction& prediction;
-  const Vector& unit;  ///< of every channel's misfit
   const Settings& settings;
   std::vector<RowSpan> spans;
 
   struct Point {
     double shift = 0.0;  ///< [s]
-    double cost = 0.0;   ///< squares in units of misfit
+    double cost = 0.0;   ///< twice the negative log of the posterior
     double step = 0.0;   ///< of Gauss-Newton from here [s]
   };
 
   [[nodiscard]] Point at(double shift) const {
-    const double ridge = 1.0 / (settings.shift_ridge * settings.shift_ridge);
-    double cost = std::pow(shift / settings.shift_ridge, 2);
-    double gradient = -shift * ridge, curvature = ridge;
+    const double prior = 1.0 / (settings.shift_deviation * settings.shift_deviation);
+    double cost = prior * shift * shift;
+    double gradient = -shift * prior, curvature = prior;
 
     for (const RowSpan& span : spans) {
       const SpanSystem system = span_system(observed, span, prediction, shift, settings);
-      const double weight = 1.0 / (unit[span.channel] * unit[span.channel]);
-      cost += weight * system.residual.squaredNorm();
-      gradient += weight * system.slope.dot(system.residual);
-      curvature += weight * system.slope.squaredNorm();
+      const double least = span.count * kLeastMisfit * kLeastMisfit;
+      const double squares = std::max(least, system.residual.squaredNorm());
+      const double told = std::min(settings.discrepancy_modes, span.count);
+      cost += told * std::log(squares);
+      gradient += told / squares * system.slope.dot(system.residual);
+      curvature += told / squares * system.slope.squaredNorm();
     }
 
     return {shift, cost, gradient / curvature};
@@ -136,11 +122,10 @@ Alignment align(const ObservedDataset& observed, const std::vector<const Predict
 
   for (int c = 0; c < count_of(observed.channels); ++c)
     alignment.late[c] = predictions.front()->lateness(c);
-  const Vector unit = misfits(observed, predictions, alignment, settings);
   const std::vector<RowSpan> all = row_spans(observed);
   for (int r = 0; r < count_of(observed.segments); ++r) {
     for (int s = 0; s < count_of(observed.streams); ++s) {
-      ShiftSearch search{observed, *predictions[r], unit, settings, {}};
+      ShiftSearch search{observed, *predictions[r], settings, {}};
       for (const RowSpan& span : all) {
         const bool own = span.segment == r && observed.stream_of(span.channel) == s;
         if (own && !observed.channels[span.channel].zero_order_hold)
