@@ -109,6 +109,27 @@ TEST(RandomEffects, DeviationsThatWerePlantedComeBack) {
   EXPECT_GT(evidence(1.0), evidence(0.85));
 }
 
+TEST(RandomEffects, AGroupIsNotQuieterThanTheSlowerOneBeforeIt) {
+  RandomEffects effects = small_effects(400, 160);
+  Vector w = normal_matrix(320, 1, 6);
+  const auto planted = [&](double a, double b) {
+    Vector y = normal_matrix(800, 1, 5);
+    for (int i = 0; i < 2; ++i)
+      for (int k = 0; k < 160; ++k)
+        y.segment(400 * i, 400) += (effects.blocks[i].group[k] == 0 ? a : b) * w[160 * i + k] *
+                                   effects.blocks[i].columns.col(k);
+    return estimated_scales(effects, products_of(effects, y), first_scales(effects), 50, 2.3);
+  };
+  effects.groups[1].slower = 0;
+  const ScaleEstimate rising = planted(0.5, 2.0), falling = planted(2.0, 0.5);
+  EXPECT_NEAR(rising.scales[0], 0.5, 0.07);
+  EXPECT_NEAR(rising.scales[1], 2.0, 0.25);
+
+  // As many of each: the root mean square of both.
+  EXPECT_EQ(falling.scales[0], falling.scales[1]);
+  EXPECT_NEAR(falling.scales[0], std::sqrt(0.5 * (4.0 + 0.25)), 0.2);
+}
+
 TEST(RandomEffects, MoreSamplesOfTheSameForceAddLittleEvidence) {
   // One box of force seen by 10 or by 1,000 rows: beyond what tells the box itself, samples tell
   // nothing of whether a force is missing.

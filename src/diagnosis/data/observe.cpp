@@ -29,7 +29,7 @@ struct Samples {
 
 /// Samples of one channel within [from, to], gaps left out, averaged in blocks so that at most
 /// `most` remain. A block never spans a gap: an average over one would stand at no instant.
-Samples cut(const Stream& stream, int channel, double from, double to, int most) {
+Samples cut(const Stream& stream, int channel, double from, double to, int most, int fewest) {
   std::vector<Eigen::Index> kept;
   for (Eigen::Index i = 0; i < stream.time.size(); ++i) {
     if (stream.time[i] < from || stream.time[i] > to || !std::isfinite(stream.values(channel, i)))
@@ -37,8 +37,10 @@ Samples cut(const Stream& stream, int channel, double from, double to, int most)
     kept.push_back(i);
   }
 
-  const std::size_t block = std::max<std::size_t>(
-      1, (kept.size() + most - 1) / static_cast<std::size_t>(std::max(1, most)));
+  // Blocks by which at most `most` are left, and not fewer than `fewest`.
+  const std::size_t wanted = (kept.size() + most - 1) / static_cast<std::size_t>(most);
+  const std::size_t block =
+      std::max<std::size_t>(1, std::min(wanted, kept.size() / static_cast<std::size_t>(fewest)));
   std::vector<double> times, values;
   for (std::size_t i = 0; i + block <= kept.size(); i += block) {
     if (kept[i + block - 1] - kept[i] != static_cast<Eigen::Index>(block) - 1) continue;
@@ -75,9 +77,18 @@ void set_window(ObservedDataset& observed, const Settings& settings) {
   observed.window_end = end;
 }
 
+/// Rows of a channel in a segment at most: under a logged input no more than missing forces can
+/// express.
+int most_rows(const ObservedDataset& observed, double duration, const Settings& settings) {
+  if (!observed.measured_input) return settings.samples;
+  const double rows = std::ceil(settings.rows_of_box * duration / settings.force_box);
+  return std::clamp(static_cast<int>(rows), settings.fewest_samples, settings.samples);
+}
+
 /// Adds the samples of every channel within [from, to].
 void add_channels(const ObservedDataset& observed, const Trial& trial, double from, double to,
                   const Settings& settings, Segment& segment) {
+  const int rows = most_rows(observed, to - from, settings);
   for (const Channel& channel : observed.channels) {
     const Stream* stream = trial.stream(channel.stream);
     const int index = stream != nullptr ? stream->channel(channel.name) : -1;
@@ -85,7 +96,7 @@ void add_channels(const ObservedDataset& observed, const Trial& trial, double fr
     const double begin = channel.zero_order_hold && !observed.measured_input
                              ? std::max(from, settings.command_settles)
                              : from;
-    if (index >= 0) samples = cut(*stream, index, begin, to, settings.samples);
+    if (index >= 0) samples = cut(*stream, index, begin, to, rows, settings.fewest_samples);
     if (samples.time.size() < settings.fewest_samples) samples = {};
     segment.time.push_back(samples.time);
     segment.value.push_back(samples.value);

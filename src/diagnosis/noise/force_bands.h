@@ -9,6 +9,12 @@
 // cosine k of k/(2 T) Hz over a window of T, and each band k = 2^b - 1 ... 2^(b+1) - 2 has a
 // deviation of its own, estimated over all windows. Under a plan there is one window, too few to
 // tell a spectrum: one deviation for all.
+//
+// No band's deviation is below that of the one before it. What a model's form gets wrong slowly
+// (a friction that is not quite proportional) it gets wrong quickly as well, where the motion
+// turns; and a fit that trusted quick details more than slow forces would rest on the details. With
+// equal deviations it is least squares of force, as parameters of robots are commonly identified
+// (Gautier and Poignet 2001).
 
 #include <vector>
 

@@ -140,6 +140,33 @@ FixedPoint fixed_point(const RandomEffects& effects, const Products& products,
   return out;
 }
 
+/// s^2 of the next step: |w|^2/told, and where a group is below its slower one, that of both
+/// together (pool adjacent violators: Ayer et al. 1955).
+Vector next_squares(const RandomEffects& effects, const GroupSums& sums, const Vector& scales) {
+  struct Pool {
+    std::vector<int> groups;
+    double energy = 0.0, told = 0.0;
+    [[nodiscard]] double square() const { return energy / std::max(1e-12, told); }
+  };
+  Vector squares(effects.size());
+  std::vector<Pool> pools;
+  for (int g = 0; g < effects.size(); ++g) {
+    if (effects.groups[g].slower < 0) pools.clear();
+    pools.push_back({{g}, sums.energy[g] * scales[g] * scales[g], sums.told[g]});
+    while (pools.size() > 1 && pools.back().square() < pools[pools.size() - 2].square()) {
+      const Pool last = pools.back();
+      pools.pop_back();
+      Pool& into = pools.back();
+      into.groups.insert(into.groups.end(), last.groups.begin(), last.groups.end());
+      into.energy += last.energy;
+      into.told += last.told;
+    }
+    for (const Pool& pool : pools)
+      for (const int own : pool.groups) squares[own] = pool.square();
+  }
+  return squares;
+}
+
 }  // namespace
 
 void Shrinkage::apply(VectorRef x) const {
@@ -233,10 +260,11 @@ ScaleEstimate estimated_scales(const RandomEffects& effects, const Products& pro
       best = {scales, cost};
     }
 
+    const Vector squares = next_squares(effects, point.sums, scales);
     double moved = 0.0;
     for (int g = 0; g < effects.size(); ++g) {
-      const double ratio = point.sums.energy[g] / std::max(1e-12, told[g]);
-      const double factor = std::clamp(std::sqrt(ratio), 1.0 / kLargestFactor, kLargestFactor);
+      const double ratio = std::sqrt(squares[g]) / scales[g];
+      const double factor = std::clamp(ratio, 1.0 / kLargestFactor, kLargestFactor);
       const double next = std::clamp(scales[g] * factor, kLeastScale, kLargestScale);
       if (told[g] > kTold) moved = std::max(moved, std::abs(std::log(next / scales[g])));
       scales[g] = next;

@@ -53,6 +53,7 @@ struct RandomGroup {
   std::string name;    ///< "elbow", "channel x"
   int force = -1;      ///< index in Hypotheses::forces; -1: no force
   double share = 1.0;  ///< of the force's mean square that the group's deviation squared is
+  int slower = -1;     ///< the group before it, whose deviation its own is not below; -1: none
 };
 
 /// Of white rows.
@@ -100,7 +101,8 @@ struct ScaleEstimate {
   double log_cost = 0.0;  ///< to be added to a log evidence by these scales; not positive
 };
 /// Of X = [r Y], from `scales` on: s^2 <- |w|^2/told, MacKay's fixed point; the best of at most
-/// `steps`. With no step: the cost of `scales`.
+/// `steps`. With no step: the cost of `scales`. A group that would fall below its slower one has
+/// its deviation in common with it, by pooled |w|^2 and told.
 ScaleEstimate estimated_scales(const RandomEffects& effects, const Products& products,
                                Vector scales, int steps, double spread);
 

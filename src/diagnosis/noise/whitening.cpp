@@ -97,7 +97,8 @@ std::vector<RandomGroup> force_groups(const std::vector<ForceGroup>& forces) {
   for (int g = 0; g < count_of(forces); ++g) {
     const int boxes = count_of(forces[g].boxes);
     for (int b = 0; b < bands_of(boxes); ++b)
-      groups.push_back({forces[g].name, g, share_of_band(b, boxes)});
+      groups.push_back(
+          {forces[g].name, g, share_of_band(b, boxes), b > 0 ? count_of(groups) - 1 : -1});
   }
   return groups;
 }
