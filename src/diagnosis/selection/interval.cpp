@@ -62,6 +62,36 @@ double interval_end(const Problem& problem, const Whitening& whitening, const Fi
   return 0.5 * (inside + outside);
 }
 
+/// Scores of the free parameters by windows, J_w^T V^-1 r_w, a row a window.
+Matrix scores(const Whitening& whitening, const Fit& fit) {
+  const RandomEffects beside = beside_columns(whitening.random, fit.jacobian);
+  const RandomShrinkage shrinkage = random_shrinkage(beside, fit.scales);
+  Vector r = fit.residual;
+  Matrix J = fit.jacobian;
+  shrinkage.apply(r);
+  for (Eigen::Index i = 0; i < J.cols(); ++i) shrinkage.apply(J.col(i));
+
+  Matrix scores(count_of(beside.blocks), J.cols());
+  for (int w = 0; w < count_of(beside.blocks); ++w) {
+    const RandomBlock& block = beside.blocks[w];
+    scores.row(w) =
+        r.segment(block.first, block.count).transpose() * J.middleRows(block.first, block.count);
+  }
+  return scores;
+}
+
+/// By how much a deviation is larger than curvature says, for what windows contradict one another:
+/// the root of (H^-1 sum_w g_w g_w^T H^-1)_ii/(H^-1)_ii (White 1982), at least 1. Where a model's
+/// form is wrong its misfit repeats with the motion and does not average out as noise does.
+double widening(const Whitening& whitening, const Fit& fit, Eigen::Index place) {
+  const Matrix g = scores(whitening, fit);
+  const auto windows = static_cast<double>(g.rows()), free = static_cast<double>(g.cols());
+  if (windows < 2.0 * free) return 1.0;  // too few to tell
+  const Vector along = g * fit.covariance.col(place);
+  const double variance = along.squaredNorm() * windows / (windows - free);
+  return std::max(1.0, std::sqrt(variance / fit.covariance(place, place)));
+}
+
 }  // namespace
 
 Bounds interval95(const Problem& problem, const Whitening& whitening, const Fit& fit,
@@ -71,8 +101,10 @@ Bounds interval95(const Problem& problem, const Whitening& whitening, const Fit&
   const double deviation = own.scale * std::sqrt(fit.covariance(place, place));
   const double granted = quantiles::kTwoSided95 * own.scale * fit.shared[place],
                value = fit.p[parameter];
+  const double wider = widening(whitening, fit, place);
   const auto end = [&](double side) {
-    const double told = interval_end(problem, whitening, fit, parameter, deviation, side) - value;
+    const double told =
+        wider * (interval_end(problem, whitening, fit, parameter, deviation, side) - value);
     return std::clamp(value + side * std::hypot(told, granted), own.bounds.lower, own.bounds.upper);
   };
   return {end(-1.0), end(1.0)};
