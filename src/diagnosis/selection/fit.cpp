@@ -56,8 +56,13 @@ class Residual {
     return problem_.hypotheses.scaled(free_, p);
   }
 
-  /// False where the simulation fails.
+  /// False where the simulation fails. What was asked for last is kept: a minimiser and the rounds
+  /// about it ask for the same point again.
   bool value(const Vector& u, Vector& r) {
+    if (u.size() == at_.size() && u == at_ && residual_.size() > 0) {
+      r = residual_;
+      return true;
+    }
     ++predictions_;
     const PredictionSet set = predict_all(problem_, full(u));
     if (!set.valid) {
@@ -66,11 +71,18 @@ class Residual {
     }
     rows_ = rows_of(problem_, whitening_.alignments, set);
     r = whitening_.residual(rows_);
+    at_ = u;
+    residual_ = r;
+    jacobian_.resize(0, 0);
     return true;
   }
 
   /// dr/du at the point of the last `value`.
   bool jacobian(const Vector& u, Matrix& J) {
+    if (jacobian_.cols() == u.size() && u.size() > 0) {
+      J = jacobian_;
+      return true;
+    }
     const Vector p = full(u);
     J.resize(whitening_.rows, u.size());
     for (Eigen::Index i = 0; i < u.size(); ++i) {
@@ -82,6 +94,7 @@ class Residual {
       J.col(i) = whitening_.apply(moved->rows) * (-scale / moved->step);
       steps_[i] = difference_step(J.col(i).norm(), problem_.settings);
     }
+    jacobian_ = J;
     return true;
   }
 
@@ -97,6 +110,8 @@ class Residual {
   std::vector<int> free_;
   Vector fixed_, steps_;
   std::vector<Vector> rows_;
+  Vector at_, residual_;  ///< of the last `value`
+  Matrix jacobian_;       ///< there; empty: not asked for
   long predictions_ = 0;
   std::string message_;
 };
@@ -246,7 +261,8 @@ Fit fit_from(const Problem& problem, const Whitening& whitening, const std::vect
 
     const double gained = linear_evidence(random, products, fit.scales).log_evidence - before;
     const bool settled = free.empty() || gained < settings.scales_settled;
-    if (settled || options.hold_scales || round == settings.scale_rounds) return fit;
+    if (settled || options.hold_scales || round == options.rounds.value_or(settings.scale_rounds))
+      return fit;
   }
 }
 

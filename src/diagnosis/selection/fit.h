@@ -44,6 +44,7 @@ struct Fit {
 
 struct FitOptions {
   std::optional<int> iterations{};  ///< at most, a start; else settings.fit_iterations
+  std::optional<int> rounds{};      ///< of fits and deviations, beyond the first; else as settings
   double enough = kInfinity;        ///< log evidence at which no further start is tried
   Vector scales{};                  ///< deviations to begin with; empty: first_scales()
   bool hold_scales = false;         ///< whether they stay
@@ -75,8 +76,8 @@ Fit fit_around(const Problem& problem, const Whitening& whitening, Fit fit,
 
 /// 95 % interval of one free parameter: +-1.96 standard deviations, cut at the bounds, where the
 /// cost there rises as the curvature says within `profile_tolerance`; else ends where the profile
-/// (others refitted) has risen by 1.92. Widened, squares added, by what tolerances grant in its
-/// place.
+/// (others refitted) has risen by 1.92. Widened by what windows contradict one another, and,
+/// squares added, by what tolerances grant in its place.
 Bounds interval95(const Problem& problem, const Whitening& whitening, const Fit& fit,
                   int parameter);
 

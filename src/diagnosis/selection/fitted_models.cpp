@@ -3,6 +3,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 namespace jaculus::diagnosis {
@@ -47,6 +48,13 @@ const ModelFit* FittedModels::best(int size) const {
     if (count_of(model.candidates) != size || !model.fit.valid) continue;
     if (best == nullptr || value(model) > value(*best)) best = &model;
   }
+  return best;
+}
+
+const ModelFit* FittedModels::leading() const {
+  const ModelFit* best = nullptr;
+  for (const ModelFit& model : models_)
+    if (model.fit.valid && (best == nullptr || value(model) > value(*best))) best = &model;
   return best;
 }
 
@@ -134,23 +142,54 @@ const Fit& FittedModels::contained_in(const Members& members) const {
   return best->fit;
 }
 
-void FittedModels::fit_sets(const std::vector<LinearSet>& sets) {
+void FittedModels::fit_sets(const ModelFit& about, const std::vector<LinearSet>& sets,
+                            const std::vector<Probe>& probes) {
   std::vector<Job> jobs;
   for (const LinearSet& set : sets) {
     if (find(set.members) != nullptr) continue;
     Job job{set.members, {}, contained_in(set.members)};
-    Vector estimated = none().fit.p;
-    Eigen::Index k = 0;
-    for (const int c : set.members) {
-      for (const int i : problem_.hypotheses.candidates[c].parameters) {
-        const FreeParameter& own = problem_.hypotheses.parameters[i];
-        estimated[i] = std::clamp(estimated[i] + set.mean[k++] * own.scale, own.bounds.lower,
-                                  own.bounds.upper);
-      }
-    }
-    job.starts = {estimated};
-    if (job.base.valid) job.starts.push_back(job.base.p);
+    job.starts = starts_of(about, set, probes);
     job.enough = job.base.log_evidence + problem_.settings.member_gain;
+    // Deviations near none are those of its whole misfit: plain least squares first.
+    if (!about.candidates.empty()) job.scales = set.scales;
+    jobs.push_back(job);
+  }
+  fit(jobs);
+}
+
+std::vector<Vector> FittedModels::starts_of(const ModelFit& about, const LinearSet& set,
+                                            const std::vector<Probe>& probes) const {
+  Vector estimated = about.fit.p;
+  for (const int c : about.candidates)
+    for (const int i : problem_.hypotheses.candidates[c].parameters)
+      estimated[i] = problem_.hypotheses.parameters[i].nominal;
+  Eigen::Index k = 0;
+  for (const int c : set.members) {
+    for (const int i : problem_.hypotheses.candidates[c].parameters) {
+      const FreeParameter& own = problem_.hypotheses.parameters[i];
+      estimated[i] =
+          std::clamp(own.nominal + set.mean[k++] * own.scale, own.bounds.lower, own.bounds.upper);
+    }
+  }
+
+  // Where a step was searched for, slopes may not say what a strong effect does.
+  std::vector<Vector> starts = {estimated};
+  for (const int c : set.members) {
+    if (!probes[c].valid || std::isnan(probes[c].step)) continue;
+    const int first = problem_.hypotheses.candidates[c].parameters.front();
+    starts.push_back(estimated);
+    starts.back()[first] =
+        about.fit.p[first] + probes[c].step * problem_.hypotheses.parameters[first].scale;
+  }
+  return starts;
+}
+
+void FittedModels::fit_again(const std::vector<ModelFit>& earlier) {
+  std::vector<Job> jobs;
+  for (const ModelFit& model : earlier) {
+    if (!model.fit.valid || find(model.candidates) != nullptr) continue;
+    Job job{model.candidates, {model.fit.p}};
+    job.scales = model.fit.scales;
     jobs.push_back(job);
   }
   fit(jobs);
@@ -176,13 +215,20 @@ void FittedModels::fit(const std::vector<Job>& jobs) {
     FitOptions options;
     options.enough = jobs[i].enough;
     if (!models_.empty()) options.scales = none().fit.scales;
+    if (jobs[i].scales.size() > 0) {
+      options.scales = jobs[i].scales;
+      options.with_forces = true;
+      options.iterations = problem_.settings.move_iterations;
+      options.rounds = 1;
+    }
     const std::vector<int> free = problem_.hypotheses.freed_by(model.candidates);
     model.fit = fit_model(problem_, whitening, free, jobs[i].starts, options);
     const double least =
         base.valid ? base.log_evidence - problem_.settings.gone_astray : -kInfinity;
-    if (in_windows(problem_) && model.fit.valid && model.fit.log_evidence < least)
+    if (in_windows(problem_) && !options.with_forces && model.fit.valid &&
+        model.fit.log_evidence < least)
       model.fit = better(model.fit, fit_beside(problem_, whitening, base, free));
-    if (model.candidates.size() == 1)
+    if (model.candidates.size() == 1 && !options.with_forces)
       model.fit = fit_around(problem_, comparison_.whitening, model.fit, options);
   });
 

@@ -26,6 +26,8 @@ class FittedModels {
   [[nodiscard]] const ModelFit* find(const Members& members) const;
   /// The best valid model of a size; null where there is none.
   [[nodiscard]] const ModelFit* best(int size) const;
+  /// The best valid model of all, none among them; null where none is valid.
+  [[nodiscard]] const ModelFit* leading() const;
   /// `from` and the next best of its size, best first.
   [[nodiscard]] std::vector<ModelFit> close_to(const ModelFit& from, int count) const;
 
@@ -33,8 +35,12 @@ class FittedModels {
   std::vector<Probe> probe(const ModelFit& base);
   /// Fits `base` and one more candidate each, of the best `count` probes.
   void extend(const ModelFit& base, const std::vector<Probe>& probes, int count);
-  /// Fits sets of effects from their linear estimates, those that were not fitted yet.
-  void fit_sets(const std::vector<LinearSet>& sets);
+  /// Fits sets of effects from their linear estimates about a model, those that were not fitted
+  /// yet. `probes`: screened about that model.
+  void fit_sets(const ModelFit& about, const std::vector<LinearSet>& sets,
+                const std::vector<Probe>& probes);
+  /// Fits models of an earlier search again, from where they were.
+  void fit_again(const std::vector<ModelFit>& earlier);
   /// The same of these candidates.
   void extend(const ModelFit& base, const std::vector<Probe>& probes, const Members& which);
 
@@ -44,8 +50,11 @@ class FittedModels {
     std::vector<Vector> starts;
     Fit base{};                 ///< of the model that this one extends
     double enough = kInfinity;  ///< log evidence at which no further start is tried
+    Vector scales{};            ///< deviations of the forces at the starts; empty: not known
   };
 
+  [[nodiscard]] std::vector<Vector> starts_of(const ModelFit& about, const LinearSet& set,
+                                              const std::vector<Probe>& probes) const;
   [[nodiscard]] const Fit* fitted_earlier(int candidate) const;
   /// The best fit of what is left where one member of a set is dropped, or none's.
   [[nodiscard]] const Fit& contained_in(const Members& members) const;

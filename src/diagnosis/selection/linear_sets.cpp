@@ -18,26 +18,36 @@ struct SetProducts {
   SetColumns nuisances;
 };
 
-SetProducts set_products(const Problem& problem, const Whitening& whitening, const Fit& none,
-                         const std::vector<Probe>& probes) {
+SetProducts set_products(const Problem& problem, const Whitening& whitening, const Fit& fit,
+                         const std::vector<int>& about, const std::vector<Probe>& probes) {
   SetProducts table;
-  const Matrix base = linear_model(problem, none);
+  table.own.resize(probes.size());
+  const Matrix base = linear_model(problem, fit);
   Eigen::Index count = base.cols();
   for (const Probe& probe : probes) count += probe.valid ? probe.better().cols() : 0;
 
   Matrix X(base.rows(), count);
   X.leftCols(base.cols()) = base;
-  for (Eigen::Index i = 1; i < base.cols(); ++i) table.nuisances.push_back(i);
+  std::vector<bool> taken(base.cols(), false);
+  for (const int c : about) {
+    for (const int i : problem.hypotheses.candidates[c].parameters) {
+      const Eigen::Index column = 1 + index_of(fit.free, i);
+      table.own[c].push_back(column);
+      taken[column] = true;
+    }
+  }
+  for (Eigen::Index i = 1; i < base.cols(); ++i)
+    if (!taken[i]) table.nuisances.push_back(i);
+
   Eigen::Index next = base.cols();
-  for (const Probe& probe : probes) {
-    table.own.emplace_back();
-    if (!probe.valid) continue;
-    const Matrix& columns = probe.better();
+  for (int c = 0; c < count_of(probes); ++c) {
+    if (!probes[c].valid || !table.own[c].empty()) continue;
+    const Matrix& columns = probes[c].better();
     X.middleCols(next, columns.cols()) = columns;
-    for (Eigen::Index k = 0; k < columns.cols(); ++k) table.own.back().push_back(next++);
+    for (Eigen::Index k = 0; k < columns.cols(); ++k) table.own[c].push_back(next++);
   }
 
-  table.products = products_of(whitening.random, X);
+  table.products = products_of(whitening.random, X.leftCols(next));
   return table;
 }
 
@@ -48,23 +58,22 @@ Products picked(const Products& all, const SetColumns& columns) {
   return out;
 }
 
-/// Whether the first parameter of every member lies within its bounds or beyond the far end.
-bool on_their_sides(const Problem& problem, const Vector& p, const LinearSet& set) {
+/// Whether the first parameter of every member stays on its side of nominal.
+bool on_their_sides(const Problem& problem, const LinearSet& set) {
   Eigen::Index k = 0;
   for (const int c : set.members) {
     const Candidate& candidate = problem.hypotheses.candidates[c];
-    const int first = candidate.parameters.front();
-    const FreeParameter& own = problem.hypotheses.parameters[first];
+    const FreeParameter& own = problem.hypotheses.parameters[candidate.parameters.front()];
     const double u = set.mean[k];
-    if (own.one_sided() && (p[first] <= own.bounds.lower ? u <= 0.0 : u >= 0.0)) return false;
+    if (own.one_sided() && (own.bounds.lower >= own.nominal ? u <= 0.0 : u >= 0.0)) return false;
     k += count_of(candidate.parameters);
   }
   return true;
 }
 
-LinearSet evaluated(const Problem& problem, const Whitening& whitening, const Fit& none,
+LinearSet evaluated(const Problem& problem, const Whitening& whitening, const Fit& fit,
                     const SetProducts& table, const std::vector<int>& members) {
-  LinearSet set{members, -kInfinity, {}};
+  LinearSet set{members, -kInfinity, {}, {}};
   SetColumns columns{0};
   for (const int c : members) {
     if (table.own[c].empty()) return set;
@@ -76,24 +85,25 @@ LinearSet evaluated(const Problem& problem, const Whitening& whitening, const Fi
   const Products products = picked(table.products, columns);
   const RandomEffects& random = whitening.random;
   const ScaleEstimate scales =
-      estimated_scales(random, products, none.scales, problem.settings.set_scale_steps,
+      estimated_scales(random, products, fit.scales, problem.settings.set_scale_steps,
                        problem.settings.scale_spread);
   const LinearEvidence linear = linear_evidence(random, products, scales.scales);
   set.mean = linear.mean.head(parameters);
-  if (on_their_sides(problem, none.p, set))
-    set.log_evidence = linear.log_evidence + scales.log_cost;
+  set.scales = scales.scales;
+  if (on_their_sides(problem, set)) set.log_evidence = linear.log_evidence + scales.log_cost;
   return set;
 }
 
 }  // namespace
 
 std::vector<LinearSet> linear_sets(const Problem& problem, const Whitening& whitening,
-                                   const Fit& none, const std::vector<Probe>& probes,
+                                   const Fit& fit, const std::vector<int>& about,
+                                   const std::vector<Probe>& probes,
                                    const std::vector<std::vector<int>>& sets) {
-  const SetProducts table = set_products(problem, whitening, none, probes);
+  const SetProducts table = set_products(problem, whitening, fit, about, probes);
   std::vector<LinearSet> out(sets.size());
   tbb::parallel_for(0, count_of(sets),
-                    [&](int i) { out[i] = evaluated(problem, whitening, none, table, sets[i]); });
+                    [&](int i) { out[i] = evaluated(problem, whitening, fit, table, sets[i]); });
 
   std::erase_if(out, [](const LinearSet& set) { return set.log_evidence == -kInfinity; });
   std::stable_sort(out.begin(), out.end(), [](const LinearSet& a, const LinearSet& b) {

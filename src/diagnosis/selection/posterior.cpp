@@ -32,11 +32,15 @@ const ModelFit* Posterior::leading() const {
 }
 
 double log_prior(std::size_t members, std::size_t candidates, const Settings& settings) {
-  const auto n = static_cast<double>(candidates);
-  if (members == 0) return std::log(settings.prior_none);
-  if (members == 1) return std::log(settings.prior_single / n);
-  if (members == 2) return std::log(settings.prior_pair / std::max(1.0, n * (n - 1.0) / 2.0));
-  return std::log(settings.prior_triple / std::max(1.0, n * (n - 1.0) * (n - 2.0) / 6.0));
+  const double shared[] = {settings.prior_none, settings.prior_single, settings.prior_pair,
+                           settings.prior_triple};
+  const auto n = static_cast<double>(candidates), k = static_cast<double>(members);
+  const std::size_t known = std::min<std::size_t>(members, 3);
+  // Each effect beyond three costs what the third did.
+  const double size = std::log(shared[known]) +
+                      static_cast<double>(members - known) * std::log(shared[3] / shared[2]);
+  const double sets = std::lgamma(n + 1.0) - std::lgamma(k + 1.0) - std::lgamma(n - k + 1.0);
+  return size - std::max(0.0, sets);
 }
 
 Posterior posterior_of(const SearchResult& search, const Settings& settings) {

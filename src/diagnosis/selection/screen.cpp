@@ -40,6 +40,11 @@ std::optional<Matrix> columns_of(const Problem& problem, const Whitening& whiten
   return columns;
 }
 
+/// Whether an effect does at both strengths what its slope says.
+bool proportional(const Matrix& small, const Matrix& full, const Settings& settings) {
+  return (small - full).norm() < settings.same_slope * full.norm();
+}
+
 /// What screening knows of the base model.
 struct Base {
   const Problem& problem;
@@ -106,6 +111,8 @@ Probe probe_candidate(const Problem& problem, const Whitening& whitening, const 
     probe.small = by_small ? *small : *full;
   }
   if (how != Screening::line_search) return probe;
+  if (in_windows(problem) && by_full && by_small && proportional(*small, *full, problem.settings))
+    return probe;
 
   const BestStep best = line_search(problem, whitening, base, first);
   probe.predictions += best.predictions;

@@ -1,7 +1,10 @@
 #include "diagnosis/selection/search.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <set>
+#include <string_view>
 
 #include "diagnosis/selection/fitted_models.h"
 
@@ -87,48 +90,127 @@ bool leaves_more(const Settings& settings, const ModelFit& model) {
   return model.fit.log_evidence - model.fit.log_complete >= settings.remainder_left;
 }
 
-/// Whether the best model of a size gains on the best smaller one.
-bool gains(const Settings& settings, const FittedModels& models, int size) {
-  const ModelFit *base = models.best(size), *before = models.best(size - 1);
-  if (base == nullptr || before == nullptr) return false;
-  const double gain = size > 1 ? settings.larger_gain : 0.0;
-  return models.value(*base) >= models.value(*before) + gain;
+Members with_member(Members set, int c) {
+  set.insert(std::upper_bound(set.begin(), set.end(), c), c);
+  return set;
 }
 
-/// Every set of the members of one of `roots` and one more candidate.
-std::vector<Members> extended_by_one(const std::vector<Members>& roots, int candidates) {
-  std::set<Members> sets;
-  for (const Members& root : roots) {
-    for (int c = 0; c < candidates; ++c) {
-      if (std::binary_search(root.begin(), root.end(), c)) continue;
-      Members set = root;
-      set.insert(std::upper_bound(set.begin(), set.end(), c), c);
-      sets.insert(set);
-    }
+Members without_one(Members set, int c) {
+  std::erase(set, c);
+  return set;
+}
+
+/// Every set of one or two more candidates than `set`, of at most `largest`.
+std::vector<Members> larger_sets(const Members& set, int candidates, int largest) {
+  std::vector<Members> out;
+  if (count_of(set) >= largest) return out;
+  for (int c = 0; c < candidates; ++c) {
+    if (std::binary_search(set.begin(), set.end(), c)) continue;
+    const Members one = with_member(set, c);
+    out.push_back(one);
+    for (int d = c + 1; d < candidates && count_of(one) < largest; ++d)
+      if (!std::binary_search(set.begin(), set.end(), d)) out.push_back(with_member(one, d));
   }
-  return {sets.begin(), sets.end()};
+  return out;
 }
 
-/// Judges sets of one more effect than `roots` by linear algebra, fits the best, and makes the
-/// better ones the next roots. Whether those gain is not asked: two may help only together.
-void fit_best_sets(const Problem& problem, const Whitening& whitening,
-                   const std::vector<Probe>& probes, FittedModels& models,
-                   std::vector<Members>& roots) {
-  const Settings& settings = problem.settings;
-  std::vector<LinearSet> sets = linear_sets(problem, whitening, models.none().fit, probes,
-                                            extended_by_one(roots, count_of(probes)));
-  roots.clear();
-  for (const LinearSet& set : sets)
-    if (count_of(roots) < settings.kept_singles * settings.kept_pairs) roots.push_back(set.members);
-  if (count_of(sets) > settings.kept_pairs) sets.resize(settings.kept_pairs);
-  models.fit_sets(sets);
+/// `set` with one member exchanged for each other candidate.
+std::vector<Members> exchanged_sets(const Members& set, int dropped, int candidates) {
+  std::vector<Members> out;
+  for (int c = 0; c < candidates; ++c)
+    if (!std::binary_search(set.begin(), set.end(), c))
+      out.push_back(with_member(without_one(set, dropped), c));
+  return out;
 }
 
-/// Whether the best set of a size leads one of less by so much that nothing else is sought.
-bool leads_clearly(const Settings& settings, const FittedModels& models, const ModelFit& from,
-                   int size) {
-  const ModelFit* best = models.best(size);
-  return best != nullptr && models.value(*best) - models.value(from) > settings.clear_lead;
+/// The effect of which a candidate is one joint's, its own name where it is no joint's.
+std::string_view shared_name(const Candidate& candidate) {
+  return std::string_view(candidate.name).substr(0, candidate.name.find('@'));
+}
+
+/// Whether a set holds an effect of all joints and the same of one of them: what they can do
+/// together, one for each joint can.
+bool holds_twice(const Hypotheses& hypotheses, const Members& set) {
+  return std::any_of(set.begin(), set.end(), [&](int c) {
+    const std::string& shared = hypotheses.candidates[c].name;
+    const auto of_one = [&](int d) {
+      const Candidate& own = hypotheses.candidates[d];
+      return own.name != shared && shared_name(own) == shared;
+    };
+    return std::any_of(set.begin(), set.end(), of_one);
+  });
+}
+
+/// A fitted model and the candidates as they look from there.
+struct Surroundings {
+  const Problem& problem;
+  const Whitening& whitening;
+  ModelFit about;
+  std::vector<Probe> probes;
+
+  /// The most probable of some sets by linear algebra, those that were not fitted yet.
+  [[nodiscard]] std::vector<LinearSet> best_of(const std::vector<Members>& sets,
+                                               const FittedModels& models, int count) const {
+    std::vector<Members> fresh;
+    for (const Members& set : sets)
+      if (!set.empty() && !holds_twice(problem.hypotheses, set) && models.find(set) == nullptr)
+        fresh.push_back(set);
+    std::vector<LinearSet> judged =
+        linear_sets(problem, whitening, about.fit, about.candidates, probes, fresh);
+    const auto weight = [&](const LinearSet& set) {
+      return set.log_evidence + log_prior(set.members.size(), probes.size(), problem.settings);
+    };
+    std::stable_sort(judged.begin(), judged.end(),
+                     [&](const LinearSet& a, const LinearSet& b) { return weight(a) > weight(b); });
+    if (count_of(judged) > count) judged.resize(count);
+    return judged;
+  }
+};
+
+/// Fits what by linear algebra leads among sets larger than the leading model, the first two and
+/// then the others unless one of those leads clearly; whether one of them leads now.
+bool enlarge(const Surroundings& near, int largest, FittedModels& models) {
+  const Settings& settings = near.problem.settings;
+  if (!near.about.candidates.empty() && !leaves_more(settings, near.about)) return false;
+  const std::vector<Members> sets =
+      larger_sets(near.about.candidates, count_of(near.probes), largest);
+  std::vector<LinearSet> best = near.best_of(sets, models, settings.kept_pairs);
+  const auto first = best.begin() + std::min<std::ptrdiff_t>(2, std::ssize(best));
+  models.fit_sets(near.about, {best.begin(), first}, near.probes);
+  const double lead = models.value(*models.leading()) - models.value(near.about);
+  if (lead < settings.clear_lead) models.fit_sets(near.about, {first, best.end()}, near.probes);
+  return models.leading()->candidates != near.about.candidates;
+}
+
+/// The same of sets of its size: what stands in for a member.
+void exchange_members(const Surroundings& near, FittedModels& models) {
+  const Settings& settings = near.problem.settings;
+  std::vector<LinearSet> chosen;
+  for (const int c : near.about.candidates) {
+    const auto others = exchanged_sets(near.about.candidates, c, count_of(near.probes));
+    const auto best = near.best_of(others, models, settings.kept_rivals);
+    chosen.insert(chosen.end(), best.begin(), best.end());
+  }
+  models.fit_sets(near.about, chosen, near.probes);
+}
+
+/// Moves from the leading model to a better one, by one or two effects more or one exchanged, until
+/// none leads. Slopes hold near a fit only, so each move is judged about what leads
+/// there.
+void search_from_leader(const Problem& problem, const Whitening& whitening,
+                        const std::vector<Probe>& about_none, const SearchOptions& options,
+                        FittedModels& models) {
+  std::set<Members> left;
+  for (int round = 0; round < problem.settings.search_rounds; ++round) {
+    const ModelFit leader = *models.leading();
+    if (!left.insert(leader.candidates).second) return;
+    if (options.progress)
+      options.progress(fmt::format("sets beside {} effects", leader.candidates.size()));
+    const Surroundings near{problem, whitening, leader,
+                            leader.candidates.empty() ? about_none : models.probe(leader)};
+    if (enlarge(near, options.largest, models)) continue;
+    exchange_members(near, models);
+  }
 }
 
 /// Whether models of `size` effects are worth seeking: the best smaller one gains, and leaves
@@ -163,41 +245,23 @@ void search_about_leaders(const Problem& problem, const SearchOptions& options,
   }
 }
 
-void search_larger(const Problem& problem, const Whitening& whitening,
-                   const std::vector<Probe>& probes, const SearchOptions& options,
-                   FittedModels& models) {
-  const Settings& settings = problem.settings;
-  std::vector<Members> roots;
-  for (int c = 0; c < count_of(probes); ++c) roots.push_back({c});
-  if (!gains(settings, models, 1)) return;
-
-  for (int size = 2; size <= options.largest; ++size) {
-    if (models.best(size - 1) == nullptr) return;
-    const ModelFit from = *models.best(size - 1);
-    if (!leaves_more(settings, from)) return;
-    if (options.progress) options.progress(size == 2 ? "pairs of effects" : "triples of effects");
-    fit_best_sets(problem, whitening, probes, models, roots);
-
-    // Slopes at none no longer hold where effects are strong: then about what leads.
-    if (leads_clearly(settings, models, from, size) || !gains(settings, models, size - 1)) continue;
-    std::set<Members> extended;
-    for (const ModelFit& root : models.close_to(from, size == 2 ? settings.search_roots : 1)) {
-      models.extend(root, models.probe(root), settings.kept_pairs);
-      extended.insert(root.candidates);
-    }
-    const ModelFit* reached = models.best(size);
-    if (reached == nullptr || models.value(*reached) < models.value(from)) continue;
-    const ModelFit best = *reached;
-    exchange(models, best, extended, settings.kept_pairs);
-  }
-}
-
-/// The single that leads none clearly; null where none does.
+/// The set that leads none clearly; null where none does.
 const ModelFit* clear_leader(const Posterior& posterior, const Settings& settings) {
   const ModelFit* none = posterior.find({});
   const ModelFit* best = posterior.leading();
   if (none == nullptr || best == nullptr) return nullptr;
   return best->log_weight() - none->log_weight() > settings.clear_lead ? best : nullptr;
+}
+
+/// The best models of a search, as many as are fitted in one move.
+std::vector<ModelFit> leading_models(const SearchResult& search, const Problem& problem) {
+  std::vector<ModelFit> models = search.models;
+  std::stable_sort(models.begin(), models.end(), [](const ModelFit& a, const ModelFit& b) {
+    return a.log_weight() > b.log_weight();
+  });
+  const int kept = problem.settings.kept_singles;
+  if (count_of(models) > kept) models.resize(kept);
+  return models;
 }
 
 }  // namespace
@@ -211,13 +275,15 @@ SearchResult search_models(const Problem& problem, const Comparison& comparison,
   const ModelFit none = models.none();
   if (options.progress) options.progress("screening");
   out.probes = models.probe(none);
-  if (options.progress) options.progress("single effects");
-  models.extend(none, out.probes, problem.settings.kept_singles);
-  fit_indistinguishable(problem.settings, comparison.whitening, out.probes, models);
-  if (in_windows(problem))
-    search_larger(problem, comparison.whitening, out.probes, options, models);
-  else
+  if (in_windows(problem)) {
+    if (options.earlier != nullptr) models.fit_again(leading_models(*options.earlier, problem));
+    search_from_leader(problem, comparison.whitening, out.probes, options, models);
+  } else {
+    if (options.progress) options.progress("single effects");
+    models.extend(none, out.probes, problem.settings.kept_singles);
+    fit_indistinguishable(problem.settings, comparison.whitening, out.probes, models);
     search_about_leaders(problem, options, models);
+  }
 
   out.indistinguishable = indistinguishable_sets(comparison.whitening, models, out.probes,
                                                  problem.settings.indistinguishable_below);
@@ -228,14 +294,17 @@ SearchResult search_models(const Problem& problem, const Comparison& comparison,
 
 Selection select_models(const Problem& problem, Comparison comparison,
                         const std::function<void(const std::string&)>& progress) {
-  const SearchResult singles = search_models(problem, comparison, {1, nullptr, progress});
+  const int first = in_windows(problem) ? problem.settings.largest_set : 1;
+  const SearchResult singles = search_models(problem, comparison, {first, nullptr, progress});
   if (singles.models.empty()) return {std::move(comparison), singles};
   const Posterior posterior = posterior_of(singles, problem.settings);
   if (posterior.none > problem.settings.likely) return {std::move(comparison), singles};
 
   if (const ModelFit* leader = clear_leader(posterior, problem.settings))
     comparison = relinearise(problem, std::move(comparison), leader->fit).comparison;
-  const SearchOptions options{problem.settings.largest_model, &singles, progress};
+  const int largest =
+      in_windows(problem) ? problem.settings.largest_set : problem.settings.largest_model;
+  const SearchOptions options{largest, &singles, progress};
   SearchResult search = search_models(problem, comparison, options);
   search.predictions += singles.predictions;
   return {std::move(comparison), std::move(search)};

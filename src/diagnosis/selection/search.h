@@ -1,13 +1,18 @@
 #pragma once
-// Search among models: none, single effects, pairs, triples; and what no effect of the catalogue
-// explains.
+// Search among models: none, single effects, sets; and what no effect of the catalogue explains.
 //
+// Under a plan:
 // 1. Screen all candidates on the residual of `none`; fit the best by score and whatever these data
 //    can't tell from the best fit.
 // 2. Unless none is best, or the best needs no force that the plant lacks (noise/random_effects.h):
 //    screen again on the best single (and on the next best) and fit pairs; exchange each member of
 //    the best pair one for one; where the pair gains, the same for triples; drop members backwards.
-//    Every model fitted on the way stays in the comparison.
+// Under a logged input errors start anew with each window, so that slopes hold for a while and sets
+// can be judged by linear algebra (linear_sets.h):
+// 1. From none, the best sets of one or two effects more are fitted; about what leads then, all
+//    candidates are screened again, and so on while a larger set leads.
+// 2. Then every member is exchanged for what stands in for it; where that leads, again from 1.
+// Every model fitted on the way stays in the comparison.
 
 #include <functional>
 #include <string>
@@ -19,7 +24,7 @@ namespace jaculus::diagnosis {
 
 struct SearchOptions {
   int largest = 3;                        ///< effects at once
-  const SearchResult* earlier = nullptr;  ///< in another space: its fits of singles are starts here
+  const SearchResult* earlier = nullptr;  ///< in another space: its fits are starts here
   std::function<void(const std::string&)> progress{};
 };
 SearchResult search_models(const Problem& problem, const Comparison& comparison,

@@ -19,21 +19,42 @@ std::vector<int> exchanged(std::vector<int> members, int from, int to) {
   return members;
 }
 
+/// Two fitted sets that differ in one member.
+struct Exchange {
+  const ModelFit* with;   ///< has the member
+  const ModelFit* other;  ///< has another in its place
+  int by;                 ///< that other
+};
+
+/// What was fitted in the place of a member: of this model, and of those that are nearly as
+/// probable, for the same two may stand in for one another beside other effects as well.
+std::vector<Exchange> exchanges_of(const Posterior& posterior, const ModelFit& model, int member,
+                                   const Settings& settings) {
+  std::vector<Exchange> found;
+  for (const ModelFit& m : posterior.models) {
+    const bool listed = m.probability() >= settings.listed * model.probability();
+    if (!listed || !m.fit.valid || !contains(m.candidates, member)) continue;
+    for (int c = 0; c < count_of(posterior.inclusion); ++c) {
+      if (contains(m.candidates, c) || contains(model.candidates, c)) continue;
+      const ModelFit* other = posterior.find(exchanged(m.candidates, member, c));
+      if (other != nullptr && other->probability() >= settings.listed * m.probability())
+        found.push_back({&m, other, c});
+    }
+  }
+  return found;
+}
+
 /// The place of one member of a model: who may fill it, and how probable it is that one does.
 Established place_of(const Posterior& posterior, const ModelFit& model, int member,
                      const Settings& settings) {
   Established place{member, {}, 0.0};
-  std::vector<int> filling = {member};
-  for (int c = 0; c < count_of(posterior.inclusion); ++c) {
-    if (contains(model.candidates, c)) continue;
-    const ModelFit* other = posterior.find(exchanged(model.candidates, member, c));
-    if (other == nullptr || other->probability() < settings.listed * model.probability()) continue;
-    place.others.push_back(c);
-    filling.push_back(c);
-  }
+  for (const Exchange& exchange : exchanges_of(posterior, model, member, settings))
+    if (index_of(place.others, exchange.by) < 0) place.others.push_back(exchange.by);
   std::stable_sort(place.others.begin(), place.others.end(),
                    [&](int a, int b) { return posterior.inclusion[a] > posterior.inclusion[b]; });
 
+  std::vector<int> filling = place.others;
+  filling.push_back(member);
   for (const ModelFit& m : posterior.models) {
     const auto fills = [&](int c) { return contains(m.candidates, c); };
     if (std::any_of(filling.begin(), filling.end(), fills)) place.probability += m.probability();
@@ -44,13 +65,16 @@ Established place_of(const Posterior& posterior, const ModelFit& model, int memb
 /// Those that may stand in for a member and predict held-out data as well as it does.
 std::vector<int> predicting(const Posterior& posterior, HeldOutGaps& gaps, const ModelFit& model,
                             const Established& place, const Settings& settings) {
-  const HeldOut own = gaps.of(model);
+  const std::vector<Exchange> exchanges = exchanges_of(posterior, model, place.effect, settings);
   std::vector<int> kept;
   for (const int other : place.others) {
-    const ModelFit* fit = posterior.find(exchanged(model.candidates, place.effect, other));
-    const HeldOut gap = fit == nullptr ? HeldOut{} : gaps.of(*fit);
-    if (!own.valid || !gap.valid || gap.after * (1.0 - settings.least_improvement) <= own.after)
-      kept.push_back(other);
+    const auto as_well = [&](const Exchange& exchange) {
+      if (exchange.by != other) return false;
+      const HeldOut own = gaps.of(*exchange.with), gap = gaps.of(*exchange.other);
+      return !own.valid || !gap.valid ||
+             gap.after * (1.0 - settings.least_improvement) <= own.after;
+    };
+    if (std::any_of(exchanges.begin(), exchanges.end(), as_well)) kept.push_back(other);
   }
   return kept;
 }
