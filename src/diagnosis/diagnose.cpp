@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "diagnosis/build_problem.h"
+#include "diagnosis/localise/events.h"
 #include "diagnosis/localise/localise.h"
 #include "diagnosis/localise/postures.h"
 #include "diagnosis/preflight/next_experiment.h"
@@ -15,6 +16,8 @@
 
 namespace jaculus::diagnosis {
 namespace {
+
+constexpr int kAllWindows = 1'000'000;  // of a trial
 
 void tell(const DiagnoseOptions& options, const std::string& what) {
   if (options.progress) options.progress(what);
@@ -126,6 +129,20 @@ Diagnosis insufficient(const Problem& problem) {
   return out;
 }
 
+/// Forces that acted once, about the model that is stated: sought in all windows.
+std::vector<ForceEvent> events_about(const Diagnosis& found,
+                                     const std::vector<trajectory::Dataset>& datasets,
+                                     DiagnoseOptions options) {
+  if (found.problem == nullptr || !in_windows(*found.problem) || found.none.p.size() == 0)
+    return {};
+  tell(options, "events");
+  options.settings.windows = kAllWindows;
+  const BuiltProblem all = build_problem(datasets, options);
+  const Vector& p = names_effects(found.verdict) ? found.model.p : found.none.p;
+  if (!all.forward || count_of(all.problem->hypotheses.parameters) != p.size()) return {};
+  return force_events(*all.problem, p);
+}
+
 /// The same with the horizon that the user names.
 DiagnoseOptions at_horizon(DiagnoseOptions options) {
   options.settings.horizon = options.accuracy.horizon.value_or(options.settings.horizon);
@@ -161,6 +178,7 @@ Diagnosis diagnose(const std::vector<trajectory::Dataset>& datasets,
   Diagnosis out = built.forward
                       ? run_pipeline(std::move(built), builder_of(asked), &datasets.front(), asked)
                       : insufficient(*built.problem);
+  out.events = events_about(out, datasets, asked);
   return with_accuracy(std::move(out), asked.accuracy, std::move(tolerances));
 }
 

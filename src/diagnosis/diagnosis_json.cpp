@@ -116,7 +116,17 @@ Json remainder_json(const Diagnosis& d) {
                       {"rms", json_number(f.rms)},
                       {"unit", f.unit},
                       {"boxes_told", f.boxes}});
-  return {{"established", d.verdict == Verdict::partial || d.verdict == Verdict::unexplained},
+  Json events = Json::array();
+  for (const ForceEvent& e : d.events)
+    events.push_back({{"trial", e.trial},
+                      {"joint", e.joint},
+                      {"from_s", json_number(e.from)},
+                      {"to_s", json_number(e.to)},
+                      {"peak", json_number(e.peak)},
+                      {"unit", e.unit},
+                      {"probability", json_number(e.probability)}});
+  return {{"events", events},
+          {"established", d.verdict == Verdict::partial || d.verdict == Verdict::unexplained},
           {"probability", d.lacking_probability},
           {"places", places}};
 }

@@ -100,6 +100,15 @@ std::string gap_text(const Diagnosis& d) {
   return text;
 }
 
+std::string events_text(const Diagnosis& d) {
+  std::string text;
+  if (!d.events.empty()) text += "forces that acted once (peak of their missing force):\n";
+  for (const ForceEvent& e : d.events)
+    text += fmt::format("  {:<10} {:<12} {:6.2f} to {:.2f} s  {:.3g} {}\n", e.trial, e.joint,
+                        e.from, e.to, e.peak, e.unit);
+  return text;
+}
+
 }  // namespace
 
 std::string diagnosis_text(const Diagnosis& d) {
@@ -109,6 +118,7 @@ std::string diagnosis_text(const Diagnosis& d) {
   for (const std::string& reason : d.reasons) text += "  " + reason + "\n";
   text += effects_text(d);
   text += gap_text(d);
+  text += events_text(d);
   text += agreement_text(d.agreement);
 
   if (!d.ranking.empty())

@@ -55,6 +55,16 @@ struct LackingForce {
   double boxes = 0.0;  ///< boxes of time, or modes, of which the data tell it
 };
 
+/// A force that acted once under a logged input, beyond what the model usually lacks.
+struct ForceEvent {
+  int dataset = 0;
+  std::string trial, joint;
+  double from = 0.0, to = 0.0;  ///< [s]
+  double peak = 0.0;            ///< mean of the box of time with most of it [unit]
+  std::string unit;             ///< "N m", "N"
+  double probability = 0.0;     ///< that what usually is missing doesn't make it anywhere
+};
+
 /// A disturbance of one segment alone.
 struct OneOff {
   int dataset = 0, segment = 0;
@@ -92,6 +102,7 @@ struct Diagnosis {
   /// probability that `model` lacks forces, given that it is at work
   double lacking_probability = 0.0;
   std::vector<LackingForce> lacking;  ///< of `model`, by coordinate
+  std::vector<ForceEvent> events;     ///< about `model`, by dataset, trial and time
   std::optional<Localisation> where;
   std::optional<NextExperiment> next;
   std::vector<FittedModel> rivals;  ///< of an ambiguous verdict: its two most probable models

@@ -9,7 +9,6 @@ namespace {
 using model::PlanarBody;
 using model::PlanarModel;
 using model::PlanarMotor;
-using model::Tolerances;
 using simulation::Controller;
 using simulation::Plant;
 
@@ -48,7 +47,7 @@ bool has_length(const PlanarModel& model, int body) {
   return false;
 }
 
-void add_link(Directions& directions, const PlanarModel& model, int b, const Tolerances& t) {
+void add_link(Directions& directions, const PlanarModel& model, int b, const model::Tolerances& t) {
   const PlanarBody& body = model.bodies[b];
   const bool base_held =
       b == 0 && !model.base_free[0] && !model.base_free[1] && !model.base_free[2];
@@ -75,7 +74,8 @@ double largest_torque(const PlanarMotor& motor, const PlanarModel& model) {
   return 0.1 * model.total_mass() * model.gravity;
 }
 
-void add_motor(Directions& directions, const PlanarModel& model, int m, const Tolerances& t) {
+void add_motor(Directions& directions, const PlanarModel& model, int m,
+               const model::Tolerances& t) {
   const PlanarMotor& motor = model.motors[m];
   const std::string& joint = motor.joint;
   add(directions, t.torque_constant, "torque constant of " + joint,
@@ -93,7 +93,7 @@ void add_motor(Directions& directions, const PlanarModel& model, int m, const To
 }
 
 /// What the loop reads and does at a motor of the controller's reference.
-void add_loop(Directions& directions, const PlanarModel& model, const Tolerances& t) {
+void add_loop(Directions& directions, const PlanarModel& model, const model::Tolerances& t) {
   for (const PlanarMotor& motor : model.motors) {
     const std::string joint = motor.joint;
     add(
@@ -118,7 +118,7 @@ void add_loop(Directions& directions, const PlanarModel& model, const Tolerances
 }  // namespace
 
 std::vector<ToleranceDirection> tolerance_directions(const PlanarModel& model,
-                                                     const Tolerances& tolerances,
+                                                     const model::Tolerances& tolerances,
                                                      bool measured_input) {
   Directions directions;
   for (int b = 0; b < count_of(model.bodies); ++b) add_link(directions, model, b, tolerances);
