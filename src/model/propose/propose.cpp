@@ -1,0 +1,90 @@
+#include "jaculus/model/propose.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "jaculus/core/error.h"
+#include "jaculus/core/yaml.h"
+#include "model/propose/draft.h"
+
+namespace jaculus::model {
+namespace {
+
+void check_pose(const SpatialTree& tree, const ProposeOptions& options) {
+  std::vector<std::string> names;
+  for (const SpatialJoint& joint : tree.joints)
+    if (joint.kind != SpatialJointKind::fixed) names.push_back(joint.name);
+
+  for (const auto& [name, value] : options.pose) {
+    const int j = tree.joint_index(name);
+    if (index_of(names, name) < 0) {
+      const auto near = yaml::nearest_name(name, names);
+      throw InputError(fmt::format("--pose: no joint '{}' moves{}; allowed: {}", name,
+                                   near ? fmt::format(", did you mean '{}'?", *near) : "",
+                                   fmt::join(names, ", ")));
+    }
+    const Bounds& range = tree.joints[j].range;
+    if (!range.contains(value)) {
+      throw InputError(fmt::format("--pose: {} = {:.6g} is out of range; allowed: {:.6g} to {:.6g}",
+                                   name, value, range.lower, range.upper));
+    }
+  }
+}
+
+}  // namespace
+
+Dropped dropped_of(const Draft& draft) {
+  const SpatialTree tree = hold_joints(draft.tree, held_of(draft));
+  Dropped dropped;
+  Vec3 com = Vec3::Zero();
+  for (const SpatialLink& link : tree.links) {
+    const Vec3 at = link.p_BL + link.R_BL * link.com;
+    dropped.mass += link.mass;
+    com += link.mass * at;
+    dropped.inertia_moved += link.mass * at.y() * at.y();
+    if (std::abs(at.y()) > 1e-3) dropped.mass_off_plane += link.mass;
+  }
+  if (!(dropped.mass > 0.0)) return dropped;
+  com /= dropped.mass;
+  dropped.com_off_plane = com.y();
+
+  Mat3 inertia = Mat3::Zero();
+  for (const SpatialLink& link : tree.links) {
+    const Vec3 r = link.p_BL + link.R_BL * link.com - com;
+    inertia += link.R_BL * link.inertia * link.R_BL.transpose() +
+               link.mass * (r.squaredNorm() * Mat3::Identity() - r * r.transpose());
+  }
+  dropped.pitch_inertia = inertia(1, 1);
+  if (inertia(1, 1) > 0.0)
+    dropped.coupling = std::hypot(inertia(0, 1), inertia(1, 2)) / inertia(1, 1);
+  return dropped;
+}
+
+Proposal propose_robot(const SpatialTree& tree, const ProposeOptions& options) {
+  check_pose(tree, options);
+  Draft draft;
+  find_frame(tree, options, draft);
+  find_held(options, draft);
+  find_pairs(options, draft);
+  find_feet(draft);
+  find_rest(options, draft);
+
+  Proposal proposal;
+  proposal.dropped = dropped_of(draft);
+  proposal.floating = draft.floating;
+  proposal.planar = draft.reduction.bodies.size() > 1;
+  if (!proposal.planar)
+    draft.missing.emplace_back(
+        "nothing of this robot turns or slides in one plane, so there is "
+        "nothing to plan for but its base");
+  proposal.yaml = write_proposal(draft, proposal.dropped);
+  proposal.notes = draft.notes;
+  proposal.missing = draft.missing;
+  proposal.rest = draft.rest;
+  return proposal;
+}
+
+}  // namespace jaculus::model
