@@ -24,7 +24,7 @@ struct RobotOptions {
   Common common;
   std::string file, base;
   std::vector<std::string> pose;
-  bool strict = false, apart = false, replace = false;
+  bool strict = false, apart = false, open = false, replace = false;
 };
 
 std::map<std::string, double> read_pose(const std::vector<std::string>& given) {
@@ -84,6 +84,7 @@ model::ProposeOptions propose_options(const RobotOptions& options, const Source&
   propose.pose = read_pose(options.pose);
   propose.pose.insert(source.pose.begin(), source.pose.end());
   propose.pairs = !options.apart;
+  propose.loops = !options.open;
   propose.floating = source.floating;
   if (!options.base.empty()) propose.floating = options.base == "floating";
   return propose;
@@ -181,6 +182,7 @@ void add_robot(CLI::App& app, Action& chosen) {
   import->add_option("--base", options->base, "floating or fixed; default: told by the limbs")
       ->check(one_of({"floating", "fixed"}));
   import->add_flag("--apart", options->apart, "left and right are joints of their own, no pairs");
+  import->add_flag("--open", options->open, "two chains from one hip stay apart, no five-bars");
   import->add_flag("--strict", options->strict, "refuse what would be assumed");
   import->add_flag("--replace", options->replace, "write over a robot.yaml that is there");
   import->add_flag("--quiet", options->common.quiet, "print nothing but errors");

@@ -43,11 +43,23 @@ trajectory::Table pose_plan(const PlanarModel& model, const std::map<std::string
   return table;
 }
 
+/// Coordinates of joints without a motor, ", name: value" each; with one where `driven`.
+std::string open_joints(const PlanarModel& model, const std::map<std::string, double>& rest,
+                        bool driven = false) {
+  std::string text;
+  for (const model::Coordinate& c : model.coordinates) {
+    if (model.body_of_joint(c.name) < 0 || (!driven && model.motor_index(c.name) >= 0)) continue;
+    text += fmt::format(", {}: {:.6g}", quoted(c.name), at(rest, c.name));
+  }
+  return text;
+}
+
 /// Gains that a robot of this weight stands on: its weight at the end of its longest leg turns no
 /// joint by more than 0.1 rad, damped as a pole of 50 ms.
-std::string stand(const model::Robot& robot, const std::map<std::string, double>& rest) {
+std::string held_pose(const std::string& name, const model::Robot& robot,
+                      const std::map<std::string, double>& rest) {
   const PlanarModel& model = robot.planar;
-  double leg = 0.0;
+  double leg = 0.1;  // [m], of a robot without any
   for (const model::PlanarPoint& foot : model.feet) {
     double length = foot.position.norm();
     for (int b = foot.body; b > 0 && model.bodies[b].parent > 0; b = model.bodies[b].parent)
@@ -56,22 +68,20 @@ std::string stand(const model::Robot& robot, const std::map<std::string, double>
   }
   const double kp = model.total_mass() * model.gravity * leg / 2.0 / 0.1;
 
-  std::string initial = "z: 0";
-  for (const model::Coordinate& c : model.coordinates)
-    if (model.motor_index(c.name) < 0 && model.body_of_joint(c.name) >= 0)
-      initial += fmt::format(", {}: {:.6g}", quoted(c.name), at(rest, c.name));
+  const bool stands = !model.feet.empty();
   return fmt::format(
-      "# Stands on its feet for half a second, legs held by joint PD. Gains follow from its "
-      "weight.\n"
-      "format: jaculus-experiment/1\nname: stand\nexperiment: leap\nrobot: .\nplan: stand.csv\n"
-      "initial: {{{}}}\n"
+      "# {}, joints held by PD. Gains follow from its weight.\n"
+      "format: jaculus-experiment/1\nname: {}\nexperiment: {}\nrobot: .\nplan: {}.csv\n"
+      "initial: {{x: 0, z: {}, pitch: 0{}}}\n"
       "controller: {{kind: feedforward_pd, quantity: torque, rate_hz: 1000, kp: {{\"*\": {:.4g}}}, "
-      "kd: {{\"*\": {:.4g}}}, after_end: hold}}\nduration: 500 ms\n",
-      initial, kp, 0.05 * kp);
+      "kd: {{\"*\": {:.4g}}}, after_end: hold}}\nduration: {} ms\n",
+      stands ? "Stands on its feet for half a second" : "Falls freely, for it has no feet", name,
+      stands ? "leap" : "self_righting", name, stands ? 0 : 1, open_joints(model, rest), kp,
+      0.05 * kp, stands ? 500 : 200);
 }
 
 /// A script of a tenth of the motors' torque one way, then the other.
-std::string swing(const model::Robot& robot) {
+std::string swing(const model::Robot& robot, const std::map<std::string, double>& rest) {
   const PlanarModel& model = robot.planar;
   std::vector<std::string> scripts;
   for (const model::PlanarMotor& motor : model.motors) {
@@ -84,8 +94,9 @@ std::string swing(const model::Robot& robot) {
   return fmt::format(
       "# A tenth of each motor's torque, one way and back.\n"
       "format: jaculus-experiment/1\nname: swing\nexperiment: pendulum\nrobot: .\n"
-      "input: {{torque: {{{}}}}}\ncontroller: {{kind: torque, rate_hz: 500}}\nduration: 500 ms\n",
-      fmt::join(scripts, ", "));
+      "input: {{torque: {{{}}}}}\ninitial: {{{}}}\ncontroller: {{kind: torque, rate_hz: 500}}\n"
+      "duration: 500 ms\n",
+      fmt::join(scripts, ", "), open_joints(model, rest, true).substr(2));
 }
 
 }  // namespace
@@ -94,15 +105,16 @@ std::string write_first_trial(const model::Robot& robot, const std::map<std::str
                               const std::filesystem::path& folder) {
   const PlanarModel& model = robot.planar;
   const bool free = model.base_free[0] && model.base_free[1] && model.base_free[2];
-  if (model.motors.empty()) return "";
-  if (free && !model.feet.empty()) {
-    trajectory::write_csv(pose_plan(model, rest), folder / "stand.csv");
-    trajectory::write_file(folder / "stand.yaml", stand(robot, rest));
-    return "stand.yaml";
-  }
-  if (free) return "";
-  trajectory::write_file(folder / "swing.yaml", swing(robot));
-  return "swing.yaml";
+  const bool slides = std::any_of(model.motors.begin(), model.motors.end(), [&](const auto& m) {
+    return model.bodies[m.body].kind == model::JointKind::prismatic;
+  });
+  if (model.motors.empty() || (free && slides)) return "";  // a plan holds torques alone
+
+  const std::string name = !free ? "swing" : model.feet.empty() ? "fall" : "stand";
+  if (free) trajectory::write_csv(pose_plan(model, rest), folder / (name + ".csv"));
+  trajectory::write_file(folder / (name + ".yaml"),
+                         free ? held_pose(name, robot, rest) : swing(robot, rest));
+  return name + ".yaml";
 }
 
 }  // namespace jaculus::cli

@@ -17,13 +17,15 @@ struct ProposeOptions {
   std::map<std::string, double> pose;  ///< of joints that are held, or at rest [rad or m]
   std::optional<bool> floating;        ///< base; told by the tree where absent
   bool pairs = true;                   ///< left and right are one planar joint
+  /// two chains of two alike links from one hip are a five-bar, pinned where they end
+  bool loops = true;
 };
 
 /// What the reduction to the plane leaves out, at the pose of the proposal.
 struct Dropped {
   double mass = 0.0;            ///< of the whole robot, all of it kept [kg]
   double pitch_inertia = 0.0;   ///< about its centre of mass, kept [kg m^2]
-  double mass_off_plane = 0.0;  ///< of links whose centre of mass lies over 1 mm off the plane [kg]
+  double mass_off_plane = 0.0;  ///< of links whose centre of mass lies over 1 cm off the plane [kg]
   double com_off_plane = 0.0;   ///< of the whole robot, to the left [m]
   /// sum of m y^2: what moving these links into the plane takes from roll and yaw [kg m^2]
   double inertia_moved = 0.0;

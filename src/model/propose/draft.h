@@ -26,6 +26,13 @@ struct DraftFoot {
   bool guessed = false;       ///< nothing in the file says where it is
 };
 
+/// Two chains from one hip whose last links are pinned where they end.
+struct DraftLoop {
+  std::string name;
+  DraftFoot a, b;       ///< the ends, as points of the last bodies
+  double branch = 1.0;  ///< as PlanarLoop has it, at rest
+};
+
 struct Draft {
   SpatialTree tree;  ///< from the base link on, x forward and z up, nothing held
   std::string forward = "+x", up = "+z";  ///< axes of the file's root
@@ -36,6 +43,7 @@ struct Draft {
   std::vector<PairSpec> pairs;
   Reduction reduction;
   std::vector<DraftFoot> feet;
+  std::vector<DraftLoop> loops;
   std::map<std::string, double> rest;  ///< by planar joint [rad or m]
   std::vector<std::string> notes, missing;
 };
@@ -58,8 +66,8 @@ void find_held(const ProposeOptions& options, Draft& draft);
 /// Reduces.
 void find_pairs(const ProposeOptions& options, Draft& draft);
 
-/// Feet, and names by leg for the pairs that lead to them.
-void find_feet(Draft& draft);
+/// Feet, and names by leg for the pairs that lead to them; loops of two chains from one hip.
+void find_feet(const ProposeOptions& options, Draft& draft);
 
 /// A pose in which it stands on its feet, or the stated one.
 void find_rest(const ProposeOptions& options, Draft& draft);

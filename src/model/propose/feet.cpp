@@ -126,7 +126,9 @@ std::vector<Chain> chains_of(const Draft& draft, const SpatialTree& tree) {
     const SpatialLink& link = tree.links[last];
     const Vec3 com = link.p_BL + link.R_BL * link.com;
     const bool endless = std::isinf(draft.reduction.ranges[b].upper);
-    chain.wheel = endless && in_plane_distance(com, link.p_BL) < 2e-3;
+    // what is round about its joint reaches nowhere
+    chain.wheel = endless && in_plane_distance(com, link.p_BL) < 2e-3 &&
+                  in_plane_distance(chain.tip, link.p_BL) < 1e-2;
     chains.push_back(chain);
   }
   return chains;
@@ -179,23 +181,61 @@ Vec2 on_body(const Draft& draft, const SpatialTree& tree, int body, const Vec3& 
           std::sin(phi) * v.x() + std::cos(phi) * v.z()};
 }
 
-void add_leg(Draft& draft, const SpatialTree& tree, const Chain& chain, const std::string& name,
-             bool lettered) {
-  const std::vector<PlanarBody>& bodies = draft.reduction.bodies;
-  for (std::size_t i = 0; i < chain.bodies.size(); ++i)
-    rename_pair(draft, bodies[chain.bodies[i]].joint, joint_name(name, i, lettered));
-
+DraftFoot end_of(const Draft& draft, const SpatialTree& tree, const Chain& chain,
+                 const std::string& name) {
   const int last = chain.bodies.back();
-  DraftFoot foot{name + "_foot", bodies[last].name, on_body(draft, tree, last, chain.tip),
-                 last,           chain.source,      chain.guessed};
-  if (chain.guessed)
+  return {name,
+          draft.reduction.bodies[last].name,
+          on_body(draft, tree, last, chain.tip),
+          last,
+          chain.source,
+          chain.guessed};
+}
+
+void add_foot(Draft& draft, const DraftFoot& foot) {
+  if (foot.guessed)
     draft.missing.push_back(fmt::format("feet.{}.point: {}", foot.name, foot.source));
   draft.feet.push_back(foot);
 }
 
+/// Two chains of two links, each as long as its like in the other.
+bool is_five_bar(const std::vector<Chain>& leg) {
+  if (leg.size() != 2) return false;
+  const Chain& a = leg[0];
+  const Chain& b = leg[1];
+  constexpr double kAlike = 0.1;  // ends of shapes differ by a shape's thickness
+  return a.bodies.size() == 2 && b.bodies.size() == 2 &&
+         std::abs(a.length - b.length) < kAlike * a.length;
+}
+
+void add_leg(Draft& draft, const SpatialTree& tree, const std::vector<Chain>& chains,
+             const std::string& leg, bool loops) {
+  const std::vector<PlanarBody> bodies = draft.reduction.bodies;
+  const bool lettered = chains.size() > 1;
+  std::vector<std::string> names;
+  for (std::size_t c = 0; c < chains.size(); ++c) {
+    names.push_back(lettered ? fmt::format("{}_{}", leg, static_cast<char>('a' + c)) : leg);
+    for (std::size_t i = 0; i < chains[c].bodies.size(); ++i)
+      rename_pair(draft, bodies[chains[c].bodies[i]].joint, joint_name(names[c], i, lettered));
+  }
+
+  if (loops && is_five_bar(chains)) {
+    const DraftFoot a = end_of(draft, tree, chains[0], leg + "_foot");
+    draft.loops.push_back({leg + "_leg", a, end_of(draft, tree, chains[1], ""), 1.0});
+    add_foot(draft, a);
+    draft.missing.push_back(fmt::format(
+        "loops.{}_leg: two alike chains begin at one hip: taken as a five-bar, pinned where its "
+        "lower links end; the file says nothing of it (--open leaves them apart)",
+        leg));
+    return;
+  }
+  for (std::size_t c = 0; c < chains.size(); ++c)
+    add_foot(draft, end_of(draft, tree, chains[c], names[c] + "_foot"));
+}
+
 }  // namespace
 
-void find_feet(Draft& draft) {
+void find_feet(const ProposeOptions& options, Draft& draft) {
   if (!draft.floating) return;
   const SpatialTree tree = hold_joints(draft.tree, held_of(draft));
   double mass = 0.0;
@@ -224,13 +264,8 @@ void find_feet(Draft& draft) {
 
   const Legs groups = group_by_place(legs);
   const std::vector<std::string> ends = end_names(groups.size());
-  for (std::size_t g = 0; g < groups.size(); ++g) {
-    const bool lettered = groups[g].size() > 1;
-    for (std::size_t i = 0; i < groups[g].size(); ++i) {
-      const std::string letter = lettered ? fmt::format("_{}", static_cast<char>('a' + i)) : "";
-      add_leg(draft, tree, groups[g][i], ends[g] + letter, lettered);
-    }
-  }
+  for (std::size_t g = 0; g < groups.size(); ++g)
+    add_leg(draft, tree, groups[g], ends[g], options.loops);
   draft.reduction = reduce(draft.tree, draft.pairs, {}, held_of(draft));
 }
 

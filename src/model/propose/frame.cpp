@@ -71,18 +71,14 @@ Vec3 reach(const SpatialTree& tree) {
   return count == 0 ? sum : Vec3(sum / count);
 }
 
-/// Up: z, but where limbs hang along another axis than they reach along z.
+/// Up: z, or y where joints turn about z, or about x and limbs hang along y rather than z.
 Vec3 up_axis(const SpatialTree& tree, int lateral) {
   if (lateral == 2) return Vec3::UnitY();
+  if (lateral == 1) return Vec3::UnitZ();
   const Vec3 way = reach(tree);
-  const int other = lateral == 0 ? 1 : 0;
-  // three times as far: no leg at its zero does that unless its file's y (or x) is up
-  const bool hangs =
-      first_joints(tree).size() >= 4 && std::abs(way[other]) > 3.0 * std::abs(way.z());
+  const bool hangs = first_joints(tree).size() > 1 && std::abs(way.y()) > std::abs(way.z()) + 1e-3;
   if (!hangs) return Vec3::UnitZ();
-  Vec3 up = Vec3::Zero();
-  up[other] = way[other] < 0.0 ? 1.0 : -1.0;
-  return up;
+  return way.y() < 0.0 ? Vec3::UnitY() : Vec3(-Vec3::UnitY());
 }
 
 /// Forward: where names say front, else the positive axis.
@@ -143,9 +139,14 @@ int end_of_base_chain(const SpatialTree& tree) {
   return link;
 }
 
-/// Whether a base that no chain of joints carries floats: two limbs or more that turn in the plane,
-/// on a link that has mass.
+/// Whether a base that no chain of joints carries floats: nothing moves, or two limbs or more turn in
+/// the plane.
 bool seems_floating(const SpatialTree& tree) {
+  const bool rigid = std::none_of(tree.joints.begin(), tree.joints.end(), [](const auto& joint) {
+    return joint.kind != SpatialJointKind::fixed;
+  });
+  if (rigid) return true;
+
   int limbs = 0;
   for (const int j : first_joints(tree)) {
     const SpatialTree limb = subtree(tree, tree.joints[j].child);
@@ -169,7 +170,8 @@ void find_frame(const SpatialTree& file, const ProposeOptions& options, Draft& d
   const Vec3 forward = forward_axis(file, lateral, up, named);
   draft.forward = axis_name(forward);
   draft.up = axis_name(up);
-  draft.horizontal = lateral == 2;
+  // a mechanism of one limb that turns about z lies flat; a body with several has its y upwards
+  draft.horizontal = lateral == 2 && first_joints(file).size() < 2;
   turn_root(draft.tree, forward, up);
 
   draft.notes.push_back(fmt::format(

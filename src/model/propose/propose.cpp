@@ -45,7 +45,7 @@ Dropped dropped_of(const Draft& draft) {
     dropped.mass += link.mass;
     com += link.mass * at;
     dropped.inertia_moved += link.mass * at.y() * at.y();
-    if (std::abs(at.y()) > 1e-3) dropped.mass_off_plane += link.mass;
+    if (std::abs(at.y()) > 1e-2) dropped.mass_off_plane += link.mass;
   }
   if (!(dropped.mass > 0.0)) return dropped;
   com /= dropped.mass;
@@ -69,7 +69,7 @@ Proposal propose_robot(const SpatialTree& tree, const ProposeOptions& options) {
   find_frame(tree, options, draft);
   find_held(options, draft);
   find_pairs(options, draft);
-  find_feet(draft);
+  find_feet(options, draft);
   find_rest(options, draft);
 
   Proposal proposal;

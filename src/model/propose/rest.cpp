@@ -20,6 +20,7 @@ struct Leg {
   const DraftFoot* foot = nullptr;
   Vec2 hip = Vec2::Zero();  ///< with all joints at zero [m]
   double length = 0.0;      ///< [m]
+  double knee = 1.0;        ///< +1: behind the hip rather than before it, -1: the other way
 };
 
 Vec2 foot_at(const Draft& draft, const Leg& leg, const std::map<std::string, double>& joints) {
@@ -48,14 +49,14 @@ Bounds range_of(const Draft& draft, int body) {
 }
 
 /// How far a pose is from the one wanted [m]: the foot below the hip at `height`, and among two
-/// knees the one behind, as most quadrupeds have it.
+/// knees the one behind, as most quadrupeds have it, or as the leg states.
 double miss(const Draft& draft, const Leg& leg, double height,
             const std::map<std::string, double>& joints) {
   const Vec2 off = foot_at(draft, leg, joints) - Vec2(leg.hip.x(), height);
   const bool bent = leg.bodies.size() > 1;
   const double knee = bent ? pose_of(draft.reduction, leg.bodies[1], joints)[0] - leg.hip.x() : 0.0;
   // small against a foot that is off, but tells two knees apart
-  return off.norm() + 1e-3 * std::max(0.0, knee);
+  return off.norm() + 1e-3 * std::max(0.0, leg.knee * knee);
 }
 
 /// The pose of two joints on a grid that closes in on the best.
@@ -93,6 +94,14 @@ void bend(const Draft& draft, const Leg& leg, double height, std::map<std::strin
   }
 }
 
+double branch_at_rest(const Draft& draft, const DraftLoop& loop) {
+  const Vec2 a = pose_of(draft.reduction, loop.a.body, draft.rest).head<2>();
+  const Vec2 b = pose_of(draft.reduction, loop.b.body, draft.rest).head<2>();
+  const Vec2 u = b - a;
+  const Vec2 v = foot_at(draft, leg_of(draft, loop.a), draft.rest) - a;
+  return u.y() * v.x() - u.x() * v.y() > 0.0 ? 1.0 : -1.0;
+}
+
 }  // namespace
 
 Eigen::Vector3d pose_of(const Reduction& reduction, int body,
@@ -125,7 +134,14 @@ void find_rest(const ProposeOptions& options, Draft& draft) {
     legs.push_back(leg_of(draft, foot));
     height = std::max(height, legs.back().hip.y() - kDrawnIn * legs.back().length);
   }
+  // of a five-bar one knee points forward, the other back
+  for (const DraftLoop& loop : draft.loops) {
+    for (Leg& leg : legs)
+      if (leg.foot->name == loop.a.name) leg.knee = -1.0;
+    legs.push_back(leg_of(draft, loop.b));
+  }
   for (const Leg& leg : legs) bend(draft, leg, height, draft.rest);
+  for (DraftLoop& loop : draft.loops) loop.branch = branch_at_rest(draft, loop);
 
   for (const auto& [joint, value] : options.pose) {
     for (const DraftJoint& known : joints_of(draft)) {

@@ -76,6 +76,30 @@ std::string feet(const Draft& draft) {
   return text;
 }
 
+std::string loops(const Draft& draft) {
+  if (draft.loops.empty()) return "";
+  std::string text = "\n# fill in: pins where the lower links end are assumed.\nloops:\n";
+  for (const DraftLoop& loop : draft.loops) {
+    const auto joint = [&](const DraftFoot& end) {
+      return quoted(draft.reduction.bodies[end.body].joint);
+    };
+    text += fmt::format(
+        "  {}:\n    {{link_a: {}, point_a: [{}, {}], link_b: {}, point_b: [{}, {}],\n"
+        "     dependent: [{}, {}], branch: {}}}\n",
+        quoted(loop.name), quoted(loop.a.link), number(loop.a.point.x()), number(loop.a.point.y()),
+        quoted(loop.b.link), number(loop.b.point.x()), number(loop.b.point.y()), joint(loop.a),
+        joint(loop.b), loop.branch > 0.0 ? "positive" : "negative");
+  }
+  return text;
+}
+
+/// Whether a joint follows from a loop.
+bool is_dependent(const Draft& draft, const DraftJoint& joint) {
+  for (const DraftLoop& loop : draft.loops)
+    if (joint.body == loop.a.body || joint.body == loop.b.body) return true;
+  return false;
+}
+
 /// Files state an effort for joints that motors drive; where some have one, the others are passive.
 std::string motors(Draft& draft) {
   bool any = false;
@@ -87,6 +111,7 @@ std::string motors(Draft& draft) {
 
   std::string text, unknown;
   for (const DraftJoint& joint : joints) {
+    if (is_dependent(draft, joint)) continue;
     const SpatialJoint& first = draft.tree.joints[joint.spatial.front()];
     const bool slides = first.kind == SpatialJointKind::prismatic;
     const std::string fast = std::isfinite(first.velocity)
@@ -134,8 +159,8 @@ std::string rest(const Draft& draft, const std::string& motors) {
 
 std::string write_proposal(Draft& draft, const Dropped& dropped) {
   const std::string drives = motors(draft);
-  return head(draft, dropped) + frame(draft) + held(draft) + pairs(draft) + feet(draft) + drives +
-         rest(draft, drives);
+  return head(draft, dropped) + frame(draft) + held(draft) + pairs(draft) + loops(draft) +
+         feet(draft) + drives + rest(draft, drives);
 }
 
 }  // namespace jaculus::model
