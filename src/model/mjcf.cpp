@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fstream>
 #include <memory>
@@ -45,6 +46,13 @@ MjcfRobot read_mjcf(const std::filesystem::path& file) {
 #else
 
 namespace {
+
+/// MuJoCo's messages have several lines.
+std::string one_line(std::string text) {
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  while (text.ends_with(' ')) text.pop_back();
+  return text;
+}
 
 Vec3 vector(const mjtNum* v) { return {v[0], v[1], v[2]}; }
 Mat3 matrix(const mjtNum* q) {
@@ -269,7 +277,7 @@ MjcfRobot read_mjcf(const std::filesystem::path& file) {
   if (!model) {
     throw InputError(
         fmt::format("{}: MuJoCo refuses the file: {}; allowed: MJCF that MuJoCo {} reads",
-                    file.string(), error.data(), mj_versionString()));
+                    file.string(), one_line(error.data()), mj_versionString()));
   }
   return Converter(*model, file).run();
 }
