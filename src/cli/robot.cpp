@@ -51,7 +51,7 @@ struct Source {
   std::string urdf;  ///< text of the file to write; empty where the file itself is copied
   model::SpatialTree tree;
   std::vector<std::string> notes;
-  std::map<std::string, double> pose;
+  std::map<std::string, double> pose, armature;
   std::optional<bool> floating;
 };
 
@@ -70,6 +70,7 @@ Source read_source(const fs::path& file, model::Reading reading) {
     source.tree = model::parse_urdf(source.urdf, file, reading);
     source.notes = robot.notes;
     source.pose = robot.pose;
+    source.armature = robot.armature;
     // a fixed one may still carry its base on joints along x and z
     if (robot.floating) source.floating = true;
     return source;
@@ -83,6 +84,7 @@ model::ProposeOptions propose_options(const RobotOptions& options, const Source&
   model::ProposeOptions propose;
   propose.pose = read_pose(options.pose);
   propose.pose.insert(source.pose.begin(), source.pose.end());
+  propose.armature = source.armature;
   propose.pairs = !options.apart;
   propose.loops = !options.open;
   propose.floating = source.floating;

@@ -74,7 +74,7 @@ std::string explain_robot() {
              "  motors          joint: one motor of its pair\n"
              "    kind               electric, or ideal (a torque, a force where the joint slides; "
              "takes torque_limit "
-             "alone)\n",
+             "and, where\n                       it turns, rotor_inertia)\n",
              motor_keys()) +
          section(
              "  drag            name: aerodynamic drag of a tail, overridden by the path "

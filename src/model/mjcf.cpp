@@ -207,14 +207,18 @@ class Converter {
     joint.effort = effort_of(j);
 
     const int dof = m_.jnt_dofadr[j];
-    if (m_.dof_armature[dof] > 0.0 || m_.dof_damping[dof] > 0.0 || m_.dof_frictionloss[dof] > 0.0 ||
-        m_.jnt_stiffness[j] > 0.0) {
-      robot_.notes.push_back(fmt::format(
-          "joint '{}': armature {:.4g}, damping {:.4g}, friction {:.4g}, stiffness {:.4g} (SI) are "
-          "not part of a robot with ideal motors",
-          joint.name, m_.dof_armature[dof], m_.dof_damping[dof], m_.dof_frictionloss[dof],
-          m_.jnt_stiffness[j]));
-    }
+    const double armature = m_.dof_armature[dof];
+    if (armature > 0.0 && !slides) robot_.armature[joint.name] = armature;
+    const double damping = m_.dof_damping[dof];
+    const double friction = m_.dof_frictionloss[dof];
+    const double stiffness = m_.jnt_stiffness[j];
+    const double lost = slides ? armature : 0.0;
+    if (damping == 0.0 && friction == 0.0 && stiffness == 0.0 && lost == 0.0) return;
+    robot_.notes.push_back(fmt::format(
+        "joint '{}': damping {:.4g}, friction {:.4g}, stiffness {:.4g}{} (SI) are no part of the "
+        "nominal robot; effects simulate them",
+        joint.name, damping, friction, stiffness,
+        lost > 0.0 ? fmt::format(", armature {:.4g}", lost) : ""));
   }
 
   /// The largest torque that actuators with limits give at a joint; infinite where none has any.

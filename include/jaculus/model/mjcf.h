@@ -14,7 +14,9 @@ struct MjcfRobot {
   SpatialTree tree;
   bool floating = false;               ///< its base has a free joint
   std::map<std::string, double> pose;  ///< of the first keyframe, by joint [rad or m]; may be empty
-  std::vector<std::string> notes;      ///< what the file says and the tree doesn't hold
+  /// what a joint adds to its own inertia, by joint that turns [kg m^2]; where above 0
+  std::map<std::string, double> armature;
+  std::vector<std::string> notes;  ///< what the file says and the tree doesn't hold
 };
 
 /// Whether a file's first element is <mujoco>.

@@ -14,9 +14,10 @@
 namespace jaculus::model {
 
 struct ProposeOptions {
-  std::map<std::string, double> pose;  ///< of joints that are held, or at rest [rad or m]
-  std::optional<bool> floating;        ///< base; told by the tree where absent
-  bool pairs = true;                   ///< left and right are one planar joint
+  std::map<std::string, double> pose;      ///< of joints that are held, or at rest [rad or m]
+  std::map<std::string, double> armature;  ///< inertia that a joint adds to its own [kg m^2]
+  std::optional<bool> floating;            ///< base; told by the tree where absent
+  bool pairs = true;                       ///< left and right are one planar joint
   /// two chains of two alike links from one hip are a five-bar, pinned where they end
   bool loops = true;
 };

@@ -43,6 +43,7 @@ struct Draft {
   std::vector<PairSpec> pairs;
   Reduction reduction;
   std::vector<DraftFoot> feet;
+  std::map<std::string, double> armature;  ///< by joint of the file [kg m^2]
   std::vector<DraftLoop> loops;
   std::map<std::string, double> rest;  ///< by planar joint [rad or m]
   std::vector<std::string> notes, missing;

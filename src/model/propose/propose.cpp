@@ -66,6 +66,7 @@ Dropped dropped_of(const Draft& draft) {
 Proposal propose_robot(const SpatialTree& tree, const ProposeOptions& options) {
   check_pose(tree, options);
   Draft draft;
+  draft.armature = options.armature;
   find_frame(tree, options, draft);
   find_held(options, draft);
   find_pairs(options, draft);

@@ -118,18 +118,22 @@ std::string motors(Draft& draft) {
                                  ? fmt::format("   # the file: at most {} {}",
                                                number(first.velocity), slides ? "m/s" : "rad/s")
                                  : "";
+    const auto armature = draft.armature.find(first.name);
+    const std::string rotor = armature == draft.armature.end() || slides
+                                  ? ""
+                                  : fmt::format(", rotor_inertia: {}", number(armature->second));
+    const std::string name = quoted(joint.name);
     if (std::isfinite(effort(joint))) {
-      text += fmt::format("  {}: {{kind: ideal, torque_limit: {}}}{}\n", quoted(joint.name),
-                          number(effort(joint)), fast);
-    } else if (any) {
-      text +=
-          fmt::format("  # fill in if a motor drives it: {}: {{kind: ideal, torque_limit: ...}}\n",
-                      quoted(joint.name));
-      unknown += (unknown.empty() ? "" : ", ") + joint.name;
-    } else {
-      text += fmt::format("  {}: {{kind: ideal}}   # fill in torque_limit\n", quoted(joint.name));
-      unknown += (unknown.empty() ? "" : ", ") + joint.name;
+      text += fmt::format("  {}: {{kind: ideal, torque_limit: {}{}}}{}\n", name,
+                          number(effort(joint)), rotor, fast);
+      continue;
     }
+    unknown += (unknown.empty() ? "" : ", ") + joint.name;
+    text += any ? fmt::format(
+                      "  # fill in if a motor drives it: {}: {{kind: ideal, torque_limit: "
+                      "...{}}}\n",
+                      name, rotor)
+                : fmt::format("  {}: {{kind: ideal{}}}   # fill in torque_limit\n", name, rotor);
   }
   if (!unknown.empty())
     draft.missing.push_back(fmt::format("motors: the file states no largest torque of {}{}",
