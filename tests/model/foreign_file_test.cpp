@@ -63,7 +63,7 @@ TEST(ForeignFile, ForeignElementsAreSkippedAndCounted) {
                                    "<contact/></link>",
                                    "unknown element <contact> in <link>: skipped (2 times");
   EXPECT_EQ(tree.links.size(), 3u);
-  (void)assumed("</robot>", "<sensor/></robot>", "unknown element <sensor>: skipped (line 12)");
+  (void)assumed("</robot>", "<sensor/></robot>", "unknown element <sensor>: skipped (line 11)");
   (void)assumed("<axis xyz=\"0 1 0\"/><limit", "<axis xyz=\"0 1 0\" rpy=\"0 0 0\"/><limit",
                 "<axis>: unknown attribute 'rpy': skipped");
 }

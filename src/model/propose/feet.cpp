@@ -198,13 +198,14 @@ void add_foot(Draft& draft, const DraftFoot& foot) {
   draft.feet.push_back(foot);
 }
 
-/// Two chains of two links, each as long as its like in the other.
+/// Two chains of two links on one side, as long as one another.
 bool is_five_bar(const std::vector<Chain>& leg) {
   if (leg.size() != 2) return false;
   const Chain& a = leg[0];
   const Chain& b = leg[1];
   constexpr double kAlike = 0.1;  // ends of shapes differ by a shape's thickness
-  return a.bodies.size() == 2 && b.bodies.size() == 2 &&
+  const bool one_side = a.hip.y() * b.hip.y() > 0.0 || std::abs(a.hip.y() - b.hip.y()) < 0.01;
+  return one_side && a.bodies.size() == 2 && b.bodies.size() == 2 &&
          std::abs(a.length - b.length) < kAlike * a.length;
 }
 

@@ -77,10 +77,13 @@ Proposal propose_robot(const SpatialTree& tree, const ProposeOptions& options) {
   proposal.dropped = dropped_of(draft);
   proposal.floating = draft.floating;
   proposal.planar = draft.reduction.bodies.size() > 1;
-  if (!proposal.planar)
+  if (!proposal.planar) {
     draft.missing.emplace_back(
-        "nothing of this robot turns or slides in one plane, so there is "
-        "nothing to plan for but its base");
+        "nothing of this robot turns or slides in one plane, so nothing but its base moves");
+  } else if (draft.floating && draft.feet.empty()) {
+    draft.missing.emplace_back(
+        "feet: none was found, so nothing carries it on the floor; wheels don't");
+  }
   proposal.yaml = write_proposal(draft, proposal.dropped);
   proposal.notes = draft.notes;
   proposal.missing = draft.missing;
