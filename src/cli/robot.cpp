@@ -157,6 +157,7 @@ int run_robot_import(const RobotOptions& options) {
                  {"feet", robot.planar.feet.size()},
                  {"notes", source.notes},
                  {"decided", proposal.notes},
+                 {"held", proposal.held},
                  {"to_fill_in", proposal.missing},
                  {"kept_and_dropped", dropped_json(proposal.dropped)},
                  {"trial", trial}};

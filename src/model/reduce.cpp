@@ -239,14 +239,15 @@ class Reducer {
     result_.ranges.push_back(body == 0 ? Bounds{} : tree_.joints[head.joint].range);
 
     if (body > 0 && left.mass == 0.0) {
-      constexpr double kSpeck = 1e-6;  // [kg]: keeps equations regular, is below every balance
+      // keeps equations regular, is below every balance
+      const double speck = 1e-8 * total_mass();
       assumptions_.assume(
           head.line,
           fmt::format("link '{}' moves but has no mass; allowed: <inertial> with a mass above 0",
                       head.name),
-          "1 mg");
-      left.mass = kSpeck;
-      left.inertia = sphere_moment(kSpeck);
+          "a 1e-8th of the robot's mass");
+      left.mass = speck;
+      left.inertia = sphere_moment(speck);
     }
 
     if (heads.right < 0) return left;
@@ -333,6 +334,12 @@ class Reducer {
           fmt::format("the centre of mass lies {:.4g} m to the left of the sagittal plane; dropped",
                       moment / mass));
     }
+  }
+
+  [[nodiscard]] double total_mass() const {
+    double mass = 0.0;
+    for (const SpatialLink& link : tree_.links) mass += link.mass;
+    return mass;
   }
 
   [[nodiscard]] double frame_of(int body, int side) const { return frames_[body][side]; }

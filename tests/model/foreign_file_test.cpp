@@ -195,12 +195,12 @@ TEST(ForeignFile, WhatHasNoMassAndCarriesNoneIsHeld) {
                     "link 'camera' moves but has no mass"));
 }
 
-TEST(ForeignFile, ALinkWithoutMassBetweenTwoJointsWeighsAMilligram) {
+TEST(ForeignFile, ALinkWithoutMassBetweenTwoJointsWeighsNextToNothing) {
   const std::string text = testing::replaced(kArm, "<mass value=\"2\"/>", "<mass value=\"0\"/>");
   const Robot robot = robot_of(text, "");
-  EXPECT_EQ(robot.planar.bodies[1].mass, 1e-6);
+  EXPECT_DOUBLE_EQ(robot.planar.bodies[1].mass, 1e-8);
   EXPECT_EQ(robot.planar.size(), 2);
-  EXPECT_TRUE(notes(robot, "link 'upper' moves but has no mass: 1 mg"));
+  EXPECT_TRUE(notes(robot, "link 'upper' moves but has no mass: a 1e-8th"));
 }
 
 TEST(ForeignFile, AxesThatLeanALittleAreTakenAsInThePlane) {

@@ -39,6 +39,7 @@ struct Proposal {
   bool floating = false;
   bool planar = true;                ///< something of it moves in the plane
   std::vector<std::string> notes;    ///< what was decided, and by what
+  std::vector<std::string> held;     ///< joints of the file that are held
   std::vector<std::string> missing;  ///< what the file doesn't say, with the lines to fill in
   Dropped dropped;
   std::map<std::string, double> rest;  ///< by planar joint: the pose at rest [rad or m]

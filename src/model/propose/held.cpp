@@ -1,9 +1,11 @@
 // Joints that the plane has no place for, and left and right of those that it has.
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
 
 #include "model/propose/draft.h"
@@ -114,6 +116,21 @@ class Pairing {
   std::vector<int> mate_;
 };
 
+/// How many joints the plane has no place for, by the reason.
+void note_held(Draft& draft) {
+  std::map<std::string, std::vector<std::string>> by_reason;
+  for (const HeldBecause& h : draft.held) {
+    const std::string reason = h.reason.starts_with("turns") ? "turn out of the plane" : h.reason;
+    by_reason[reason].push_back(h.held.joint);
+  }
+  const auto moving = std::count_if(
+      draft.tree.joints.begin(), draft.tree.joints.end(),
+      [](const SpatialJoint& joint) { return joint.kind != SpatialJointKind::fixed; });
+  for (const auto& [reason, joints] : by_reason)
+    draft.notes.push_back(fmt::format("held, {} of {} joints ({}): {}", joints.size(), moving,
+                                      reason, fmt::join(joints, ", ")));
+}
+
 }  // namespace
 
 std::vector<HeldJoint> held_of(const Draft& draft) {
@@ -158,6 +175,7 @@ void find_pairs(const ProposeOptions& options, Draft& draft) {
     draft.pairs.push_back(
         {tree.joints[j].name, tree.joints[j].name, tree.joints[mates[j]].name, place});
   }
+  note_held(draft);
   draft.reduction = reduce(draft.tree, draft.pairs, {}, held_of(draft));
 }
 

@@ -85,6 +85,7 @@ Proposal propose_robot(const SpatialTree& tree, const ProposeOptions& options) {
         "feet: none was found, so nothing carries it on the floor; wheels don't");
   }
   proposal.yaml = write_proposal(draft, proposal.dropped);
+  for (const HeldBecause& h : draft.held) proposal.held.push_back(h.held.joint);
   proposal.notes = draft.notes;
   proposal.missing = draft.missing;
   proposal.rest = draft.rest;
