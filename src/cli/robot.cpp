@@ -22,7 +22,7 @@ using Json = nlohmann::ordered_json;
 
 struct RobotOptions {
   Common common;
-  std::string file, base;
+  std::string file, base, forward, up;
   std::vector<std::string> pose;
   bool strict = false, apart = false, open = false, replace = false;
 };
@@ -88,6 +88,14 @@ model::ProposeOptions propose_options(const RobotOptions& options, const Source&
   propose.pairs = !options.apart;
   propose.loops = !options.open;
   propose.floating = source.floating;
+  if (options.forward.empty() != options.up.empty())
+    throw InputError("--forward and --up: one of them given; allowed: both or none");
+  if (!options.forward.empty() && options.forward[1] == options.up[1]) {
+    throw InputError(fmt::format("--forward {} and --up {} lie on one line; allowed: two axes",
+                                 options.forward, options.up));
+  }
+  propose.forward = options.forward;
+  propose.up = options.up;
   if (!options.base.empty()) propose.floating = options.base == "floating";
   return propose;
 }
@@ -184,6 +192,11 @@ void add_robot(CLI::App& app, Action& chosen) {
                      "JOINT=VALUE of joints that are held, or of the pose at rest; 0 where absent");
   import->add_option("--base", options->base, "floating or fixed; default: told by the limbs")
       ->check(one_of({"floating", "fixed"}));
+  const std::vector<std::string> axes = {"+x", "-x", "+y", "-y", "+z", "-z"};
+  import->add_option("--forward", options->forward, "axis of the file; default: told by names")
+      ->check(one_of(axes));
+  import->add_option("--up", options->up, "axis of the file; default: told by joints")
+      ->check(one_of(axes));
   import->add_flag("--apart", options->apart, "left and right are joints of their own, no pairs");
   import->add_flag("--open", options->open, "two chains from one hip stay apart, no five-bars");
   import->add_flag("--strict", options->strict, "refuse what would be assumed");

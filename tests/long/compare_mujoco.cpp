@@ -225,7 +225,9 @@ class Comparison {
     std::vector<int> bodies;
     for (const model::SpatialLink& link : part.links) {
       const std::string name = link.name == "world" ? "jaculus_world" : link.name;
-      const int b = mj_name2id(model_.get(), mjOBJ_BODY, name.c_str());
+      int b = mj_name2id(model_.get(), mjOBJ_BODY, name.c_str());
+      // read_mjcf calls what has no name by its number
+      if (b < 0 && name.starts_with("body_")) b = std::stoi(name.substr(5));
       if (b > 0) bodies.push_back(b);
     }
     return bodies;

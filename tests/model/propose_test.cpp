@@ -155,6 +155,20 @@ TEST(Propose, AnArmIsFixedAndKeepsTheJointsOfThePlane) {
   EXPECT_TRUE(arm.robot.planar.feet.empty());
 }
 
+TEST(Propose, ThePlaneMayBeStated) {
+  const std::string arm = "<robot name=\"arm\">" + link("base", 3, "0 0 0") +
+                          link("a", 2, "0 0 0.1") + link("b", 2, "0 0 0.1") +
+                          joint("turn", "revolute", "base", "a", "0 0 0.2", "1 0 0") +
+                          joint("lift", "revolute", "a", "b", "0 0 0.2", "0 1 0") + "</robot>";
+  ProposeOptions options;
+  EXPECT_EQ(names(imported(arm, options).robot.planar.coordinates),
+            (std::vector<std::string>{"lift"}));
+  options.forward = "+y";
+  options.up = "+z";
+  EXPECT_EQ(names(imported(arm, options).robot.planar.coordinates),
+            (std::vector<std::string>{"turn"}));
+}
+
 TEST(Propose, AFlatMechanismHasNoGravity) {
   const Imported scara =
       imported("<robot name=\"s\">" + link("base", 3, "0 0 0") + link("a", 2, "0.1 0 0") +

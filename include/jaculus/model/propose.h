@@ -14,7 +14,9 @@
 namespace jaculus::model {
 
 struct ProposeOptions {
-  std::map<std::string, double> pose;      ///< of joints that are held, or at rest [rad or m]
+  std::map<std::string, double> pose;  ///< of joints that are held, or at rest [rad or m]
+  /// "+x" ... "-z" of the file; told by joints and names where empty. Both or none
+  std::string forward, up;
   std::map<std::string, double> armature;  ///< inertia that a joint adds to its own [kg m^2]
   std::optional<bool> floating;            ///< base; told by the tree where absent
   bool pairs = true;                       ///< left and right are one planar joint

@@ -21,6 +21,12 @@ std::string axis_name(const Vec3& v) {
   return fmt::format("{}{}", v[i] < 0.0 ? '-' : '+', "xyz"[i]);
 }
 
+Vec3 axis_of(const std::string& name) {
+  Vec3 v = Vec3::Zero();
+  v[name.at(1) - 'x'] = name.at(0) == '-' ? -1.0 : 1.0;
+  return v;
+}
+
 bool turns(const SpatialJoint& joint) { return joint.kind == SpatialJointKind::revolute; }
 
 Vec3 axis_in_root(const SpatialTree& tree, const SpatialJoint& joint) {
@@ -164,20 +170,26 @@ bool seems_floating(const SpatialTree& tree) {
 
 void find_frame(const SpatialTree& file, const ProposeOptions& options, Draft& draft) {
   draft.tree = file;
-  const int lateral = lateral_axis(file);
+  const bool stated = !options.forward.empty() && !options.up.empty();
+  int lateral = lateral_axis(file);
   bool named = false;
-  const Vec3 up = up_axis(file, lateral);
-  const Vec3 forward = forward_axis(file, lateral, up, named);
+  const Vec3 up = stated ? axis_of(options.up) : up_axis(file, lateral);
+  const Vec3 forward = stated ? axis_of(options.forward) : forward_axis(file, lateral, up, named);
+  up.cross(forward).cwiseAbs().maxCoeff(&lateral);
   draft.forward = axis_name(forward);
   draft.up = axis_name(up);
   // a mechanism of one limb that turns about z lies flat; a body with several has its y upwards
-  draft.horizontal = lateral == 2 && first_joints(file).size() < 2;
+  draft.horizontal = !stated && lateral == 2 && first_joints(file).size() < 2;
   turn_root(draft.tree, forward, up);
 
   draft.notes.push_back(fmt::format(
-      "most joints turn about the file's {}: forward is {} ({}), up is {}{}", "xyz"[lateral],
-      draft.forward, named ? "where names say front" : "by custom", draft.up,
-      draft.horizontal ? "; the plane lies flat, so there is no gravity in it" : ""));
+      "the plane lies across the file's {}, which joints turn about: forward is {} ({}), up is "
+      "{}{}",
+      "xyz"[lateral], draft.forward,
+      stated  ? "as stated"
+      : named ? "where names say front"
+              : "by custom",
+      draft.up, draft.horizontal ? "; the plane lies flat, so there is no gravity in it" : ""));
 
   const int base = end_of_base_chain(draft.tree);
   if (base >= 0) {
