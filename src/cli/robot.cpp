@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/command.h"
+#include "cli/robot_leap.h"
 #include "cli/robot_trial.h"
 #include "jaculus/core/error.h"
 #include "jaculus/model/mjcf.h"
@@ -118,6 +119,61 @@ std::string dropped_text(const model::Dropped& d) {
       1e2 * d.coupling);
 }
 
+/// What an import wrote.
+struct Written {
+  Source source;
+  model::Proposal proposal;
+  model::Robot robot;
+  std::string trial, leap;  ///< files; empty where there is none
+};
+
+std::string written_text(const Written& w, const fs::path& out) {
+  const model::PlanarModel& planar = w.robot.planar;
+  std::string text =
+      fmt::format("{}: {} planar bodies, {:.6g} kg, {} coordinates, {} motors\n", w.robot.name,
+                  planar.bodies.size(), planar.total_mass(), planar.size(), planar.motors.size());
+  for (const std::string& note : w.source.notes) text += "  " + note + "\n";
+  for (const std::string& note : w.proposal.notes) text += "  " + note + "\n";
+  text += dropped_text(w.proposal.dropped);
+  for (const std::string& line : w.proposal.missing) text += "to fill in: " + line + "\n";
+
+  text += fmt::format("written to {}: robot.urdf, robot.yaml{}{}{}{}\n", out.string(),
+                      w.trial.empty() ? "" : ", ", w.trial, w.leap.empty() ? "" : ", ", w.leap);
+  const auto try_out = [&](const std::string& command, const std::string& file) {
+    if (file.empty()) return;
+    const std::string name = fs::path(file).stem().string() + "_result";
+    text += fmt::format("try: jaculus {} {} --out {}\n", command, (out / file).string(),
+                        (out / name).string());
+  };
+  try_out("simulate", w.trial);
+  try_out("solve", w.leap);
+  return text;
+}
+
+Json written_json(const Written& w) {
+  return {{"robot", w.robot.name},
+          {"planar", w.proposal.planar},
+          {"floating", w.proposal.floating},
+          {"bodies", w.robot.planar.bodies.size()},
+          {"coordinates", w.robot.planar.size()},
+          {"feet", w.robot.planar.feet.size()},
+          {"notes", w.source.notes},
+          {"decided", w.proposal.notes},
+          {"held", w.proposal.held},
+          {"to_fill_in", w.proposal.missing},
+          {"kept_and_dropped", dropped_json(w.proposal.dropped)},
+          {"trial", w.trial},
+          {"leap", w.leap}};
+}
+
+void write_urdf_file(const Source& source, const fs::path& file, const fs::path& target) {
+  if (!source.urdf.empty()) {
+    trajectory::write_file(target, source.urdf);
+  } else if (!fs::exists(target) || !fs::equivalent(file, target)) {
+    fs::copy_file(file, target, fs::copy_options::overwrite_existing);
+  }
+}
+
 int run_robot_import(const RobotOptions& options) {
   if (options.common.out.empty())
     throw InputError("--out: missing; allowed: the folder of the robot to write");
@@ -128,50 +184,21 @@ int run_robot_import(const RobotOptions& options) {
   }
 
   const auto reading = options.strict ? model::Reading::strict : model::Reading::lenient;
-  const Source source = read_source(options.file, reading);
-  const model::Proposal proposal =
-      model::propose_robot(source.tree, propose_options(options, source));
+  Written w;
+  w.source = read_source(options.file, reading);
+  w.proposal = model::propose_robot(w.source.tree, propose_options(options, w.source));
 
   prepare_folder(out);
-  if (!source.urdf.empty()) {
-    trajectory::write_file(out / "robot.urdf", source.urdf);
-  } else if (!fs::exists(out / "robot.urdf") || !fs::equivalent(options.file, out / "robot.urdf")) {
-    fs::copy_file(options.file, out / "robot.urdf", fs::copy_options::overwrite_existing);
-  }
-  trajectory::write_file(out / "robot.yaml", proposal.yaml);
-  const model::Robot robot = model::read_robot(out, {}, reading);
-  const std::string trial = write_first_trial(robot, proposal.rest, out);
-
-  std::string text = fmt::format("{}: {} planar bodies, {:.6g} kg, {} coordinates, {} motors\n",
-                                 robot.name, robot.planar.bodies.size(), robot.planar.total_mass(),
-                                 robot.planar.size(), robot.planar.motors.size());
-  for (const std::string& note : source.notes) text += "  " + note + "\n";
-  for (const std::string& note : proposal.notes) text += "  " + note + "\n";
-  text += dropped_text(proposal.dropped);
-  for (const std::string& line : proposal.missing) text += "to fill in: " + line + "\n";
-  text +=
-      fmt::format("written to {}: robot.urdf, robot.yaml{}{}\n", out.string(),
-                  trial.empty() ? "" : ", " + trial,
-                  trial.empty() ? ""
-                                : fmt::format("; try: jaculus simulate {} --out {}",
-                                              (out / trial).string(), (out / "trial").string()));
+  write_urdf_file(w.source, options.file, out / "robot.urdf");
+  trajectory::write_file(out / "robot.yaml", w.proposal.yaml);
+  w.robot = model::read_robot(out, {}, reading);
+  w.trial = write_first_trial(w.robot, w.proposal.rest, out);
+  w.leap = write_first_leap(w.robot, w.proposal, out);
 
   if (options.common.json) {
-    Json json = {{"robot", robot.name},
-                 {"planar", proposal.planar},
-                 {"floating", proposal.floating},
-                 {"bodies", robot.planar.bodies.size()},
-                 {"coordinates", robot.planar.size()},
-                 {"feet", robot.planar.feet.size()},
-                 {"notes", source.notes},
-                 {"decided", proposal.notes},
-                 {"held", proposal.held},
-                 {"to_fill_in", proposal.missing},
-                 {"kept_and_dropped", dropped_json(proposal.dropped)},
-                 {"trial", trial}};
-    print(json.dump(1) + "\n");
+    print(written_json(w).dump(1) + "\n");
   } else if (!options.common.quiet) {
-    print(text);
+    print(written_text(w, out));
   }
   return kDone;
 }

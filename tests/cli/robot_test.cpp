@@ -53,6 +53,21 @@ TEST(RobotImport, AQuadrupedIsImportedLoadedAndStands) {
   EXPECT_NEAR(mocap.values(pitch, last), 0.0, 0.02);
 }
 
+TEST(RobotImport, TheLeapThatItProposesIsSolvedVerifiedAndExported) {
+  const TemporaryFolder folder;
+  write(folder / "hound.urdf", test::quadruped_urdf());
+  const std::string out = folder / "hound";
+  const Outcome import = run_program({"robot", "import", folder / "hound.urdf", "--out", out});
+  ASSERT_EQ(import.exit_code, 0) << import.err;
+
+  const Outcome solve = run_program({"solve", out + "/leap.yaml", "--out", folder / "leap"});
+  ASSERT_EQ(solve.exit_code, 0) << solve.out << solve.err;
+  EXPECT_TRUE(holds(solve.out, "verification: passed"));
+  const Outcome exported = run_program(
+      {"export", folder / "leap", "--as", "csv", "--rate", "1000", "--out", folder / "t.csv"});
+  EXPECT_EQ(exported.exit_code, 0) << exported.err;
+}
+
 TEST(RobotImport, JsonHoldsWhatWasAssumedDecidedAndDropped) {
   const TemporaryFolder folder;
   write(folder / "hound.urdf", test::quadruped_urdf());

@@ -252,6 +252,14 @@ TEST(Propose, JointsWithoutAnEffortArePassiveWhereOthersHaveOne) {
   EXPECT_TRUE(holds(pole.proposal.missing.at(0), "no largest torque of swing"));
 }
 
+TEST(Propose, AnInertiaBeyondTheRobotsSizeIsSaid) {
+  const std::string ones =
+      testing::replaced(test::quadruped_urdf(), "ixx=\"0.02\" iyy=\"0.08\" izz=\"0.09\"",
+                        "ixx=\"1\" iyy=\"6\" izz=\"6\"");
+  EXPECT_TRUE(holds(imported(ones).proposal.missing.at(0), "inertias of 1 links"));
+  EXPECT_TRUE(imported(test::quadruped_urdf()).proposal.missing.empty());
+}
+
 TEST(Propose, NothingThatMovesIsSaid) {
   const Imported box = imported("<robot name=\"b\">" + link("box", 1, "0 0 0") + "</robot>");
   EXPECT_FALSE(box.proposal.planar);

@@ -45,7 +45,7 @@ struct Draft {
   std::vector<DraftFoot> feet;
   std::map<std::string, double> armature;  ///< by joint of the file [kg m^2]
   std::vector<DraftLoop> loops;
-  std::map<std::string, double> rest;  ///< by planar joint [rad or m]
+  std::map<std::string, double> rest, stretched;  ///< by planar joint [rad or m]
   std::vector<std::string> notes, missing;
 };
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
@@ -32,6 +33,34 @@ void check_pose(const SpatialTree& tree, const ProposeOptions& options) {
                                    name, value, range.lower, range.upper));
     }
   }
+}
+
+/// Links whose moment about the plane's normal is that of their mass at a distance beyond the whole
+/// robot's size: files of first drafts have ones there.
+void find_swollen(Draft& draft) {
+  const SpatialTree tree = hold_joints(draft.tree, held_of(draft));
+  Eigen::AlignedBox3d box;
+  for (const SpatialLink& link : tree.links) {
+    box.extend(link.p_BL);
+    box.extend(Vec3(link.p_BL + link.R_BL * link.com));
+  }
+
+  const double size = box.sizes().norm();
+  std::vector<std::string> swollen;
+  double farthest = 0.0;
+  for (const SpatialLink& link : tree.links) {
+    if (!(link.mass > 0.0)) continue;
+    const double moment = (link.R_BL * link.inertia * link.R_BL.transpose())(1, 1);
+    const double radius = std::sqrt(moment / link.mass);
+    if (radius <= size || size == 0.0) continue;
+    swollen.push_back(link.name);
+    farthest = std::max(farthest, radius);
+  }
+  if (swollen.empty()) return;
+  draft.missing.push_back(fmt::format(
+      "robot.urdf: inertias of {} links are those of their mass up to {:.2g} m away, on a robot of "
+      "{:.2g} m; used as they are: {}",
+      swollen.size(), farthest, size, fmt::join(swollen, ", ")));
 }
 
 }  // namespace
@@ -72,6 +101,7 @@ Proposal propose_robot(const SpatialTree& tree, const ProposeOptions& options) {
   find_pairs(options, draft);
   find_feet(options, draft);
   find_rest(options, draft);
+  find_swollen(draft);
 
   Proposal proposal;
   proposal.dropped = dropped_of(draft);
@@ -89,6 +119,11 @@ Proposal propose_robot(const SpatialTree& tree, const ProposeOptions& options) {
   proposal.notes = draft.notes;
   proposal.missing = draft.missing;
   proposal.rest = draft.rest;
+  proposal.stretched = draft.stretched;
+  for (const DraftJoint& joint : joints_of(draft)) {
+    const double speed = draft.tree.joints[joint.spatial.front()].velocity;
+    if (std::isfinite(speed)) proposal.speed[joint.name] = speed;
+  }
   return proposal;
 }
 

@@ -13,6 +13,8 @@ namespace {
 /// Share of a leg's length at which it stands: knees bent by about 80 degrees, as quadrupeds are
 /// carried by their controllers [-].
 constexpr double kDrawnIn = 0.75;
+/// The same where a leap ends: well before the knee is straight, where a leg can't push [-].
+constexpr double kStretched = 0.92;
 
 /// A leg's joints, what they may do, and its foot.
 struct Leg {
@@ -66,7 +68,7 @@ void bend(const Draft& draft, const Leg& leg, double height, std::map<std::strin
   for (std::size_t i = 0; i < moving; ++i) window.push_back(range_of(draft, leg.bodies[i]));
 
   constexpr int kGrid = 60;
-  for (int round = 0; round < 8; ++round) {
+  for (int round = 0; round < 14; ++round) {
     double least = kInfinity;
     std::map<std::string, double> best = rest;
     for (int i = 0; i <= kGrid; ++i) {
@@ -102,6 +104,25 @@ double branch_at_rest(const Draft& draft, const DraftLoop& loop) {
   return u.y() * v.x() - u.x() * v.y() > 0.0 ? 1.0 : -1.0;
 }
 
+/// The pose with all feet at the height of the leg that reaches least far at this share of its
+/// length.
+void stand(const Draft& draft, double share, std::map<std::string, double>& pose) {
+  std::vector<Leg> legs;
+  double height = -kInfinity;
+  for (const DraftFoot& foot : draft.feet) {
+    legs.push_back(leg_of(draft, foot));
+    height = std::max(height, legs.back().hip.y() - share * legs.back().length);
+  }
+
+  // of a five-bar one knee points forward, the other back
+  for (const DraftLoop& loop : draft.loops) {
+    for (Leg& leg : legs)
+      if (leg.foot->name == loop.a.name) leg.knee = -1.0;
+    legs.push_back(leg_of(draft, loop.b));
+  }
+  for (const Leg& leg : legs) bend(draft, leg, height, pose);
+}
+
 }  // namespace
 
 Eigen::Vector3d pose_of(const Reduction& reduction, int body,
@@ -128,19 +149,9 @@ void find_rest(const ProposeOptions& options, Draft& draft) {
             : std::clamp(0.0, draft.reduction.ranges[b].lower, draft.reduction.ranges[b].upper);
   }
 
-  std::vector<Leg> legs;
-  double height = -kInfinity;
-  for (const DraftFoot& foot : draft.feet) {
-    legs.push_back(leg_of(draft, foot));
-    height = std::max(height, legs.back().hip.y() - kDrawnIn * legs.back().length);
-  }
-  // of a five-bar one knee points forward, the other back
-  for (const DraftLoop& loop : draft.loops) {
-    for (Leg& leg : legs)
-      if (leg.foot->name == loop.a.name) leg.knee = -1.0;
-    legs.push_back(leg_of(draft, loop.b));
-  }
-  for (const Leg& leg : legs) bend(draft, leg, height, draft.rest);
+  draft.stretched = draft.rest;
+  stand(draft, kDrawnIn, draft.rest);
+  stand(draft, kStretched, draft.stretched);
   for (DraftLoop& loop : draft.loops) loop.branch = branch_at_rest(draft, loop);
 
   for (const auto& [joint, value] : options.pose) {
