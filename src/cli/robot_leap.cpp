@@ -135,8 +135,10 @@ std::string leap(const model::Robot& robot, const model::Proposal& proposal) {
              "  - {{name: rear_feet, contacts: [rear_foot], intervals: 10, duration: [{:.3g}, "
              "{:.3g}]}}   # T / 10 to 2 T\n",
              0.25 * s.time, 3.0 * s.time, 0.1 * s.time, 2.0 * s.time) +
-         fmt::format("initial:\n  at_rest: true\n  position: {{x: 0{}}}   # z and pitch follow from the feet\n",
-                     pose_text(model, proposal.rest)) +
+         fmt::format(
+             "initial:\n  at_rest: true\n  position: {{x: 0{}}}   # z and pitch follow from the "
+             "feet\n",
+             pose_text(model, proposal.rest)) +
          fmt::format(
              "final:\n  velocity: {{x: [{:.3g}, 10]}}   # at least sqrt(g L) / 2\n"
              "constraints:\n  - {{type: friction}}\n"

@@ -9,9 +9,9 @@
 
 namespace jaculus::cli {
 
-/// Writes stand.yaml (a robot with feet, held at `rest` by joint PD for half a second), fall.yaml (the
-/// same without feet) or swing.yaml (a robot on a fixed base, a tenth of each motor's torque) beside it
-/// and returns its name; empty where nothing can be commanded.
+/// Writes stand.yaml (a robot with feet, held at `rest` by joint PD for half a second), fall.yaml
+/// (the same without feet) or swing.yaml (a robot on a fixed base, a tenth of each motor's torque)
+/// beside it and returns its name; empty where nothing can be commanded.
 std::string write_first_trial(const model::Robot& robot, const std::map<std::string, double>& rest,
                               const std::filesystem::path& folder);
 

@@ -6,8 +6,8 @@
 
 namespace jaculus::model {
 
-/// A body's inertia is that of a mass distribution: positive definite, and no principal moment above
-/// the sum of the others. Where it isn't,
+/// A body's inertia is that of a mass distribution: positive definite, and no principal moment
+/// above the sum of the others. Where it isn't,
 ///   a mass of zero     is a link without mass and inertia,
 ///   moments of zero    are those of a solid sphere of water of that mass: I = 2/5 m r^2,
 ///                      r = (3 m / (4 pi 1000 kg/m^3))^(1/3),

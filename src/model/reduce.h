@@ -50,9 +50,9 @@ struct Reduction {
   std::vector<std::string> notes;
 };
 
-/// `joints`, `links`: the pairs. A joint out of the plane, a pair whose sides move apart: InputError.
-/// A pair that differs otherwise, a moving body without mass: noted, or InputError where `reading`
-/// is strict.
+/// `joints`, `links`: the pairs. A joint out of the plane, a pair whose sides move apart:
+/// InputError. A pair that differs otherwise, a moving body without mass: noted, or InputError
+/// where `reading` is strict.
 Reduction reduce(const SpatialTree& spatial, const std::vector<PairSpec>& joints,
                  const std::vector<PairSpec>& links, const std::vector<HeldJoint>& held,
                  Reading reading = Reading::lenient);

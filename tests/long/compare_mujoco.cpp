@@ -4,9 +4,9 @@
 //
 //   compare_mujoco FILE FOLDER     FILE: URDF or MJCF; FOLDER: of `jaculus robot import`
 //
-// Prints one line of JSON: the largest relative differences. Masses and inertias that the reader had
-// to assume are given to MuJoCo too, and counted; MuJoCo's own kinematics and everything else are its
-// own.
+// Prints one line of JSON: the largest relative differences. Masses and inertias that the reader
+// had to assume are given to MuJoCo too, and counted; MuJoCo's own kinematics and everything else
+// are its own.
 
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
@@ -206,7 +206,8 @@ class Comparison {
       theirs[bent] = spatial(*model_, *data_, files_, bodies);
     }
 
-    // the way of the centre of mass from pose to pose, against the radius of gyration: origins differ
+    // the way of the centre of mass from pose to pose, against the radius of gyration: origins
+    // differ
     const double size = std::sqrt(theirs[0].inertia / theirs[0].mass);
     const Vec2 way = ours[1].com - ours[0].com - (theirs[1].com - theirs[0].com);
     fmt::print(
@@ -233,8 +234,8 @@ class Comparison {
     return bodies;
   }
 
-  /// Joints of the planar robot: zero, or somewhere that differs from joint to joint; loops are left
-  /// open, ranges don't count.
+  /// Joints of the planar robot: zero, or somewhere that differs from joint to joint; loops are
+  /// left open, ranges don't count.
   [[nodiscard]] std::map<std::string, double> pose(bool bent) const {
     std::map<std::string, double> angles;
     int i = 0;

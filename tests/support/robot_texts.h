@@ -1,5 +1,6 @@
 #pragma once
-// Robot files as texts, for tests of the importer: a quadruped with abduction, and the same in MJCF.
+// Robot files as texts, for tests of the importer: a quadruped with abduction, and the same in
+// MJCF.
 
 #include <fmt/format.h>
 

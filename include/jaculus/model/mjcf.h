@@ -22,10 +22,10 @@ struct MjcfRobot {
 /// Whether a file's first element is <mujoco>.
 bool is_mjcf(const std::filesystem::path& file);
 
-/// Reads an MJCF file by MuJoCo's own reader: masses and inertias as MuJoCo has them (of geoms where
-/// bodies state none), joints with ranges, largest torques of actuators, shapes that touch. A body
-/// with several joints is a chain of links without mass. InputError where MuJoCo refuses the file,
-/// nothing moves, or this build has no MuJoCo.
+/// Reads an MJCF file by MuJoCo's own reader: masses and inertias as MuJoCo has them (of geoms
+/// where bodies state none), joints with ranges, largest torques of actuators, shapes that touch. A
+/// body with several joints is a chain of links without mass. InputError where MuJoCo refuses the
+/// file, nothing moves, or this build has no MuJoCo.
 MjcfRobot read_mjcf(const std::filesystem::path& file);
 
 /// A tree as the text of a URDF file that reads back as the same tree, to 1e-15 relative.

@@ -37,8 +37,8 @@ struct Override {
 std::filesystem::path find_robot(const std::string& name, const std::filesystem::path& relative_to);
 
 /// Reads, checks and reduces a robot. Every fault of the files is an InputError with file:line,
-/// except for what URDF files of the field get wrong and other tools live with: that is a note, unless
-/// `reading` is strict.
+/// except for what URDF files of the field get wrong and other tools live with: that is a note,
+/// unless `reading` is strict.
 Robot read_robot(const std::filesystem::path& folder, const std::vector<Override>& overrides = {},
                  Reading reading = Reading::lenient);
 

@@ -79,8 +79,8 @@ SpatialTree read_urdf(const std::filesystem::path& file, Reading reading = Readi
 SpatialTree parse_urdf(const std::string& text, const std::filesystem::path& file,
                        Reading reading = Reading::lenient);
 
-/// Sets R_BL and p_BL of every link from its joints and the root's, which stay; a link that the root
-/// does not reach is InputError.
+/// Sets R_BL and p_BL of every link from its joints and the root's, which stay; a link that the
+/// root does not reach is InputError.
 void place_links(SpatialTree& tree);
 
 /// The part of a tree that hangs on a link, which becomes its root and stays where it is.

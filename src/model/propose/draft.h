@@ -63,8 +63,8 @@ void find_frame(const SpatialTree& file, const ProposeOptions& options, Draft& d
 /// Holds what leaves the plane or moves nothing.
 void find_held(const ProposeOptions& options, Draft& draft);
 
-/// Pairs what lies left and right of the plane; joints that this leaves alone below a pair are held.
-/// Reduces.
+/// Pairs what lies left and right of the plane; joints that this leaves alone below a pair are
+/// held. Reduces.
 void find_pairs(const ProposeOptions& options, Draft& draft);
 
 /// Feet, and names by leg for the pairs that lead to them; loops of two chains from one hip.

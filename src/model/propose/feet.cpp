@@ -39,8 +39,8 @@ std::vector<int> rigid_with(const SpatialTree& tree, int link) {
   return links;
 }
 
-/// The end of a shape that is farthest from a joint: a sphere's centre, the middle of the far face of
-/// a box or cylinder, the centre of a capsule's far cap.
+/// The end of a shape that is farthest from a joint: a sphere's centre, the middle of the far face
+/// of a box or cylinder, the centre of a capsule's far cap.
 Vec3 far_end(const SpatialShape& shape, const SpatialLink& link, const Vec3& joint) {
   const Vec3 centre = link.p_BL + link.R_BL * shape.position;
   if (shape.kind == ShapeKind::sphere) return centre;

@@ -145,8 +145,8 @@ int end_of_base_chain(const SpatialTree& tree) {
   return link;
 }
 
-/// Whether a base that no chain of joints carries floats: nothing moves, or two limbs or more turn in
-/// the plane.
+/// Whether a base that no chain of joints carries floats: nothing moves, or two limbs or more turn
+/// in the plane.
 bool seems_floating(const SpatialTree& tree) {
   const bool rigid = std::none_of(tree.joints.begin(), tree.joints.end(), [](const auto& joint) {
     return joint.kind != SpatialJointKind::fixed;
