@@ -150,7 +150,9 @@ class Reducer {
       const Heads& heads = heads_[b];
       const Mat3& left = tree_.links[heads.left].R_BL;
       const Mat3& right = tree_.links[heads.right < 0 ? heads.left : heads.right].R_BL;
-      if (about_y(left) && about_y(right)) {
+      // sides whose frames are turned against one another share the robot's: their sum is exact then
+      const bool alike = std::abs(wrap(pitch_of(left) - pitch_of(right))) <= kTolerance;
+      if (about_y(left) && about_y(right) && (alike || assumptions_.strict())) {
         frames_[b] = {pitch_of(left), pitch_of(right)};
       } else {
         ++turned;
@@ -158,8 +160,8 @@ class Reducer {
     }
     if (turned == 0) return;
     result_.notes.push_back(fmt::format(
-        "frames of {} moving link{} turned out of the plane: points there are along the "
-        "robot's axes with all joints at zero",
+        "frames of {} moving link{} turned out of the plane, or left against right: points there "
+        "are along the robot's axes with all joints at zero",
         turned, turned == 1 ? " is" : "s are"));
   }
 

@@ -313,6 +313,22 @@ TEST(ForeignFile, SidesThatWeighDifferentlyAreAddedExactly) {
   EXPECT_TRUE(notes(robot, "differ in mass: 1 and 3 kg: added as they are"));
 }
 
+TEST(ForeignFile, SidesWhoseFramesAreTurnedAgainstOneAnotherAreAddedExactly) {
+  // the same robot, the right link's frame turned about y by half a turn
+  const std::string limits = "lower=\"-1\" upper=\"2\"";
+  const std::string plain = two_arms("1", "1", limits, "0");
+  std::string turned =
+      testing::replaced(plain, "<origin xyz=\"0 -0.1 0\"/>",
+                        "<origin xyz=\"0 -0.1 0\" rpy=\"0 3.141592653589793 0\"/>");
+  const std::size_t right = turned.find("<link name=\"right\"");
+  turned.replace(turned.find("0 0 -0.1", right), 8, "0 0 0.1");
+  const PlanarBody a = robot_of(plain, kPair).planar.bodies[1];
+  const PlanarBody b = robot_of(turned, kPair).planar.bodies[1];
+  EXPECT_NEAR((a.com - b.com).norm(), 0.0, 1e-15);
+  EXPECT_NEAR(a.inertia, b.inertia, 1e-15);
+  EXPECT_TRUE(notes(robot_of(turned, kPair), "left against right"));
+}
+
 TEST(ForeignFile, SidesMayBeApartByABuildersTolerance) {
   const std::string limits = "lower=\"-1\" upper=\"2\"";
   EXPECT_TRUE(notes(robot_of(two_arms("1", "1", limits, "0.001"), kPair),

@@ -76,6 +76,19 @@ TEST(Propose, AQuadrupedWithAbductionIsPlanarByItself) {
   for (const PlanarMotor& motor : m.motors) EXPECT_EQ(motor.torque_limit, 25.0);
 }
 
+TEST(Propose, ForwardFollowsFromTheNamesOfLeftAndRight) {
+  std::string text = "<robot name=\"biped\">" + link("trunk", 5, "0 0 0");
+  for (const char* side : {"left", "right"}) {
+    // left is at -y here, so the file looks along -x
+    text += link(std::string(side) + "_leg", 1, "0 0 -0.1", "<sphere radius=\"0.01\"/>") +
+            joint(std::string(side) + "_hip", "revolute", "trunk", std::string(side) + "_leg",
+                  std::string(side) == "left" ? "0 -0.1 0" : "0 0.1 0", "0 1 0");
+  }
+  const Imported biped = imported(text + "</robot>");
+  EXPECT_TRUE(holds(biped.proposal.yaml, "axes: {forward: -x, up: +z}"));
+  EXPECT_TRUE(holds(biped.proposal.yaml, "[\"left_hip\", \"right_hip\"]"));
+}
+
 TEST(Propose, SaysWhatIsDropped) {
   const Dropped d = imported(test::quadruped_urdf()).proposal.dropped;
   EXPECT_NEAR(d.mass, 12.0, 1e-12);

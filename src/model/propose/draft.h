@@ -57,6 +57,9 @@ std::string other_side(const std::string& name);
 /// +1 where a name says front, -1 rear, 0 neither.
 int end_of_name(const std::string& name);
 
+/// +1 where a name says left, -1 right, 0 neither.
+int side_of_name(const std::string& name);
+
 /// Which way is forward, left and up; where the base begins; whether it floats. Places the tree.
 void find_frame(const SpatialTree& file, const ProposeOptions& options, Draft& draft);
 

@@ -205,8 +205,8 @@ bool is_five_bar(const std::vector<Chain>& leg) {
   const Chain& b = leg[1];
   constexpr double kAlike = 0.1;  // ends of shapes differ by a shape's thickness
   const bool one_side = a.hip.y() * b.hip.y() > 0.0 || std::abs(a.hip.y() - b.hip.y()) < 0.01;
-  return one_side && a.bodies.size() == 2 && b.bodies.size() == 2 &&
-         std::abs(a.length - b.length) < kAlike * a.length;
+  return one_side && a.bodies.front() != b.bodies.front() && a.bodies.size() == 2 &&
+         b.bodies.size() == 2 && std::abs(a.length - b.length) < kAlike * a.length;
 }
 
 void add_leg(Draft& draft, const SpatialTree& tree, const std::vector<Chain>& chains,

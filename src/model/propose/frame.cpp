@@ -87,7 +87,7 @@ Vec3 up_axis(const SpatialTree& tree, int lateral) {
   return way.y() < 0.0 ? Vec3::UnitY() : Vec3(-Vec3::UnitY());
 }
 
-/// Forward: where names say front, else the positive axis.
+/// Forward: where names say front, or what left and right ask for, else the positive axis.
 Vec3 forward_axis(const SpatialTree& tree, int lateral, const Vec3& up, bool& named) {
   Vec3 left = Vec3::Zero();
   left[lateral] = 1.0;
@@ -95,8 +95,14 @@ Vec3 forward_axis(const SpatialTree& tree, int lateral, const Vec3& up, bool& na
   if (forward.sum() < 0.0) forward = -forward;
 
   double front = 0.0;
-  for (const SpatialJoint& joint : tree.joints)
-    front += end_of_name(joint.name) * tree.links[joint.child].p_BL.dot(forward);
+  double sides = 0.0;
+  for (const SpatialJoint& joint : tree.joints) {
+    const Vec3& p = tree.links[joint.child].p_BL;
+    front += end_of_name(joint.name) * p.dot(forward);
+    sides += side_of_name(joint.name) * p.dot(up.cross(forward));
+  }
+  // a robot without front and rear has left and right all the same
+  if (std::abs(front) <= 1e-3) front = sides;
   named = std::abs(front) > 1e-3;
   return front < -1e-3 ? Vec3(-forward) : forward;
 }
@@ -187,7 +193,7 @@ void find_frame(const SpatialTree& file, const ProposeOptions& options, Draft& d
       "{}{}",
       "xyz"[lateral], draft.forward,
       stated  ? "as stated"
-      : named ? "where names say front"
+      : named ? "by the names of joints"
               : "by custom",
       draft.up, draft.horizontal ? "; the plane lies flat, so there is no gravity in it" : ""));
 

@@ -176,7 +176,15 @@ void find_pairs(const ProposeOptions& options, Draft& draft) {
         {tree.joints[j].name, tree.joints[j].name, tree.joints[mates[j]].name, place});
   }
   note_held(draft);
-  draft.reduction = reduce(draft.tree, draft.pairs, {}, held_of(draft));
+  try {
+    draft.reduction = reduce(draft.tree, draft.pairs, {}, held_of(draft));
+  } catch (const InputError& error) {
+    if (draft.pairs.empty()) throw;
+    draft.missing.push_back(fmt::format(
+        "pairs: left and right stay apart, for they can't be paired: {}", error.what()));
+    draft.pairs.clear();
+    draft.reduction = reduce(draft.tree, {}, {}, held_of(draft));
+  }
 }
 
 std::vector<DraftJoint> joints_of(const Draft& draft) {

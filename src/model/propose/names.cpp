@@ -55,4 +55,11 @@ int end_of_name(const std::string& name) {
   return 0;
 }
 
+int side_of_name(const std::string& name) {
+  const std::vector<std::string> words = words_of(name);
+  if (any_of(words, {"left", "l", "fl", "rl", "hl", "bl", "lf", "lh"})) return 1;
+  if (any_of(words, {"right", "r", "fr", "rr", "hr", "br", "rf", "rh"})) return -1;
+  return 0;
+}
+
 }  // namespace jaculus::model
