@@ -170,7 +170,8 @@ std::string write_first_leap(const model::Robot& robot, const model::Proposal& p
   });
   const bool legs = model.feet.size() == 2 && model.foot_index("front_foot") >= 0 &&
                     model.foot_index("rear_foot") >= 0;
-  if (!proposal.floating || !legs || slides || model.motors.empty()) return "";
+  const bool can = proposal.floating && legs && !slides && !model.motors.empty();
+  if (!can || size_of(model, proposal).leg < 0.01) return "";  // [m]: a drone's rotors are no legs
   trajectory::write_file(folder / "leap.yaml", leap(robot, proposal));
   return "leap.yaml";
 }

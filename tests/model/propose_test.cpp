@@ -2,6 +2,7 @@
 
 #include "jaculus/model/propose.h"
 
+#include <fmt/ranges.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -253,6 +254,17 @@ TEST(Propose, TwoAlikeChainsFromOneHipAreAFiveBar) {
   const Imported apart = imported(five_bars(), open);
   EXPECT_TRUE(apart.robot.planar.loops.empty());
   EXPECT_EQ(apart.robot.planar.feet.size(), 4u);
+}
+
+TEST(Propose, ChainsThatCannotMeetStayOpen) {
+  // front_b's knee stays bent so far that its chain ends 3 cm short of where the other does
+  std::string text = testing::replaced(five_bars(), "\"front_b_knee\" type=\"continuous\"",
+                                       "\"front_b_knee\" type=\"revolute\"");
+  text.replace(text.find("lower=\"-2\"", text.find("front_b_knee")), 10, "lower=\"1.9\"");
+  const Imported m = imported(text);
+  ASSERT_EQ(m.robot.planar.loops.size(), 1u);
+  EXPECT_EQ(m.robot.planar.loops[0].name, "rear_leg");
+  EXPECT_TRUE(holds(fmt::format("{}", fmt::join(m.proposal.missing, "\n")), "left open after all"));
 }
 
 TEST(Propose, JointsWithoutAnEffortArePassiveWhereOthersHaveOne) {

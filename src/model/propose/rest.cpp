@@ -104,6 +104,24 @@ double branch_at_rest(const Draft& draft, const DraftLoop& loop) {
   return u.y() * v.x() - u.x() * v.y() > 0.0 ? 1.0 : -1.0;
 }
 
+/// A pin that neither pose brings together is none.
+void drop_open_loops(Draft& draft) {
+  std::vector<DraftLoop> closed;
+  for (const DraftLoop& loop : draft.loops) {
+    const Vec2 a = foot_at(draft, leg_of(draft, loop.a), draft.rest);
+    const Vec2 b = foot_at(draft, leg_of(draft, loop.b), draft.rest);
+    constexpr double kMeet = 1e-3;  // [m]: poses are found to far less
+    if ((a - b).norm() < kMeet) {
+      closed.push_back(loop);
+      continue;
+    }
+    draft.missing.push_back(
+        fmt::format("loops.{}: its chains end {:.2g} m apart at rest: left open after all",
+                    loop.name, (a - b).norm()));
+  }
+  draft.loops = closed;
+}
+
 /// The pose with all feet at the height of the leg that reaches least far at this share of its
 /// length.
 void stand(const Draft& draft, double share, std::map<std::string, double>& pose) {
@@ -152,6 +170,7 @@ void find_rest(const ProposeOptions& options, Draft& draft) {
   draft.stretched = draft.rest;
   stand(draft, kDrawnIn, draft.rest);
   stand(draft, kStretched, draft.stretched);
+  drop_open_loops(draft);
   for (DraftLoop& loop : draft.loops) loop.branch = branch_at_rest(draft, loop);
 
   for (const auto& [joint, value] : options.pose) {
