@@ -150,7 +150,7 @@ class Reducer {
       const Heads& heads = heads_[b];
       const Mat3& left = tree_.links[heads.left].R_BL;
       const Mat3& right = tree_.links[heads.right < 0 ? heads.left : heads.right].R_BL;
-      // sides whose frames are turned against one another share the robot's: their sum is exact then
+      // sides whose frames are turned against one another share the robot's: their sum is exact
       const bool alike = std::abs(wrap(pitch_of(left) - pitch_of(right))) <= kTolerance;
       if (about_y(left) && about_y(right) && (alike || assumptions_.strict())) {
         frames_[b] = {pitch_of(left), pitch_of(right)};
