@@ -22,6 +22,7 @@ struct CheckOptions {
   Common common;
   std::vector<std::string> files;
   bool explain = false;
+  bool strict = false;
 };
 
 /// A folder with a robot.yaml, or a name that no file has: robots are looked up by name.
@@ -31,13 +32,14 @@ bool names_robot(const fs::path& path) {
          (!fs::exists(path) && !path.has_extension() && !path.has_parent_path());
 }
 
-Json check_robot(const fs::path& path, std::string& text) {
+Json check_robot(const fs::path& path, bool strict, std::string& text) {
   const bool file = path.filename() == "robot.yaml" || path.filename() == "robot.urdf";
   fs::path folder = file ? path.parent_path() : path;
   if (folder.empty()) folder = ".";
   if (!fs::is_directory(folder))
     folder = model::find_robot(path.string(), fs::current_path() / "robot");
-  const model::Robot robot = model::read_robot(folder);
+  const auto reading = strict ? model::Reading::strict : model::Reading::lenient;
+  const model::Robot robot = model::read_robot(folder, {}, reading);
   const model::PlanarModel& m = robot.planar;
   const std::vector<std::string> paths = model::override_paths(folder);
   text += fmt::format("{}: {} planar bodies, {:.4g} kg, {} coordinates, {} motors, {} loops\n",
@@ -112,7 +114,7 @@ int run_check(const CheckOptions& options) {
   for (const std::string& file : options.files) {
     json.push_back(names_dataset(file) ? check_dataset(file, text)
                    : names_study(file) ? check_study_file(file, text)
-                   : names_robot(file) ? check_robot(file, text)
+                   : names_robot(file) ? check_robot(file, options.strict, text)
                                        : check_problem_file(file, options.common, text));
     json.back()["file"] = file;
   }
@@ -136,6 +138,8 @@ void add_check(CLI::App& app, Action& chosen) {
                       "problem or study files, robot folders or robot names");
   command->add_flag("--explain", options->explain,
                     "print every key of a problem file with its meaning, unit and default");
+  command->add_flag("--strict", options->strict,
+                    "refuse a robot of whose URDF something is skipped or assumed");
   command->add_flag("--json", options->common.json,
                     "machine-readable result on standard output, nothing else there");
   command->add_flag("--quiet", options->common.quiet, "print nothing but errors");

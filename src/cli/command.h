@@ -44,6 +44,7 @@ void add_study(CLI::App& app, Action& chosen);
 void add_view(CLI::App& app, Action& chosen);
 void add_simulate(CLI::App& app, Action& chosen);
 void add_import(CLI::App& app, Action& chosen);
+void add_robot(CLI::App& app, Action& chosen);
 void add_diagnose(CLI::App& app, Action& chosen);
 void add_testbed(CLI::App& app, Action& chosen);
 void add_evaluate(CLI::App& app, Action& chosen);

@@ -84,6 +84,7 @@ int run(int argc, char** argv) {
   add_view(app, chosen);
   add_simulate(app, chosen);
   add_import(app, chosen);
+  add_robot(app, chosen);
   add_diagnose(app, chosen);
   add_testbed(app, chosen);
   add_evaluate(app, chosen);

@@ -12,6 +12,10 @@ sagittal plane is x-z, points are [x, z] in their link's frame, angles turn abou
 
   format          jaculus-robot/1
   urdf            file of the bodies and joints, in the same folder; robot.urdf where absent
+  axes            how the file's root lies, where x isn't forward and z up:
+    forward, up     one of +x, -x, +y, -y, +z, -z of the file's root
+  base_link       the link that is the base, where the URDF's root isn't; what is above it is
+                  left out
   base            floating (x, z and pitch are coordinates), fixed, or a map:
     free          list of those of x, z, pitch that are coordinates; the others are held
     pose          x [m], z [m], pitch [rad] where held; 0 where absent
@@ -71,7 +75,7 @@ std::string explain_robot() {
              "  motors          joint: one motor of its pair\n"
              "    kind               electric, or ideal (a torque, a force where the joint slides; "
              "takes torque_limit "
-             "alone)\n",
+             "and, where\n                       it turns, rotor_inertia)\n",
              motor_keys()) +
          section(
              "  drag            name: aerodynamic drag of a tail, overridden by the path "

@@ -97,7 +97,8 @@ std::vector<Field> motor_fields(PlanarMotor& motor, bool prismatic) {
   std::vector<Field> fields;
   for (const Key<PlanarMotor>& key : motor_keys()) {
     const bool effort = key.name == "torque_limit";
-    if (motor.ideal() && !effort) continue;
+    const bool rotor = key.name == "rotor_inertia" && motor.rotor_inertia > 0.0;
+    if (motor.ideal() && !effort && !rotor) continue;
     fields.push_back(field_of(motor, "motors." + motor.joint + ".", key));
     if (effort && prismatic) fields.back().dimension = dimension::force;
   }

@@ -42,7 +42,8 @@ struct Key {
   std::string_view meaning;
   bool required = false;
 };
-/// An ideal motor has torque_limit alone, a force where its joint slides.
+/// An ideal motor has torque_limit, a force where its joint slides, and rotor_inertia where it
+/// turns.
 const std::vector<Key<PlanarMotor>>& motor_keys();
 const std::vector<Key<PlanarDrag>>& drag_keys();
 

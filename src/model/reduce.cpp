@@ -3,15 +3,22 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
 #include <cmath>
-#include <functional>
 
+#include "model/inertia.h"
+#include "model/sides.h"
 #include "model/urdf_check.h"
 
 namespace jaculus::model {
 namespace {
 
-constexpr double kTolerance = 1e-6;  ///< of directions [-] and of what pairs must share, relative
+constexpr double kTolerance = 1e-6;  ///< of directions and of places on a body, relative
+
+/// Frames and axes that lean out of the plane by less are taken as in it: lengths are then off by
+/// at most 1 - cos = 1.5 %, half of what a weighed mass is (tolerances.h).
+constexpr double kLean = 10.0 * M_PI / 180.0;
 
 Vec2 in_plane(const Vec3& v) { return {v.x(), v.z()}; }
 
@@ -22,7 +29,7 @@ Vec2 unrotate(double phi, const Vec2& v) {
 }
 
 double pitch_of(const Mat3& R) { return std::atan2(R(0, 2), R(0, 0)); }
-bool about_y(const Mat3& R) { return R(1, 1) > 1.0 - kTolerance * kTolerance; }
+bool about_y(const Mat3& R) { return R(1, 1) > std::cos(kLean); }
 
 /// Angle wrapped to (-pi, pi].
 double wrap(double angle) { return std::remainder(angle, 2.0 * M_PI); }
@@ -31,8 +38,8 @@ double wrap(double angle) { return std::remainder(angle, 2.0 * M_PI); }
 class Reducer {
  public:
   Reducer(const SpatialTree& tree, const std::vector<PairSpec>& joints,
-          const std::vector<PairSpec>& links)
-      : tree_(tree), joint_pairs_(joints), link_pairs_(links) {
+          const std::vector<PairSpec>& links, Assumptions& assumptions)
+      : tree_(tree), joint_pairs_(joints), link_pairs_(links), assumptions_(assumptions) {
     body_.assign(tree.links.size(), -1);
     side_.assign(tree.links.size(), 0);
     pair_left_.assign(tree.joints.size(), -1);
@@ -45,6 +52,7 @@ class Reducer {
     pairs_of_body_.push_back(-1);
     assign_left(tree_.root, 0);
     assign_right(tree_.root, 0, 0);
+    set_frames();
     for (int b = 0; b < count_of(heads_); ++b) result_.bodies.push_back(lump(b));
     place();
     drop_notes();
@@ -133,6 +141,30 @@ class Reducer {
     return body;
   }
 
+  /// The angle of each body's frame: its link's own where that lies in the plane, else the robot's
+  /// with all joints at zero.
+  void set_frames() {
+    int turned = 0;
+    frames_.assign(heads_.size(), {0.0, 0.0});
+    for (int b = 1; b < count_of(heads_); ++b) {
+      const Heads& heads = heads_[b];
+      const Mat3& left = tree_.links[heads.left].R_BL;
+      const Mat3& right = tree_.links[heads.right < 0 ? heads.left : heads.right].R_BL;
+      // sides whose frames are turned against one another share the robot's: their sum is exact
+      const bool alike = std::abs(wrap(pitch_of(left) - pitch_of(right))) <= kTolerance;
+      if (about_y(left) && about_y(right) && (alike || assumptions_.strict())) {
+        frames_[b] = {pitch_of(left), pitch_of(right)};
+      } else {
+        ++turned;
+      }
+    }
+    if (turned == 0) return;
+    result_.notes.push_back(fmt::format(
+        "frames of {} moving link{} turned out of the plane, or left against right: points there "
+        "are along the robot's axes with all joints at zero",
+        turned, turned == 1 ? " is" : "s are"));
+  }
+
   /// One side of a body: what its links add up to, in the frame of its head.
   PlanarBody side(int body, int side) const {
     const Heads& heads = heads_[body];
@@ -141,7 +173,7 @@ class Reducer {
     result.name = head.name;
     if (body > 0) joint_of(head, body, side, result);
 
-    const double phi = pitch_of(head.R_BL);
+    const double phi = frame_of(body, side);
     for (int pass = 0; pass < 2; ++pass) {
       for (std::size_t l = 0; l < tree_.links.size(); ++l) {
         const SpatialLink& link = tree_.links[l];
@@ -169,39 +201,37 @@ class Reducer {
     const bool right = side == 1 && parents.right >= 0;
     const SpatialLink& parent = tree_.links[right ? parents.right : parents.left];
 
-    if (!about_y(head.R_BL)) {
-      throw joint_error(joint,
-                        "its frame is turned out of the sagittal plane; allowed: moving links "
-                        "whose y axis is the root's");
-    }
-
     const Vec3 axis_B = head.R_BL * joint.axis;
-    const double phi = pitch_of(parent.R_BL);
+    const double phi = frame_of(parents_.at(body), right ? 1 : 0);
     result.joint = joint.name;
     result.parent = parents_.at(body);
     result.origin = unrotate(phi, in_plane(head.p_BL - parent.p_BL));
-    result.angle_offset = wrap(pitch_of(head.R_BL) - phi);
+    result.angle_offset = wrap(frame_of(body, side) - phi);
 
-    const std::string shown = fmt::format("axis ({:.4g}, {:.4g}, {:.4g}) in the root's frame",
-                                          axis_B.x(), axis_B.y(), axis_B.z());
-    if (joint.kind == SpatialJointKind::revolute) {
-      if (std::abs(axis_B.y()) < 1.0 - kTolerance) {
-        throw joint_error(
-            joint, shown + " given; allowed: +y or -y, or the joint in fixed_joints of robot.yaml");
-      }
+    const bool turns = joint.kind == SpatialJointKind::revolute;
+    check_axis(joint, turns, axis_B);
+    if (turns) {
       result.sign = axis_B.y() > 0.0 ? 1.0 : -1.0;
       return;
     }
-
-    if (std::abs(axis_B.y()) > kTolerance) {
-      throw joint_error(
-          joint,
-          shown +
-              " given; allowed: a direction in x-z, or the joint in fixed_joints of robot.yaml");
-    }
-
     result.kind = JointKind::prismatic;
     result.axis = unrotate(phi, in_plane(axis_B)).normalized();
+  }
+
+  /// How far an axis is from where the plane needs it.
+  void check_axis(const SpatialJoint& joint, bool turns, const Vec3& axis_B) const {
+    const double across = in_plane(axis_B).norm();
+    const double lean = turns ? across : std::abs(axis_B.y());
+    if (lean <= (turns ? std::sqrt(2.0 * kTolerance) : kTolerance)) return;
+
+    const std::string fault = fmt::format(
+        "axis ({:.4g}, {:.4g}, {:.4g}) in the root's frame given; allowed: {}, or the joint in "
+        "fixed_joints of robot.yaml",
+        axis_B.x(), axis_B.y(), axis_B.z(), turns ? "+y or -y" : "a direction in x-z");
+    if (lean > std::sin(kLean)) throw joint_error(joint, fault);
+    assumptions_.assume(joint.line, "joint '" + joint.name + "': " + fault,
+                        fmt::format("taken as in the plane, from which it leans by {:.3g} deg",
+                                    std::asin(lean) * 180.0 / M_PI));
   }
 
   PlanarBody lump(int body) {
@@ -211,23 +241,33 @@ class Reducer {
     result_.ranges.push_back(body == 0 ? Bounds{} : tree_.joints[head.joint].range);
 
     if (body > 0 && left.mass == 0.0) {
-      throw urdf_error(
-          tree_.file, head.line,
+      // keeps equations regular, is below every balance
+      const double speck = 1e-8 * total_mass();
+      assumptions_.assume(
+          head.line,
           fmt::format("link '{}' moves but has no mass; allowed: <inertial> with a mass above 0",
-                      head.name));
+                      head.name),
+          "a 1e-8th of the robot's mass");
+      left.mass = speck;
+      left.inertia = sphere_moment(speck);
     }
 
     if (heads.right < 0) return left;
     const PlanarBody right = side(body, 1);
     const PairSpec& pair = joint_pairs_[pairs_of_body_[body]];
-    compare(pair, left, right);
+    const Bounds& range = tree_.joints[tree_.joint_index(pair.right)].range;
+    result_.ranges.back() = compare_sides({pair, tree_.joints[head.joint].line, assumptions_},
+                                          {left, result_.ranges.back()}, {right, range});
     result_.notes.push_back(fmt::format("'{}' stands for '{}' and '{}': masses and inertias added",
                                         pair.name, left.joint, right.joint));
+    if (left.sign != right.sign) {
+      result_.notes.push_back(fmt::format(
+          "'{}' turns the other way: its angle is minus that of '{}'", right.joint, left.joint));
+    }
 
+    add_side(left, right);
     left.joint = pair.name;
     left.name = planar_link_name(left.name, right.name);
-    left.mass += right.mass;
-    left.inertia += right.inertia;
     left.count = 2;
     return left;
   }
@@ -240,35 +280,6 @@ class Reducer {
     return left;
   }
 
-  /// Left and right must be alike in the plane, else one body can't stand for both.
-  void compare(const PairSpec& pair, const PlanarBody& left, const PlanarBody& right) const {
-    const auto same = [&](const char* what, const char* unit, double a, double b, double scale) {
-      if (std::abs(a - b) <= kTolerance * scale) return;
-      throw pair.node.error(
-          fmt::format("'{}' and '{}' differ in {}: {:.10g} and {:.10g}{}{}; allowed: the same",
-                      pair.left, pair.right, what, a, b, *unit ? " " : "", unit));
-    };
-
-    const Bounds& a = tree_.joints[tree_.joint_index(pair.left)].range;
-    const Bounds& b = tree_.joints[tree_.joint_index(pair.right)].range;
-
-    same("kind (0 revolute, 1 prismatic)", "", static_cast<double>(left.kind),
-         static_cast<double>(right.kind), 1.0);
-    same("mass", "kg", left.mass, right.mass, left.mass);
-    same("joint position x", "m", left.origin.x(), right.origin.x(), 1.0);
-    same("joint position z", "m", left.origin.y(), right.origin.y(), 1.0);
-    same("zero angle", "rad", left.angle_offset, right.angle_offset, 1.0);
-    same("direction of the axis", "", left.sign, right.sign, 1.0);
-    same("direction of the slide, x", "", left.axis.x(), right.axis.x(), 1.0);
-    same("direction of the slide, z", "", left.axis.y(), right.axis.y(), 1.0);
-    same("centre of mass x", "m", left.com.x(), right.com.x(), 1.0);
-    same("centre of mass z", "m", left.com.y(), right.com.y(), 1.0);
-    same("pitch inertia", "kg m^2", left.inertia, right.inertia, left.inertia);
-
-    if (a.lower != b.lower) same("lower limit", "", a.lower, b.lower, 1.0);
-    if (a.upper != b.upper) same("upper limit", "", a.upper, b.upper, 1.0);
-  }
-
   /// Places of all links on their bodies, and the planar names of paired links.
   void place() {
     for (std::size_t l = 0; l < tree_.links.size(); ++l) {
@@ -276,12 +287,13 @@ class Reducer {
       const Heads& heads = heads_[body_[l]];
       const SpatialLink& head =
           tree_.links[side_[l] == 1 && heads.right >= 0 ? heads.right : heads.left];
-      const double phi = pitch_of(head.R_BL);
+      const double phi = frame_of(body_[l], side_[l]);
 
       LinkPlace place;
       place.body = body_[l];
-      place.in_plane = about_y(link.R_BL);
-      place.angle = wrap(pitch_of(link.R_BL) - phi);
+      // the frame of a body is its head's, or stands for it
+      place.in_plane = &link == &head || about_y(link.R_BL);
+      place.angle = &link == &head ? 0.0 : wrap(pitch_of(link.R_BL) - phi);
       place.position = unrotate(phi, in_plane(link.p_BL - head.p_BL));
       result_.links[link.name] = place;
 
@@ -326,6 +338,14 @@ class Reducer {
     }
   }
 
+  [[nodiscard]] double total_mass() const {
+    double mass = 0.0;
+    for (const SpatialLink& link : tree_.links) mass += link.mass;
+    return mass;
+  }
+
+  [[nodiscard]] double frame_of(int body, int side) const { return frames_[body][side]; }
+
   const SpatialTree& tree_;
   const std::vector<PairSpec>& joint_pairs_;
   const std::vector<PairSpec>& link_pairs_;
@@ -334,28 +354,26 @@ class Reducer {
   std::vector<int> pair_left_;   ///< of each joint: the pair whose left one it is, or -1
   std::vector<int> pair_right_;  ///< the same for the right
   std::vector<Heads> heads_;     ///< of each body
+  std::vector<std::array<double, 2>> frames_;  ///< of each body, left and right [rad]
   std::vector<int> pairs_of_body_;
   std::map<int, int> parents_;
+  Assumptions& assumptions_;
   Reduction result_;
 };
 
 }  // namespace
 
 Reduction reduce(const SpatialTree& spatial, const std::vector<PairSpec>& joints,
-                 const std::vector<PairSpec>& links, const std::vector<HeldJoint>& held) {
-  SpatialTree tree = spatial;
-  for (const HeldJoint& hold : held) {
-    SpatialJoint& joint = tree.joints[tree.joint_index(hold.joint)];
-    if (joint.kind == SpatialJointKind::prismatic)
-      joint.origin += joint.rotation * joint.axis * hold.value;
-    if (joint.kind == SpatialJointKind::revolute) {
-      joint.rotation =
-          joint.rotation * Eigen::AngleAxisd(hold.value, joint.axis).toRotationMatrix();
-    }
-    joint.kind = SpatialJointKind::fixed;
-  }
-  place_links(tree);
-  return Reducer(tree, joints, links).run();
+                 const std::vector<PairSpec>& links, const std::vector<HeldJoint>& held,
+                 Reading reading) {
+  Assumptions assumptions(spatial.file, reading == Reading::strict);
+  SpatialTree tree = hold_joints(spatial, held);
+  hold_massless(tree, joints, assumptions);
+
+  Reduction reduction = Reducer(tree, joints, links, assumptions).run();
+  const std::vector<std::string> assumed = assumptions.notes();
+  reduction.notes.insert(reduction.notes.end(), assumed.begin(), assumed.end());
+  return reduction;
 }
 
 }  // namespace jaculus::model

@@ -8,7 +8,7 @@
 //            the root's axes
 //
 // Valid where every moving joint turns about y or slides in x-z, so that links stay parallel to the
-// sagittal plane.
+// sagittal plane. What leans out of it by at most 10 deg is projected, and said.
 
 #include <map>
 #include <string>
@@ -17,6 +17,7 @@
 #include "jaculus/core/yaml.h"
 #include "jaculus/model/planar.h"
 #include "jaculus/model/urdf.h"
+#include "model/assumptions.h"
 
 namespace jaculus::model {
 
@@ -49,9 +50,18 @@ struct Reduction {
   std::vector<std::string> notes;
 };
 
-/// `joints`, `links`: the pairs. A joint out of the plane, a pair that differs, a moving body
-/// without mass: InputError.
+/// `joints`, `links`: the pairs. A joint out of the plane, a pair whose sides move apart:
+/// InputError. A pair that differs otherwise, a moving body without mass: noted, or InputError
+/// where `reading` is strict.
 Reduction reduce(const SpatialTree& spatial, const std::vector<PairSpec>& joints,
-                 const std::vector<PairSpec>& links, const std::vector<HeldJoint>& held);
+                 const std::vector<PairSpec>& links, const std::vector<HeldJoint>& held,
+                 Reading reading = Reading::lenient);
+
+/// The tree with joints held: they are fixed there.
+SpatialTree hold_joints(const SpatialTree& spatial, const std::vector<HeldJoint>& held);
+
+/// A joint below which nothing has mass can't be simulated; it is held at zero. InputError where it
+/// is in a pair.
+void hold_massless(SpatialTree& tree, const std::vector<PairSpec>& pairs, Assumptions& assumptions);
 
 }  // namespace jaculus::model

@@ -64,9 +64,9 @@ yaml::Node plain_robot(const fs::path& folder) {
 
 void check_format(const yaml::Node& node) {
   yaml::refuse_other_kind(node, kFormat);
-  node.only({"format", "urdf", "base", "gravity", "friction", "pairs", "fixed_joints", "loops",
-             "coordinates", "ranges", "rest_pose", "feet", "points", "motors", "drag",
-             "tolerances"});
+  node.only({"format", "urdf", "axes", "base_link", "base", "gravity", "friction", "pairs",
+             "fixed_joints", "loops", "coordinates", "ranges", "rest_pose", "feet", "points",
+             "motors", "drag", "tolerances"});
   (void)node.at("format").choice({kFormat});
 }
 
@@ -84,7 +84,7 @@ void check_base(const yaml::Node& node, const PlanarModel& model) {
 }
 
 /// The model as the files give it, before overrides.
-Robot read_files(const fs::path& folder, yaml::Node& node) {
+Robot read_files(const fs::path& folder, yaml::Node& node, Reading reading) {
   std::error_code code;
   const bool described = fs::exists(folder / "robot.yaml", code);
   if (!described && !fs::exists(folder / "robot.urdf", code)) {
@@ -94,9 +94,9 @@ Robot read_files(const fs::path& folder, yaml::Node& node) {
   node = described ? yaml::Node::load(folder / "robot.yaml") : plain_robot(folder);
   check_format(node);
   const auto urdf = node.find("urdf");
-  const SpatialTree tree = read_urdf(folder / (urdf ? urdf->text() : "robot.urdf"));
-
   Robot robot;
+  const SpatialTree file = read_urdf(folder / (urdf ? urdf->text() : "robot.urdf"), reading);
+  const SpatialTree tree = read_placement(node, file, robot.notes);
   robot.name = tree.name;
   robot.folder = folder;
   if (!described)
@@ -107,7 +107,7 @@ Robot read_files(const fs::path& folder, yaml::Node& node) {
   read_base(node, model);
   const std::vector<PairSpec> joints = read_pairs(node, "joints", tree);
   const std::vector<PairSpec> links = read_pairs(node, "links", tree);
-  const Reduction reduction = reduce(tree, joints, links, read_held(node, tree, joints));
+  const Reduction reduction = reduce(tree, joints, links, read_held(node, tree, joints), reading);
   robot.notes.insert(robot.notes.end(), reduction.notes.begin(), reduction.notes.end());
   model.bodies = reduction.bodies;
   read_loops(node, reduction, model);
@@ -148,9 +148,9 @@ fs::path find_robot(const std::string& name, const fs::path& relative_to) {
                   beside.empty() ? "." : beside.string(), fmt::join(known, ", ")));
 }
 
-Robot read_robot(const fs::path& folder, const std::vector<Override>& overrides) {
+Robot read_robot(const fs::path& folder, const std::vector<Override>& overrides, Reading reading) {
   yaml::Node node;
-  Robot robot = read_files(folder, node);
+  Robot robot = read_files(folder, node, reading);
   std::vector<OverrideInput> inputs;
   for (const Override& o : overrides) inputs.push_back({o.path, o.value});
   apply_overrides(robot.planar, inputs);

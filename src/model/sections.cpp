@@ -201,7 +201,10 @@ void read_motors(const yaml::Node& robot, PlanarModel& model) {
 
     std::vector<std::string> keys = {"kind"};
     for (const Field& field : motor_fields(motor, slides)) keys.push_back(field.key());
+    if (ideal && !slides) keys.emplace_back("rotor_inertia");
     node.only(keys);
+    if (const auto rotor = node.find("rotor_inertia"); rotor && ideal)
+      motor.rotor_inertia = rotor->number(dimension::inertia, {0.0, kInfinity});
     for (const Field& field : motor_fields(motor, slides))
       if (field.required || node.has(field.key())) field.read(node.at(field.key()));
 

@@ -12,6 +12,11 @@
 
 namespace jaculus::model {
 
+/// axes: {forward: +z, up: +y}, base_link: link; the tree with its root's axes turned to x forward
+/// and z up, and without what is above the base link, which is noted.
+SpatialTree read_placement(const yaml::Node& robot, const SpatialTree& tree,
+                           std::vector<std::string>& notes);
+
 /// base: floating | fixed | {free: [...], pose: {...}}
 void read_base(const yaml::Node& robot, PlanarModel& model);
 

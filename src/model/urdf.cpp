@@ -9,6 +9,7 @@
 #include <map>
 
 #include "core/text_file.h"
+#include "model/inertia.h"
 #include "model/urdf_check.h"
 
 namespace jaculus::model {
@@ -38,40 +39,9 @@ Mat3 matrix(const urdf::Rotation& r) {
   return Eigen::Quaterniond(r.w, r.x, r.y, r.z).normalized().toRotationMatrix();
 }
 
-/// A body's inertia is that of a mass distribution: positive definite, and no principal moment
-/// above the sum of the others.
-void check_inertia(const SpatialLink& link, const std::filesystem::path& file) {
-  const auto refuse = [&](const std::string& what) {
-    return urdf_error(file, link.line, "link '" + link.name + "': " + what);
-  };
-  if (!(link.mass > 0.0))
-    throw refuse(fmt::format("mass {:.10g} kg given; allowed: more than 0", link.mass));
-
-  const Vec3 moments =
-      Eigen::SelfAdjointEigenSolver<Mat3>(link.inertia, Eigen::EigenvaluesOnly).eigenvalues();
-  const std::string shown =
-      fmt::format("{:.6g}, {:.6g}, {:.6g} kg m^2", moments[0], moments[1], moments[2]);
-
-  if (!(moments[0] > 0.0)) {
-    throw refuse(
-        fmt::format("inertia with principal moments {} given; allowed: all above 0", shown));
-  }
-
-  // Files are rounded to a few digits, thin rods and plates sit on the limit.
-  constexpr double kRounding = 1e-3;
-  if (moments[2] > (moments[0] + moments[1]) * (1.0 + kRounding)) {
-    throw refuse(fmt::format(
-        "inertia with principal moments {} given, which no body can have; allowed: the largest at "
-        "most the sum of the other two",
-        shown));
-  }
-}
-
-SpatialLink read_link(const urdf::Link& source, int line, const std::filesystem::path& file) {
-  SpatialLink link;
-  link.name = source.name;
-  link.line = line;
-  if (!source.inertial) return link;
+/// The values of a link whose place in the file and shapes are known.
+void read_link(const urdf::Link& source, SpatialLink& link, Assumptions& assumptions) {
+  if (!source.inertial) return;
   const urdf::Inertial& inertial = *source.inertial;
   const Mat3 R_LI = matrix(inertial.origin.rotation);
   Mat3 inertia;
@@ -80,41 +50,43 @@ SpatialLink read_link(const urdf::Link& source, int line, const std::filesystem:
   link.mass = inertial.mass;
   link.com = vector(inertial.origin.position);
   link.inertia = R_LI * inertia * R_LI.transpose();
-  check_inertia(link, file);
-  return link;
+  settle_inertia(link, assumptions);
 }
 
-SpatialJoint read_joint(const urdf::Joint& source, const SpatialTree& tree, int line) {
-  SpatialJoint joint;
-  joint.name = source.name;
-  joint.line = line;
-  joint.parent = tree.link_index(source.parent_link_name);
-  joint.child = tree.link_index(source.child_link_name);
+Bounds read_range(const urdf::JointLimits& limits, const SpatialJoint& joint,
+                  Assumptions& assumptions) {
+  if (limits.lower <= limits.upper) return {limits.lower, limits.upper};
+  assumptions.assume(
+      joint.line,
+      fmt::format(
+          "joint '{}': lower limit {:.10g} is above upper limit {:.10g}; allowed: lower <= upper",
+          joint.name, limits.lower, limits.upper),
+      "no range");
+  return {};
+}
+
+void read_joint(const urdf::Joint& source, bool unlimited, SpatialJoint& joint,
+                Assumptions& assumptions, const std::filesystem::path& file) {
   joint.origin = vector(source.parent_to_joint_origin_transform.position);
   joint.rotation = matrix(source.parent_to_joint_origin_transform.rotation);
-  if (source.type == urdf::Joint::FIXED) return joint;
+  if (source.type == urdf::Joint::FIXED) return;
 
   joint.kind = source.type == urdf::Joint::PRISMATIC ? SpatialJointKind::prismatic
                                                      : SpatialJointKind::revolute;
   joint.axis = vector(source.axis);
   if (!(joint.axis.norm() > 1e-6)) {
     throw urdf_error(
-        tree.file, line,
+        file, joint.line,
         fmt::format("joint '{}': axis of length 0 given; allowed: a direction", joint.name));
   }
   joint.axis.normalize();
 
-  if (source.type == urdf::Joint::CONTINUOUS) return joint;
-  joint.range = {source.limits->lower, source.limits->upper};
-  if (joint.range.lower > joint.range.upper) {
-    throw urdf_error(
-        tree.file, line,
-        fmt::format(
-            "joint '{}': lower limit {:.10g} is above upper limit {:.10g}; allowed: lower <= upper",
-            joint.name, joint.range.lower, joint.range.upper));
-  }
-
-  return joint;
+  if (!source.limits) return;
+  if (source.type != urdf::Joint::CONTINUOUS && !unlimited)
+    joint.range = read_range(*source.limits, joint, assumptions);
+  // URDF wants the keys; 0 is written where nobody knows
+  if (source.limits->effort > 0.0) joint.effort = source.limits->effort;
+  if (source.limits->velocity > 0.0) joint.velocity = source.limits->velocity;
 }
 
 /// One root, one parent a link, no cycle. urdfdom would say so without a line.
@@ -169,6 +141,7 @@ SpatialTree skeleton(const UrdfOutline& outline, const std::filesystem::path& fi
     SpatialLink link;
     link.name = source.name;
     link.line = source.line;
+    link.shapes = source.shapes;
     tree.links.push_back(link);
   }
 
@@ -238,13 +211,43 @@ void place_links(SpatialTree& tree) {
   }
 }
 
-SpatialTree parse_urdf(const std::string& text, const std::filesystem::path& file) {
-  SpatialTree tree = skeleton(check_urdf_text(text, file), file);
+SpatialTree subtree(const SpatialTree& tree, int root) {
+  SpatialTree part = tree;
+  part.links.clear();
+  part.joints.clear();
+  std::vector<int> place(tree.links.size(), -1);
+
+  // Links may stand in any order in the file: those below the root are found by walking up.
+  for (int l = 0; l < count_of(tree.links); ++l) {
+    int at = l;
+    while (at != root && tree.links[at].joint >= 0) at = tree.joints[tree.links[at].joint].parent;
+    if (at != root) continue;
+    place[l] = count_of(part.links);
+    part.links.push_back(tree.links[l]);
+    part.links.back().joint = -1;
+  }
+  for (SpatialJoint joint : tree.joints) {
+    if (place[joint.parent] < 0) continue;
+    joint.parent = place[joint.parent];
+    joint.child = place[joint.child];
+    part.links[joint.child].joint = count_of(part.joints);
+    part.joints.push_back(joint);
+  }
+
+  part.root = place[root];
+  return part;
+}
+
+SpatialTree parse_urdf(const std::string& text, const std::filesystem::path& file,
+                       Reading reading) {
+  Assumptions assumptions(file, reading == Reading::strict);
+  const UrdfOutline outline = check_urdf_text(text, file, assumptions);
+  SpatialTree tree = skeleton(outline, file);
 
   Capture capture;
   urdf::ModelInterfaceSharedPtr model;
   try {
-    model = urdf::parseURDF(text);
+    model = urdf::parseURDF(outline.text);
   } catch (const std::exception& e) {
     throw urdf_error(file, 1,
                      fmt::format("urdfdom refuses the file: {}; allowed: a URDF file", e.what()));
@@ -255,20 +258,20 @@ SpatialTree parse_urdf(const std::string& text, const std::filesystem::path& fil
   }
 
   tree.name = model->getName();
-  for (SpatialLink& link : tree.links) {
-    const int joint = link.joint;
-    link = read_link(*model->getLink(link.name), link.line, file);
-    link.joint = joint;
+  for (SpatialLink& link : tree.links) read_link(*model->getLink(link.name), link, assumptions);
+  for (int j = 0; j < count_of(tree.joints); ++j) {
+    read_joint(*model->getJoint(tree.joints[j].name), outline.joints[j].unlimited, tree.joints[j],
+               assumptions, file);
   }
-  for (SpatialJoint& joint : tree.joints)
-    joint = read_joint(*model->getJoint(joint.name), tree, joint.line);
 
   place_links(tree);
+  const std::vector<std::string> assumed = assumptions.notes();
+  tree.notes.insert(tree.notes.end(), assumed.begin(), assumed.end());
   return tree;
 }
 
-SpatialTree read_urdf(const std::filesystem::path& file) {
-  return parse_urdf(read_text_file(file, "a URDF file"), file);
+SpatialTree read_urdf(const std::filesystem::path& file, Reading reading) {
+  return parse_urdf(read_text_file(file, "a URDF file"), file, reading);
 }
 
 }  // namespace jaculus::model

@@ -5,13 +5,12 @@
 #include <tinyxml.h>
 
 #include <algorithm>
-#include <charconv>
-#include <cmath>
 #include <map>
+#include <optional>
 #include <set>
-#include <sstream>
 
 #include "jaculus/core/yaml.h"
+#include "model/urdf_text.h"
 
 namespace jaculus::model {
 namespace {
@@ -64,16 +63,26 @@ std::string hint(const std::string& name, const Names& names) {
   return near ? fmt::format(", did you mean '{}'?", *near) : "";
 }
 
+/// Checks a document and leaves in it what urdfdom can read: what was assumed is written there.
 class Checker {
  public:
-  explicit Checker(const std::filesystem::path& file) : file_(file) {}
+  Checker(const std::filesystem::path& file, Assumptions& assumptions)
+      : file_(file), assumptions_(assumptions) {}
 
-  UrdfOutline run(const TiXmlElement& robot) {
+  UrdfOutline run(TiXmlElement& robot) {
     if (robot.ValueStr() != "robot")
       fail(robot, fmt::format("<{}> given; allowed: <robot>", robot.ValueStr()));
-    if (!robot.Attribute("name"))
-      fail(robot, "<robot>: attribute 'name' is missing; it must be given");
-    for (const TiXmlElement* e = robot.FirstChildElement(); e; e = e->NextSiblingElement()) top(*e);
+    if (!robot.Attribute("name")) {
+      const std::string name = file_.stem().string();
+      assume(robot, "<robot>: attribute 'name' is missing; it must be given",
+             "called '" + name + "'");
+      robot.SetAttribute("name", name.c_str());
+    }
+
+    for (TiXmlElement *next, *e = robot.FirstChildElement(); e; e = next) {
+      next = e->NextSiblingElement();
+      if (!top(*e)) robot.RemoveChild(e);
+    }
     for (const TiXmlElement* e = robot.FirstChildElement("joint"); e;
          e = e->NextSiblingElement("joint"))
       ends(*e);
@@ -85,18 +94,26 @@ class Checker {
     throw urdf_error(file_, e.Row(), what);
   }
 
-  void top(const TiXmlElement& e) {
+  void assume(const TiXmlElement& e, const std::string& fault, const std::string& taken) {
+    assumptions_.assume(e.Row(), fault, taken);
+  }
+
+  /// False where the element is none for this program.
+  bool top(TiXmlElement& e) {
     static const Names allowed = {"link", "joint", "material", "gazebo", "transmission", "mujoco"};
     const std::string kind = e.ValueStr();
     if (std::find(allowed.begin(), allowed.end(), kind) == allowed.end()) {
-      fail(e, fmt::format("unknown element <{}>{}; allowed: {}", kind, hint(kind, allowed),
-                          fmt::join(allowed, ", ")));
+      assume(e,
+             fmt::format("unknown element <{}>{}; allowed: {}", kind, hint(kind, allowed),
+                         fmt::join(allowed, ", ")),
+             "skipped");
+      return false;
     }
 
     if (kind != "link" && kind != "joint") {
       if (kind != "material")
-        outline_.notes.push_back(fmt::format("URDF: <{}> is for other tools and not read", kind));
-      return;
+        note_once(fmt::format("URDF: <{}> is for other tools and not read", kind));
+      return false;
     }
 
     element(e, kind);
@@ -111,31 +128,42 @@ class Checker {
 
     if (kind == "link") {
       link(e, name);
-      outline_.links.push_back({name, e.Row()});
+      outline_.links.push_back({name, e.Row(), take_shapes(e)});
     } else {
-      joint(e, name);
+      const bool unlimited = joint(e, name);
       outline_.joints.push_back({name, e.Row(), e.FirstChildElement("parent")->Attribute("link"),
-                                 e.FirstChildElement("child")->Attribute("link")});
+                                 e.FirstChildElement("child")->Attribute("link"), unlimited});
     }
+    return true;
   }
 
-  void link(const TiXmlElement& e, const std::string& name) {
-    const TiXmlElement* inertial = e.FirstChildElement("inertial");
+  void link(TiXmlElement& e, const std::string& name) {
+    TiXmlElement* inertial = e.FirstChildElement("inertial");
     if (!inertial) return;
     for (const char* part : {"mass", "inertia"}) {
-      if (!inertial->FirstChildElement(part)) {
-        fail(*inertial,
-             fmt::format("link '{}': <inertial> has no <{}>; it must be given", name, part));
-      }
+      if (inertial->FirstChildElement(part)) continue;
+      assume(*inertial,
+             fmt::format("link '{}': <inertial> has no <{}>; it must be given", name, part),
+             "taken as zero");
+      TiXmlElement zero(part);
+      for (const std::string& a : schemas().at(part).attributes)
+        zero.SetAttribute(a.substr(1), "0");
+      inertial->InsertEndChild(zero);
     }
   }
 
-  void joint(const TiXmlElement& e, const std::string& name) {
+  /// Whether it has no range though its type asks for one.
+  bool joint(TiXmlElement& e, const std::string& name) {
     static const Names types = {"fixed", "revolute", "continuous", "prismatic"};
-    const std::string type = e.Attribute("type");
+    static const Names spatial = {"floating", "planar", "spherical", "ball"};
+    std::string type = e.Attribute("type");
     if (std::find(types.begin(), types.end(), type) == types.end()) {
-      fail(e, fmt::format("joint '{}': type '{}' given{}; allowed: {}", name, type,
-                          hint(type, types), fmt::join(types, ", ")));
+      const std::string fault = fmt::format("joint '{}': type '{}' given{}; allowed: {}", name,
+                                            type, hint(type, types), fmt::join(types, ", "));
+      if (std::find(spatial.begin(), spatial.end(), type) == spatial.end()) fail(e, fault);
+      assume(e, fault, "taken as fixed");
+      type = "fixed";
+      e.SetAttribute("type", type);
     }
 
     for (const char* part : {"parent", "child"}) {
@@ -143,15 +171,20 @@ class Checker {
         fail(e, fmt::format("joint '{}' has no <{}>; it must be given", name, part));
     }
     if (type != "fixed" && !e.FirstChildElement("axis")) {
-      fail(e, fmt::format("joint '{}' has no <axis>; it must be given where a joint moves", name));
+      assume(e, fmt::format("joint '{}' has no <axis>; it must be given where a joint moves", name),
+             "(1, 0, 0), as URDF has it by default");
     }
 
-    const TiXmlElement* limit = e.FirstChildElement("limit");
-    if ((type == "revolute" || type == "prismatic") &&
-        (!limit || !limit->Attribute("lower") || !limit->Attribute("upper"))) {
-      fail(limit ? *limit : e,
-           fmt::format("joint '{}' ({}) needs <limit> with lower, upper, effort and velocity", name,
-                       type));
+    TiXmlElement* limit = e.FirstChildElement("limit");
+    const bool ranged = type == "revolute" || type == "prismatic";
+    bool unlimited = false;
+    if (ranged && (!limit || !limit->Attribute("lower") || !limit->Attribute("upper"))) {
+      assume(limit ? *limit : e,
+             fmt::format("joint '{}' ({}) needs <limit> with lower, upper, effort and velocity",
+                         name, type),
+             "no range");
+      unlimited = true;
+      if (!limit) add_limit(e);
     }
 
     if (limit)
@@ -161,7 +194,27 @@ class Checker {
 
     const TiXmlElement* dynamics = e.FirstChildElement("dynamics");
     if (dynamics)
-      note_once(fmt::format("URDF: damping and friction of joint '{}' are not read", name));
+      note_once("URDF: damping and friction of joints are not part of the nominal robot");
+    return unlimited;
+  }
+
+  /// urdfdom wants one where a joint has a range; `unlimited` says that it holds nothing.
+  static void add_limit(TiXmlElement& joint) {
+    TiXmlElement limit("limit");
+    for (const char* key : {"lower", "upper", "effort", "velocity"}) limit.SetAttribute(key, "0");
+    joint.InsertEndChild(limit);
+  }
+
+  /// Shapes for contact; what a link looks like is none of this program's business.
+  static std::vector<SpatialShape> take_shapes(TiXmlElement& link) {
+    std::vector<SpatialShape> shapes;
+    for (TiXmlElement *next, *e = link.FirstChildElement(); e; e = next) {
+      next = e->NextSiblingElement();
+      if (e->ValueStr() == "inertial") continue;
+      if (e->ValueStr() == "collision") read_shape(*e, shapes);
+      link.RemoveChild(e);
+    }
+    return shapes;
   }
 
   /// Both ends of a joint must be links of this file.
@@ -179,75 +232,83 @@ class Checker {
   }
 
   /// Attributes, numbers and children against the schema, recursively.
-  void element(const TiXmlElement& e, const std::string& where) {
+  void element(TiXmlElement& e, const std::string& where) {
     const auto found = schemas().find(e.ValueStr());
-    // looks (<visual>, <collision>) and the like: urdfdom checks what it reads
+    // looks (<visual>, <collision>) and the like are taken out before urdfdom sees them
     if (found == schemas().end()) return;
     const Schema& schema = found->second;
     attributes(e, schema, where);
 
     std::set<std::string> seen;
-    for (const TiXmlElement* child = e.FirstChildElement(); child;
-         child = child->NextSiblingElement()) {
+    for (TiXmlElement *next, *child = e.FirstChildElement(); child; child = next) {
+      next = child->NextSiblingElement();
       const std::string name = child->ValueStr();
-      if (std::find(schema.children.begin(), schema.children.end(), name) ==
-          schema.children.end()) {
-        fail(*child, fmt::format("unknown element <{}> in <{}>{}; allowed: {}", name, e.ValueStr(),
-                                 hint(name, schema.children), fmt::join(schema.children, ", ")));
+      if (index_of(schema.children, name) < 0) {
+        assume(*child,
+               fmt::format("unknown element <{}> in <{}>{}; allowed: {}", name, e.ValueStr(),
+                           hint(name, schema.children), fmt::join(schema.children, ", ")),
+               "skipped");
+        e.RemoveChild(child);
+        continue;
       }
-
-      const bool once =
-          std::find(schema.once.begin(), schema.once.end(), name) != schema.once.end();
-      if (!seen.insert(name).second && once)
-        fail(*child, fmt::format("<{}> given twice in <{}>; allowed: once", name, e.ValueStr()));
+      if (!seen.insert(name).second && index_of(schema.once, name) >= 0) {
+        assume(*child, fmt::format("<{}> given twice in <{}>; allowed: once", name, e.ValueStr()),
+               "the first counts");
+        e.RemoveChild(child);
+        continue;
+      }
       element(*child, name);
     }
   }
 
-  void attributes(const TiXmlElement& e, const Schema& schema, const std::string& where) const {
+  void attributes(TiXmlElement& e, const Schema& schema, const std::string& where) {
     Names allowed;
     for (const std::string& a : schema.attributes)
       allowed.push_back(a.starts_with('!') ? a.substr(1) : a);
 
     for (const TiXmlAttribute* a = e.FirstAttribute(); a; a = a->Next()) {
       const std::string name = a->Name();
-      if (std::find(allowed.begin(), allowed.end(), name) == allowed.end()) {
-        fail(e, fmt::format(
-                    "<{}>: unknown attribute '{}'{}; allowed: {}", where, name, hint(name, allowed),
-                    allowed.empty() ? "none" : fmt::format("{}", fmt::join(allowed, ", "))));
-      }
+      if (index_of(allowed, name) >= 0) continue;
+      assume(e,
+             fmt::format("<{}>: unknown attribute '{}'{}; allowed: {}", where, name,
+                         hint(name, allowed),
+                         allowed.empty() ? "none" : fmt::format("{}", fmt::join(allowed, ", "))),
+             "skipped");
     }
 
     for (const std::string& a : schema.attributes) {
-      if (a.starts_with('!') && !e.Attribute(a.substr(1).c_str())) {
-        fail(e,
-             fmt::format("<{}>: attribute '{}' is missing; it must be given", where, a.substr(1)));
-      }
+      if (a.starts_with('!') && !e.Attribute(a.substr(1))) missing(e, where, a.substr(1));
     }
 
     for (const std::string& a : schema.numbers) {
       const std::size_t colon = a.find(':');
-      const char* text = e.Attribute(a.substr(0, colon).c_str());
-      if (text) numbers(e, a.substr(0, colon), text, a[colon + 1] - '0');
+      const std::string name = a.substr(0, colon);
+      const char* text = e.Attribute(name.c_str());
+      if (text) e.SetAttribute(name, numbers(e, name, text, a[colon + 1] - '0'));
     }
   }
 
-  void numbers(const TiXmlElement& e, const std::string& name, const std::string& text,
-               int count) const {
-    std::istringstream words(text);
-    std::string word;
-    int found = 0;
-    bool good = true;
-    for (; words >> word; ++found) {
-      double value = 0.0;
-      const char* begin = word.data() + (word.starts_with('+') ? 1 : 0);
-      const auto [end, code] = std::from_chars(begin, word.data() + word.size(), value);
-      good =
-          good && code == std::errc() && end == word.data() + word.size() && std::isfinite(value);
-    }
-    if (good && found == count) return;
-    fail(e, fmt::format("<{}>: {}='{}' given; allowed: {} finite number{}", e.ValueStr(), name,
-                        text.substr(0, 60), count, count == 1 ? "" : "s"));
+  void missing(TiXmlElement& e, const std::string& where, const std::string& name) {
+    const std::string fault =
+        fmt::format("<{}>: attribute '{}' is missing; it must be given", where, name);
+    const bool effort = name == "effort" || name == "velocity";
+    const bool product = name == "ixy" || name == "ixz" || name == "iyz";
+    if (!effort && !product) fail(e, fault);
+    assume(e, fault, effort ? "no limit" : "zero");
+    e.SetAttribute(name, "0");
+  }
+
+  /// The numbers of an attribute as urdfdom can read them.
+  std::string numbers(const TiXmlElement& e, const std::string& name, const std::string& text,
+                      int count) {
+    if (const auto exact = exact_numbers(text); exact && *exact == count) return text;
+    const std::string fault =
+        fmt::format("<{}>: {}='{}' given; allowed: {} finite number{}", e.ValueStr(), name,
+                    text.substr(0, 60), count, count == 1 ? "" : "s");
+    const std::optional<std::string> repaired = repair_numbers(text, count);
+    if (!repaired) fail(e, fault);
+    assume(e, fault, "read as '" + *repaired + "'");
+    return *repaired;
   }
 
   void note_once(const std::string& note) {
@@ -256,37 +317,10 @@ class Checker {
   }
 
   std::filesystem::path file_;
+  Assumptions& assumptions_;
   UrdfOutline outline_;
   std::map<std::string, int> link_lines_, joint_lines_;
 };
-
-/// tinyxml descends by recursion, so hostile nesting is refused before it is parsed.
-void check_nesting(const std::string& text, const std::filesystem::path& file) {
-  constexpr int kMaxDepth = 50;
-  int depth = 0;
-  int line = 1;
-
-  for (std::size_t at = 0; at < text.size(); ++at) {
-    const char c = text[at];
-    if (c == '\n') ++line;
-    if (c == '\0') throw urdf_error(file, line, "byte 0x00 found; allowed: XML text");
-
-    if (c == '<' && text.compare(at, 4, "<!--") == 0) {
-      const std::size_t end = std::min(text.find("-->", at), text.size());
-      line += static_cast<int>(std::count(text.begin() + at, text.begin() + end, '\n'));
-      at = end;
-    } else if (c == '<' && at + 1 < text.size()) {
-      const char next = text[at + 1];
-      depth += next == '/' ? -1 : next == '?' || next == '!' ? 0 : 1;
-    } else if (c == '/' && at + 1 < text.size() && text[at + 1] == '>') {
-      --depth;
-    }
-
-    if (depth > kMaxDepth)
-      throw urdf_error(file, line,
-                       fmt::format("elements nested deeper than {}; allowed: less", kMaxDepth));
-  }
-}
 
 }  // namespace
 
@@ -294,7 +328,9 @@ InputError urdf_error(const std::filesystem::path& file, int line, const std::st
   return InputError(fmt::format("{}:{}: {}", file.string(), line, what));
 }
 
-UrdfOutline check_urdf_text(const std::string& text, const std::filesystem::path& file) {
+UrdfOutline check_urdf_text(const std::string& given, const std::filesystem::path& file,
+                            Assumptions& assumptions) {
+  const std::string text = without_padding(given, assumptions);
   check_nesting(text, file);
   TiXmlDocument document;
   document.Parse(text.c_str(), nullptr, TIXML_ENCODING_UTF8);
@@ -302,9 +338,14 @@ UrdfOutline check_urdf_text(const std::string& text, const std::filesystem::path
     throw urdf_error(file, std::max(1, document.ErrorRow()),
                      fmt::format("not valid XML: {}; allowed: a URDF file", document.ErrorDesc()));
   }
-  const TiXmlElement* robot = document.RootElement();
+  TiXmlElement* robot = document.RootElement();
   if (!robot) throw urdf_error(file, 1, "the file holds no element; allowed: <robot>");
-  return Checker(file).run(*robot);
+
+  UrdfOutline outline = Checker(file, assumptions).run(*robot);
+  TiXmlPrinter printer;
+  robot->Accept(&printer);
+  outline.text = printer.Str();
+  return outline;
 }
 
 }  // namespace jaculus::model

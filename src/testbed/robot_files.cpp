@@ -77,6 +77,26 @@ void check_axes(const model::SpatialTree& tree) {
   }
 }
 
+/// Links are drawn in the plane by their URDF frames, left and right alike.
+void check_frames(const model::SpatialTree& tree, const Sides& joints) {
+  for (const model::SpatialLink& link : tree.links) {
+    if (link.R_BL(1, 1) > 1.0 - 1e-9) continue;
+    throw InputError(fmt::format(
+        "{}:{}: link '{}': its frame is turned out of the sagittal plane; allowed on the testbed: "
+        "links whose y axis is the root's",
+        tree.file.string(), link.line, link.name));
+  }
+  for (const auto& [name, sides] : joints) {
+    const model::SpatialJoint& left = tree.joints.at(tree.joint_index(sides.at(0)));
+    const model::SpatialJoint& right = tree.joints.at(tree.joint_index(sides.at(1)));
+    if (left.axis.y() * right.axis.y() >= 0.0) continue;
+    throw InputError(fmt::format(
+        "{}:{}: joints '{}' and '{}' turn opposite ways; allowed on the testbed: pairs that turn "
+        "the same way",
+        tree.file.string(), right.line, left.name, right.name));
+  }
+}
+
 /// rest_pose, which the model's reader has checked.
 std::map<std::string, double> read_rest(const yaml::Node& robot, const model::PlanarModel& planar) {
   std::map<std::string, double> rest;
@@ -149,6 +169,12 @@ RobotFiles read_robot_files(const std::filesystem::path& folder) {
         "joints held by robot.yaml; allowed on the testbed: fixed joints in the URDF");
   }
 
+  for (const char* key : {"axes", "base_link"}) {
+    if (const auto placed = node.find(key))
+      throw placed->error(fmt::format(
+          "{}; allowed on the testbed: a URDF whose root is the base, x forward, z up", key));
+  }
+
   const auto urdf = node.find("urdf");
   files.tree = model::read_urdf(folder / (urdf ? urdf->text() : "robot.urdf"));
   check_axes(files.tree);
@@ -163,6 +189,7 @@ RobotFiles read_robot_files(const std::filesystem::path& folder) {
   files.gravity = robot.planar.gravity;
   files.friction = robot.planar.friction;
   const Sides joints = read_sides(node, "joints"), links = read_sides(node, "links");
+  check_frames(files.tree, joints);
   for (const auto& [name, sides] : links) {
     for (const std::string& side : sides) files.link_pairs[side] = sides.front();
   }

@@ -263,7 +263,7 @@ constexpr FileCase kFileCases[] = {
     // robot.urdf
     {Where::urdf, "<mass value=\"1\"/>", "<mass value=\"-1\"/>", "robot.urdf:6", "mass", "arm"},
     {Where::urdf, "<mass value=\"1\"/>", "<mass value=\"one\"/>", "robot.urdf:7", "mass", "one"},
-    {Where::urdf, "izz=\"0.01\"", "izz=\"9\"", "robot.urdf:6", "inertia", "arm"},
+    {Where::urdf, "izz=\"0.01\"", "izz=\"big\"", "robot.urdf:", "inertia", "big"},
     {Where::urdf, "child link=\"arm\"", "child link=\"leg\"", "robot.urdf:", "leg", ""},
     {Where::urdf, "</robot>", "", "robot.urdf", "", ""},
     {Where::urdf, "axis xyz=\"0 1 0\"", "axis xyz=\"0 0 0\"", "robot.urdf:9", "axis", "swing"},

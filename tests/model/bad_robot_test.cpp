@@ -72,7 +72,7 @@ std::string fault(const Bad& c) {
   folder.write("robot.urdf", c.urdf ? testing::replaced(kUrdf, c.from, c.to) : kUrdf);
   folder.write("robot.yaml", c.urdf ? kYaml : testing::replaced(kYaml, c.from, c.to));
   try {
-    (void)read_robot(folder.path());
+    (void)read_robot(folder.path(), {}, Reading::strict);
   } catch (const InputError& e) {
     const std::string what = e.what();
     const std::string prefix = folder.path().string() + "/";
@@ -165,7 +165,7 @@ TEST(BadRobot, Urdf) {
        "fixed_joints of "
        "robot.yaml"},
       {true, "<origin xyz=\"1 0 0\"/>", "<origin xyz=\"1 0 0\" rpy=\"0.1 0 0\"/>",
-       "robot.urdf:12: joint 'j_d': its frame is turned out of the sagittal plane; ..."},
+       "robot.urdf:12: joint 'j_d': axis (0, -0.995, -0.09983) in the root's frame given; ..."},
       {true, "name=\"j_d\" type=\"continuous\"", "name=\"j_d\" type=\"continous\"",
        "robot.urdf:12: joint 'j_d': type 'continous' given, did you mean 'continuous'?; allowed: "
        "fixed, revolute, "

@@ -9,6 +9,7 @@
 #include "jaculus/core/yaml.h"
 #include "jaculus/model/planar.h"
 #include "jaculus/model/tolerances.h"
+#include "jaculus/model/urdf.h"
 
 namespace jaculus::model {
 
@@ -35,8 +36,11 @@ struct Override {
 /// Throws InputError naming the known robots.
 std::filesystem::path find_robot(const std::string& name, const std::filesystem::path& relative_to);
 
-/// Reads, checks and reduces a robot. Every fault of the files is an InputError with file:line.
-Robot read_robot(const std::filesystem::path& folder, const std::vector<Override>& overrides = {});
+/// Reads, checks and reduces a robot. Every fault of the files is an InputError with file:line,
+/// except for what URDF files of the field get wrong and other tools live with: that is a note,
+/// unless `reading` is strict.
+Robot read_robot(const std::filesystem::path& folder, const std::vector<Override>& overrides = {},
+                 Reading reading = Reading::lenient);
 
 /// Every path that an override may name, with its present value and unit ("tail.drag.coefficient =
 /// 2 [-]").

@@ -15,12 +15,25 @@ namespace jaculus::model {
 using Vec3 = Eigen::Vector3d;
 using Mat3 = Eigen::Matrix3d;
 
+enum class ShapeKind { sphere, box, cylinder, capsule };
+
+/// A shape that a link touches others with.
+struct SpatialShape {
+  ShapeKind kind = ShapeKind::sphere;
+  /// half sizes [m]: a box's along its axes; radius, radius and half length along z of a cylinder
+  /// or capsule (without its caps); a sphere's radius three times
+  Vec3 size = Vec3::Zero();
+  Vec3 position = Vec3::Zero();      ///< of its centre in the link's frame [m]
+  Mat3 rotation = Mat3::Identity();  ///< its axes in the link's frame
+};
+
 struct SpatialLink {
   std::string name;
-  int line = 0;                  ///< of its element in the file
-  double mass = 0.0;             ///< [kg]; 0 where it has no <inertial>
-  Vec3 com = Vec3::Zero();       ///< centre of mass in the link's frame [m]
-  Mat3 inertia = Mat3::Zero();   ///< about the centre of mass, along the link's axes [kg m^2]
+  int line = 0;                 ///< of its element in the file
+  double mass = 0.0;            ///< [kg]; 0 where it has no <inertial>
+  Vec3 com = Vec3::Zero();      ///< centre of mass in the link's frame [m]
+  Mat3 inertia = Mat3::Zero();  ///< about the centre of mass, along the link's axes [kg m^2]
+  std::vector<SpatialShape> shapes;
   int joint = -1;                ///< joint that carries it, -1 at the root
   Mat3 R_BL = Mat3::Identity();  ///< link axes in the root's frame with every joint at zero
   Vec3 p_BL = Vec3::Zero();      ///< link origin in the root's frame with every joint at zero [m]
@@ -38,6 +51,8 @@ struct SpatialJoint {
   Mat3 rotation = Mat3::Identity();  ///< child axes in the parent's frame at joint zero
   Vec3 axis = Vec3::UnitX();         ///< unit, in the child's frame
   Bounds range;                      ///< [rad or m]; infinite where continuous
+  double effort = kInfinity;         ///< largest torque or force that the file states [N m or N]
+  double velocity = kInfinity;       ///< fastest that the file states [rad/s or m/s]
 };
 
 struct SpatialTree {
@@ -52,14 +67,23 @@ struct SpatialTree {
   [[nodiscard]] int joint_index(const std::string& name) const;  ///< -1 where there is none
 };
 
-/// Reads a URDF file. Not XML, missing or unknown parts, NaN, duplicate names, no single tree, a
-/// mass or inertia that no body can have: InputError with file:line.
-SpatialTree read_urdf(const std::filesystem::path& file);
-/// The same from text; `file` stands in messages.
-SpatialTree parse_urdf(const std::string& text, const std::filesystem::path& file);
+/// Whether what a file of somebody else's gets wrong, but other tools live with, is noted with what
+/// is assumed instead, or refused.
+enum class Reading { lenient, strict };
 
-/// Sets R_BL and p_BL of every link from its joints; a link that the root does not reach is
-/// InputError.
+/// Reads a URDF file. Not XML, NaN, duplicate names, no single tree, a negative mass: InputError
+/// with file:line. Foreign elements and attributes, masses and inertias that no body can have,
+/// missing ranges: a note that begins with "assumed:", or InputError where `reading` is strict.
+SpatialTree read_urdf(const std::filesystem::path& file, Reading reading = Reading::lenient);
+/// The same from text; `file` stands in messages.
+SpatialTree parse_urdf(const std::string& text, const std::filesystem::path& file,
+                       Reading reading = Reading::lenient);
+
+/// Sets R_BL and p_BL of every link from its joints and the root's, which stay; a link that the
+/// root does not reach is InputError.
 void place_links(SpatialTree& tree);
+
+/// The part of a tree that hangs on a link, which becomes its root and stays where it is.
+SpatialTree subtree(const SpatialTree& tree, int root);
 
 }  // namespace jaculus::model

@@ -1,0 +1,240 @@
+// jaculus robot: robot files of other people's into a folder that jaculus reads.
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "cli/command.h"
+#include "cli/robot_leap.h"
+#include "cli/robot_trial.h"
+#include "jaculus/core/error.h"
+#include "jaculus/model/mjcf.h"
+#include "jaculus/model/propose.h"
+#include "jaculus/trajectory/csv.h"
+
+namespace jaculus::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+struct RobotOptions {
+  Common common;
+  std::string file, base, forward, up;
+  std::vector<std::string> pose;
+  bool strict = false, apart = false, open = false, replace = false;
+};
+
+std::map<std::string, double> read_pose(const std::vector<std::string>& given) {
+  std::map<std::string, double> pose;
+  for (const std::string& text : given) {
+    const std::size_t equals = text.find('=');
+    const std::string name = text.substr(0, equals);
+    if (equals == std::string::npos || name.empty())
+      throw InputError(
+          fmt::format("--pose: '{}' given; allowed: JOINT=VALUE, as in hip=20deg", text));
+    // rad or m; the joint's kind isn't known here, so units are those of angles and lengths alike
+    const yaml::Node node = yaml::Node::parse("{value: " + text.substr(equals + 1) + "}", "--pose");
+    try {
+      pose[name] = node.at("value").number(dimension::angle);
+    } catch (const InputError&) {
+      pose[name] = node.at("value").number(dimension::length);
+    }
+  }
+  return pose;
+}
+
+/// A robot file as read.
+struct Source {
+  std::string urdf;  ///< text of the file to write; empty where the file itself is copied
+  model::SpatialTree tree;
+  std::vector<std::string> notes;
+  std::map<std::string, double> pose, armature;
+  std::optional<bool> floating;
+};
+
+Source read_source(const fs::path& file, model::Reading reading) {
+  if (file.extension() == ".xacro") {
+    throw InputError(fmt::format(
+        "{}: a xacro file, which is no robot yet; allowed: URDF or MJCF. ROS's tool makes one: "
+        "xacro {} > robot.urdf",
+        file.string(), file.filename().string()));
+  }
+
+  Source source;
+  if (model::is_mjcf(file)) {
+    model::MjcfRobot robot = model::read_mjcf(file);
+    source.urdf = model::write_urdf(robot.tree);
+    source.tree = model::parse_urdf(source.urdf, file, reading);
+    source.notes = robot.notes;
+    source.pose = robot.pose;
+    source.armature = robot.armature;
+    // a fixed one may still carry its base on joints along x and z
+    if (robot.floating) source.floating = true;
+    return source;
+  }
+  source.tree = model::read_urdf(file, reading);
+  source.notes = source.tree.notes;
+  return source;
+}
+
+model::ProposeOptions propose_options(const RobotOptions& options, const Source& source) {
+  model::ProposeOptions propose;
+  propose.pose = read_pose(options.pose);
+  propose.pose.insert(source.pose.begin(), source.pose.end());
+  propose.armature = source.armature;
+  propose.pairs = !options.apart;
+  propose.loops = !options.open;
+  propose.floating = source.floating;
+  if (options.forward.empty() != options.up.empty())
+    throw InputError("--forward and --up: one of them given; allowed: both or none");
+  if (!options.forward.empty() && options.forward[1] == options.up[1]) {
+    throw InputError(fmt::format("--forward {} and --up {} lie on one line; allowed: two axes",
+                                 options.forward, options.up));
+  }
+  propose.forward = options.forward;
+  propose.up = options.up;
+  if (!options.base.empty()) propose.floating = options.base == "floating";
+  return propose;
+}
+
+Json dropped_json(const model::Dropped& d) {
+  return {{"mass_kg", d.mass},
+          {"pitch_inertia_kg_m2", d.pitch_inertia},
+          {"mass_off_plane_kg", d.mass_off_plane},
+          {"com_off_plane_m", d.com_off_plane},
+          {"inertia_moved_kg_m2", d.inertia_moved},
+          {"coupling", d.coupling}};
+}
+
+std::string dropped_text(const model::Dropped& d) {
+  return fmt::format(
+      "kept: {:.6g} kg, pitch inertia {:.6g} kg m^2 about the centre of mass\n"
+      "dropped: sideways places of {:.4g} kg ({:.4g} kg m^2 of roll and yaw inertia), a centre of "
+      "mass {:.3g} mm to the left,\n  products of inertia of pitch with roll and yaw of {:.2g} %\n",
+      d.mass, d.pitch_inertia, d.mass_off_plane, d.inertia_moved, 1e3 * d.com_off_plane,
+      1e2 * d.coupling);
+}
+
+/// What an import wrote.
+struct Written {
+  Source source;
+  model::Proposal proposal;
+  model::Robot robot;
+  std::string trial, leap;  ///< files; empty where there is none
+};
+
+std::string written_text(const Written& w, const fs::path& out) {
+  const model::PlanarModel& planar = w.robot.planar;
+  std::string text =
+      fmt::format("{}: {} planar bodies, {:.6g} kg, {} coordinates, {} motors\n", w.robot.name,
+                  planar.bodies.size(), planar.total_mass(), planar.size(), planar.motors.size());
+  for (const std::string& note : w.source.notes) text += "  " + note + "\n";
+  for (const std::string& note : w.proposal.notes) text += "  " + note + "\n";
+  text += dropped_text(w.proposal.dropped);
+  for (const std::string& line : w.proposal.missing) text += "to fill in: " + line + "\n";
+
+  text += fmt::format("written to {}: robot.urdf, robot.yaml{}{}{}{}\n", out.string(),
+                      w.trial.empty() ? "" : ", ", w.trial, w.leap.empty() ? "" : ", ", w.leap);
+  const auto try_out = [&](const std::string& command, const std::string& file) {
+    if (file.empty()) return;
+    const std::string name = fs::path(file).stem().string() + "_result";
+    text += fmt::format("try: jaculus {} {} --out {}\n", command, (out / file).string(),
+                        (out / name).string());
+  };
+  try_out("simulate", w.trial);
+  try_out("solve", w.leap);
+  return text;
+}
+
+Json written_json(const Written& w) {
+  return {{"robot", w.robot.name},
+          {"planar", w.proposal.planar},
+          {"floating", w.proposal.floating},
+          {"bodies", w.robot.planar.bodies.size()},
+          {"coordinates", w.robot.planar.size()},
+          {"feet", w.robot.planar.feet.size()},
+          {"notes", w.source.notes},
+          {"decided", w.proposal.notes},
+          {"held", w.proposal.held},
+          {"to_fill_in", w.proposal.missing},
+          {"kept_and_dropped", dropped_json(w.proposal.dropped)},
+          {"trial", w.trial},
+          {"leap", w.leap}};
+}
+
+void write_urdf_file(const Source& source, const fs::path& file, const fs::path& target) {
+  if (!source.urdf.empty()) {
+    trajectory::write_file(target, source.urdf);
+  } else if (!fs::exists(target) || !fs::equivalent(file, target)) {
+    fs::copy_file(file, target, fs::copy_options::overwrite_existing);
+  }
+}
+
+int run_robot_import(const RobotOptions& options) {
+  if (options.common.out.empty())
+    throw InputError("--out: missing; allowed: the folder of the robot to write");
+  const fs::path out = options.common.out;
+  if (fs::exists(out / "robot.yaml") && !options.replace) {
+    throw InputError(fmt::format(
+        "--out {}: has a robot.yaml already; allowed: another folder, or --replace", out.string()));
+  }
+
+  const auto reading = options.strict ? model::Reading::strict : model::Reading::lenient;
+  Written w;
+  w.source = read_source(options.file, reading);
+  w.proposal = model::propose_robot(w.source.tree, propose_options(options, w.source));
+
+  prepare_folder(out);
+  write_urdf_file(w.source, options.file, out / "robot.urdf");
+  trajectory::write_file(out / "robot.yaml", w.proposal.yaml);
+  w.robot = model::read_robot(out, {}, reading);
+  w.trial = write_first_trial(w.robot, w.proposal.rest, out);
+  w.leap = write_first_leap(w.robot, w.proposal, out);
+
+  if (options.common.json) {
+    print(written_json(w).dump(1) + "\n");
+  } else if (!options.common.quiet) {
+    print(written_text(w, out));
+  }
+  return kDone;
+}
+
+}  // namespace
+
+void add_robot(CLI::App& app, Action& chosen) {
+  CLI::App* robot = app.add_subcommand("robot", "Robots from files of other people's.");
+  robot->require_subcommand(1);
+  auto options = std::make_shared<RobotOptions>();
+  CLI::App* import = robot->add_subcommand(
+      "import",
+      "Proposes robot.yaml for a URDF or MJCF file; prints what was assumed and dropped.");
+  import->footer("Example:\n  jaculus robot import a1.urdf --out models/a1");
+  import->add_option("file", options->file, "URDF or MJCF")->required();
+  import->add_option("--out", options->common.out, "folder of the robot");
+  import->add_option("--pose", options->pose,
+                     "JOINT=VALUE of joints that are held, or of the pose at rest; 0 where absent");
+  import->add_option("--base", options->base, "floating or fixed; default: told by the limbs")
+      ->check(one_of({"floating", "fixed"}));
+  const std::vector<std::string> axes = {"+x", "-x", "+y", "-y", "+z", "-z"};
+  import->add_option("--forward", options->forward, "axis of the file; default: told by names")
+      ->check(one_of(axes));
+  import->add_option("--up", options->up, "axis of the file; default: told by joints")
+      ->check(one_of(axes));
+  import->add_flag("--apart", options->apart, "left and right are joints of their own, no pairs");
+  import->add_flag("--open", options->open, "two chains from one hip stay apart, no five-bars");
+  import->add_flag("--strict", options->strict, "refuse what would be assumed");
+  import->add_flag("--replace", options->replace, "write over a robot.yaml that is there");
+  import->add_flag("--quiet", options->common.quiet, "print nothing but errors");
+  import->add_flag("--json", options->common.json,
+                   "machine-readable result on standard output, nothing else there");
+  import->callback([options, &chosen] { chosen = [options] { return run_robot_import(*options);
+};
+}  // namespace jaculus::cli
+);
+}
+
+}  // namespace jaculus::cli

@@ -1,0 +1,130 @@
+#include "jaculus/model/propose.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "jaculus/core/error.h"
+#include "jaculus/core/yaml.h"
+#include "model/propose/draft.h"
+
+namespace jaculus::model {
+namespace {
+
+void check_pose(const SpatialTree& tree, const ProposeOptions& options) {
+  std::vector<std::string> names;
+  for (const SpatialJoint& joint : tree.joints)
+    if (joint.kind != SpatialJointKind::fixed) names.push_back(joint.name);
+
+  for (const auto& [name, value] : options.pose) {
+    const int j = tree.joint_index(name);
+    if (index_of(names, name) < 0) {
+      const auto near = yaml::nearest_name(name, names);
+      throw InputError(fmt::format("--pose: no joint '{}' moves{}; allowed: {}", name,
+                                   near ? fmt::format(", did you mean '{}'?", *near) : "",
+                                   fmt::join(names, ", ")));
+    }
+    const Bounds& range = tree.joints[j].range;
+    if (!range.contains(value)) {
+      throw InputError(fmt::format("--pose: {} = {:.6g} is out of range; allowed: {:.6g} to {:.6g}",
+                                   name, value, range.lower, range.upper));
+    }
+  }
+}
+
+/// Links whose moment about the plane's normal is that of their mass at a distance beyond the whole
+/// robot's size: files of first drafts have ones there.
+void find_swollen(Draft& draft) {
+  const SpatialTree tree = hold_joints(draft.tree, held_of(draft));
+  Eigen::AlignedBox3d box;
+  for (const SpatialLink& link : tree.links) {
+    box.extend(link.p_BL);
+    box.extend(Vec3(link.p_BL + link.R_BL * link.com));
+  }
+
+  const double size = box.sizes().norm();
+  std::vector<std::string> swollen;
+  double farthest = 0.0;
+  for (const SpatialLink& link : tree.links) {
+    if (!(link.mass > 0.0)) continue;
+    const double moment = (link.R_BL * link.inertia * link.R_BL.transpose())(1, 1);
+    const double radius = std::sqrt(moment / link.mass);
+    if (radius <= size || size == 0.0) continue;
+    swollen.push_back(link.name);
+    farthest = std::max(farthest, radius);
+  }
+  if (swollen.empty()) return;
+  draft.missing.push_back(fmt::format(
+      "robot.urdf: inertias of {} links are those of their mass up to {:.2g} m away, on a robot of "
+      "{:.2g} m; used as they are: {}",
+      swollen.size(), farthest, size, fmt::join(swollen, ", ")));
+}
+
+}  // namespace
+
+Dropped dropped_of(const Draft& draft) {
+  const SpatialTree tree = hold_joints(draft.tree, held_of(draft));
+  Dropped dropped;
+  Vec3 com = Vec3::Zero();
+  for (const SpatialLink& link : tree.links) {
+    const Vec3 at = link.p_BL + link.R_BL * link.com;
+    dropped.mass += link.mass;
+    com += link.mass * at;
+    dropped.inertia_moved += link.mass * at.y() * at.y();
+    if (std::abs(at.y()) > 1e-2) dropped.mass_off_plane += link.mass;
+  }
+  if (!(dropped.mass > 0.0)) return dropped;
+  com /= dropped.mass;
+  dropped.com_off_plane = com.y();
+
+  Mat3 inertia = Mat3::Zero();
+  for (const SpatialLink& link : tree.links) {
+    const Vec3 r = link.p_BL + link.R_BL * link.com - com;
+    inertia += link.R_BL * link.inertia * link.R_BL.transpose() +
+               link.mass * (r.squaredNorm() * Mat3::Identity() - r * r.transpose());
+  }
+  dropped.pitch_inertia = inertia(1, 1);
+  if (inertia(1, 1) > 0.0)
+    dropped.coupling = std::hypot(inertia(0, 1), inertia(1, 2)) / inertia(1, 1);
+  return dropped;
+}
+
+Proposal propose_robot(const SpatialTree& tree, const ProposeOptions& options) {
+  check_pose(tree, options);
+  Draft draft;
+  draft.armature = options.armature;
+  find_frame(tree, options, draft);
+  find_held(options, draft);
+  find_pairs(options, draft);
+  find_feet(options, draft);
+  find_rest(options, draft);
+  find_swollen(draft);
+
+  Proposal proposal;
+  proposal.dropped = dropped_of(draft);
+  proposal.floating = draft.floating;
+  proposal.planar = draft.reduction.bodies.size() > 1;
+  if (!proposal.planar) {
+    draft.missing.emplace_back(
+        "nothing of this robot turns or slides in one plane, so nothing but its base moves");
+  } else if (draft.floating && draft.feet.empty()) {
+    draft.missing.emplace_back(
+        "feet: none was found, so nothing carries it on the floor; wheels don't");
+  }
+  proposal.yaml = write_proposal(draft, proposal.dropped);
+  for (const HeldBecause& h : draft.held) proposal.held.push_back(h.held.joint);
+  proposal.notes = draft.notes;
+  proposal.missing = draft.missing;
+  proposal.rest = draft.rest;
+  proposal.stretched = draft.stretched;
+  for (const DraftJoint& joint : joints_of(draft)) {
+    const double speed = draft.tree.joints[joint.spatial.front()].velocity;
+    if (std::isfinite(speed)) proposal.speed[joint.name] = speed;
+  }
+  return proposal;
+}
+
+}  // namespace jaculus::model

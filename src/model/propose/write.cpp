@@ -1,0 +1,170 @@
+// The proposal as robot.yaml, with where each line comes from.
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <cmath>
+
+#include "model/propose/draft.h"
+
+namespace jaculus::model {
+namespace {
+
+/// A name as YAML reads it back as text.
+std::string quoted(const std::string& name) {
+  std::string out = "\"";
+  for (const char c : name) out.append(c == '"' || c == '\\' ? "\\" : "").push_back(c);
+  return out + "\"";
+}
+
+std::string number(double value) {
+  return fmt::format("{:.6g}", std::abs(value) < 1e-9 ? 0.0 : value);
+}
+
+std::string head(const Draft& draft, const Dropped& d) {
+  std::string text = fmt::format(
+      "# Proposed by `jaculus robot import` from {}. Lines that begin with `# fill in` are what "
+      "the\n"
+      "# file doesn't say.\n"
+      "#\n"
+      "# Kept in the plane: {:.6g} kg, pitch inertia {:.6g} kg m^2 about the centre of mass.\n"
+      "# Dropped: sideways places of {:.4g} kg ({:.4g} kg m^2 of roll and yaw inertia), a centre "
+      "of\n"
+      "# mass {:.3g} mm to the left, products of inertia of pitch with roll and yaw of {:.2g} %.\n",
+      draft.tree.file.filename().string(), d.mass, d.pitch_inertia, d.mass_off_plane,
+      d.inertia_moved, 1e3 * d.com_off_plane, 1e2 * d.coupling);
+  for (const std::string& note : draft.notes) text += "# " + note + "\n";
+  return text + "format: jaculus-robot/1\n";
+}
+
+std::string frame(const Draft& draft) {
+  std::string text;
+  if (draft.forward != "+x" || draft.up != "+z")
+    text += fmt::format("axes: {{forward: {}, up: {}}}\n", draft.forward, draft.up);
+  if (!draft.base_link.empty()) text += fmt::format("base_link: {}\n", quoted(draft.base_link));
+  text += fmt::format("base: {}\n", draft.floating ? "floating" : "fixed");
+  if (draft.horizontal) text += "gravity: 0\n";
+  if (!draft.feet.empty())
+    text += "friction: 0.8   # fill in: rubber on a dry floor is assumed, 0.6 to 1\n";
+  return text;
+}
+
+std::string held(const Draft& draft) {
+  if (draft.held.empty()) return "";
+  std::string text = "\nfixed_joints:\n";
+  for (const HeldBecause& h : draft.held)
+    text += fmt::format("  {}: {}   # {}\n", quoted(h.held.joint), number(h.held.value), h.reason);
+  return text;
+}
+
+std::string pairs(const Draft& draft) {
+  if (draft.pairs.empty()) return "";
+  std::string text = "\n# Left and right move alike: [left, right].\npairs:\n  joints:\n";
+  for (const PairSpec& pair : draft.pairs)
+    text +=
+        fmt::format("    {}: [{}, {}]\n", quoted(pair.name), quoted(pair.left), quoted(pair.right));
+  return text;
+}
+
+std::string feet(const Draft& draft) {
+  if (draft.feet.empty()) return "";
+  std::string text = "\nfeet:\n";
+  for (const DraftFoot& foot : draft.feet)
+    text += fmt::format("  {}: {{link: {}, point: [{}, {}]}}   # {}{}\n", quoted(foot.name),
+                        quoted(foot.link), number(foot.point.x()), number(foot.point.y()),
+                        foot.guessed ? "fill in: " : "", foot.source);
+  return text;
+}
+
+std::string loops(const Draft& draft) {
+  if (draft.loops.empty()) return "";
+  std::string text = "\n# fill in: pins where the lower links end are assumed.\nloops:\n";
+  for (const DraftLoop& loop : draft.loops) {
+    const auto joint = [&](const DraftFoot& end) {
+      return quoted(draft.reduction.bodies[end.body].joint);
+    };
+    text += fmt::format(
+        "  {}:\n    {{link_a: {}, point_a: [{}, {}], link_b: {}, point_b: [{}, {}],\n"
+        "     dependent: [{}, {}], branch: {}}}\n",
+        quoted(loop.name), quoted(loop.a.link), number(loop.a.point.x()), number(loop.a.point.y()),
+        quoted(loop.b.link), number(loop.b.point.x()), number(loop.b.point.y()), joint(loop.a),
+        joint(loop.b), loop.branch > 0.0 ? "positive" : "negative");
+  }
+  return text;
+}
+
+/// Whether a joint follows from a loop.
+bool is_dependent(const Draft& draft, const DraftJoint& joint) {
+  for (const DraftLoop& loop : draft.loops)
+    if (joint.body == loop.a.body || joint.body == loop.b.body) return true;
+  return false;
+}
+
+/// Files state an effort for joints that motors drive; where some have one, the others are passive.
+std::string motors(Draft& draft) {
+  bool any = false;
+  const std::vector<DraftJoint> joints = joints_of(draft);
+  const auto effort = [&](const DraftJoint& joint) {
+    return draft.tree.joints[joint.spatial.front()].effort;
+  };
+  for (const DraftJoint& joint : joints) any = any || std::isfinite(effort(joint));
+
+  std::string text, unknown;
+  for (const DraftJoint& joint : joints) {
+    if (is_dependent(draft, joint)) continue;
+    const SpatialJoint& first = draft.tree.joints[joint.spatial.front()];
+    const bool slides = first.kind == SpatialJointKind::prismatic;
+    const std::string fast = std::isfinite(first.velocity)
+                                 ? fmt::format("   # the file: at most {} {}",
+                                               number(first.velocity), slides ? "m/s" : "rad/s")
+                                 : "";
+    const auto armature = draft.armature.find(first.name);
+    const std::string rotor = armature == draft.armature.end() || slides
+                                  ? ""
+                                  : fmt::format(", rotor_inertia: {}", number(armature->second));
+    const std::string name = quoted(joint.name);
+    if (std::isfinite(effort(joint))) {
+      text += fmt::format("  {}: {{kind: ideal, torque_limit: {}{}}}{}\n", name,
+                          number(effort(joint)), rotor, fast);
+      continue;
+    }
+    unknown += (unknown.empty() ? "" : ", ") + joint.name;
+    text += any ? fmt::format(
+                      "  # fill in if a motor drives it: {}: {{kind: ideal, torque_limit: "
+                      "...{}}}\n",
+                      name, rotor)
+                : fmt::format("  {}: {{kind: ideal{}}}   # fill in torque_limit\n", name, rotor);
+  }
+  if (!unknown.empty())
+    draft.missing.push_back(fmt::format("motors: the file states no largest torque of {}{}",
+                                        unknown, any ? "; no motor is assumed there" : ""));
+  const bool none = text.find("\n  \"") == std::string::npos && !text.starts_with("  \"");
+  return text.empty()
+             ? ""
+             : fmt::format("\n# Torques at the joint, of one motor of a pair.\n{}motors:{}\n{}",
+                           none ? "# " : "", "", text);
+}
+
+std::string rest(const Draft& draft, const std::string& motors) {
+  std::string text;
+  for (const auto& [joint, value] : draft.rest) {
+    // rest_pose is of joints with motors
+    if (motors.find("\n  " + quoted(joint) + ":") == std::string::npos) continue;
+    text += fmt::format("{}{}: {}", text.empty() ? "" : ", ", quoted(joint), number(value));
+  }
+  if (text.empty()) return "";
+  return fmt::format("\n# {}\nrest_pose: {{{}}}\n",
+                     draft.feet.empty() ? "Joints at zero, or at the nearest that they may have."
+                                        : "Feet below the hips, legs drawn in to 75 %.",
+                     text);
+}
+
+}  // namespace
+
+std::string write_proposal(Draft& draft, const Dropped& dropped) {
+  const std::string drives = motors(draft);
+  return head(draft, dropped) + frame(draft) + held(draft) + pairs(draft) + loops(draft) +
+         feet(draft) + drives + rest(draft, drives);
+}
+
+}  // namespace jaculus::model

@@ -1,0 +1,126 @@
+// A robot file of somebody else's, from the file to a simulation, through the program.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "cli/program.h"
+#include "jaculus/trajectory/dataset.h"
+#include "support/input_error.h"
+#include "support/robot_texts.h"
+#include "support/temporary_folder.h"
+
+namespace jaculus::cli {
+namespace {
+
+using nlohmann::json;
+using test::expect_refusal;
+using test::holds;
+using test::Outcome;
+using test::run_program;
+using test::TemporaryFolder;
+
+void write(const std::string& file, const std::string& text) {
+  std::ofstream(file, std::ios::binary) << text;
+}
+
+TEST(RobotImport, AQuadrupedIsImportedLoadedAndStands) {
+  const TemporaryFolder folder;
+  write(folder / "hound.urdf", test::quadruped_urdf());
+  const std::string out = folder / "hound";
+  const Outcome import = run_program({"robot", "import", folder / "hound.urdf", "--out", out});
+  ASSERT_EQ(import.exit_code, 0) << import.err;
+  EXPECT_TRUE(holds(import.out, "hound: 5 planar bodies, 12 kg, 7 coordinates, 4 motors"));
+  EXPECT_TRUE(holds(import.out, "assumed: unknown element <contact> in <link>: skipped (4 times"));
+  EXPECT_TRUE(holds(import.out, "dropped: sideways places of 6 kg"));
+
+  const Outcome check = run_program({"check", out});
+  EXPECT_EQ(check.exit_code, 0) << check.err;
+
+  const Outcome stand = run_program({"simulate", out + "/stand.yaml", "--out", folder / "stand"});
+  ASSERT_EQ(stand.exit_code, 0) << stand.err;
+  const trajectory::Dataset dataset = trajectory::read_dataset(folder / "stand");
+  const trajectory::Stream& mocap = dataset.trials.at(0).streams.at(0);
+  const Eigen::Index last = mocap.time.size() - 1;
+  const int z = mocap.channel("z");
+  const int pitch = mocap.channel("pitch");
+  // it sags under its weight by less than its gains allow, and doesn't tip over
+  EXPECT_NEAR(mocap.values(z, 0), 0.3, 0.002);
+  EXPECT_NEAR(mocap.values(z, last), 0.3, 0.02);
+  EXPECT_NEAR(mocap.values(pitch, last), 0.0, 0.02);
+}
+
+TEST(RobotImport, TheLeapThatItProposesIsSolvedVerifiedAndExported) {
+  const TemporaryFolder folder;
+  write(folder / "hound.urdf", test::quadruped_urdf());
+  const std::string out = folder / "hound";
+  const Outcome import = run_program({"robot", "import", folder / "hound.urdf", "--out", out});
+  ASSERT_EQ(import.exit_code, 0) << import.err;
+
+  const Outcome solve = run_program({"solve", out + "/leap.yaml", "--out", folder / "leap"});
+  ASSERT_EQ(solve.exit_code, 0) << solve.out << solve.err;
+  EXPECT_TRUE(holds(solve.out, "verification: passed"));
+  const Outcome exported = run_program(
+      {"export", folder / "leap", "--as", "csv", "--rate", "1000", "--out", folder / "t.csv"});
+  EXPECT_EQ(exported.exit_code, 0) << exported.err;
+}
+
+TEST(RobotImport, JsonHoldsWhatWasAssumedDecidedAndDropped) {
+  const TemporaryFolder folder;
+  write(folder / "hound.urdf", test::quadruped_urdf());
+  const Outcome import =
+      run_program({"robot", "import", folder / "hound.urdf", "--out", folder / "hound", "--json"});
+  ASSERT_EQ(import.exit_code, 0) << import.err;
+  const json told = json::parse(import.out);
+  EXPECT_EQ(told["coordinates"], 7);
+  EXPECT_EQ(told["feet"], 2);
+  EXPECT_EQ(told["trial"], "stand.yaml");
+  EXPECT_NEAR(told["kept_and_dropped"]["mass_kg"].get<double>(), 12.0, 1e-9);
+}
+
+TEST(RobotImport, AnMjcfRobotIsImportedAndSimulated) {
+  const TemporaryFolder folder;
+  write(folder / "hopper.xml", test::kHopperMjcf);
+  const Outcome import =
+      run_program({"robot", "import", folder / "hopper.xml", "--out", folder / "hopper"});
+  if (import.err.find("made without it") != std::string::npos) GTEST_SKIP() << "no MuJoCo";
+  ASSERT_EQ(import.exit_code, 0) << import.err;
+  const Outcome stand =
+      run_program({"simulate", folder / "hopper" / "stand.yaml", "--out", folder / "stand"});
+  EXPECT_EQ(stand.exit_code, 0) << stand.err;
+}
+
+TEST(RobotImport, RefusesWhatIsThereAlreadyXacroAndWhereStrictWhatItWouldAssume) {
+  const TemporaryFolder folder;
+  write(folder / "hound.urdf", test::quadruped_urdf());
+  const std::string out = folder / "hound";
+  const Outcome strict =
+      run_program({"robot", "import", folder / "hound.urdf", "--out", out, "--strict"});
+  expect_refusal(strict);
+  EXPECT_TRUE(holds(strict.err, "unknown element <contact> in <link>"));
+  EXPECT_FALSE(std::filesystem::exists(out));
+
+  ASSERT_EQ(run_program({"robot", "import", folder / "hound.urdf", "--out", out}).exit_code, 0);
+  const Outcome again = run_program({"robot", "import", folder / "hound.urdf", "--out", out});
+  expect_refusal(again);
+  EXPECT_TRUE(holds(again.err, "--replace"));
+  EXPECT_EQ(
+      run_program({"robot", "import", folder / "hound.urdf", "--out", out, "--replace"}).exit_code,
+      0);
+
+  const Outcome checked = run_program({"check", out, "--strict"});
+  expect_refusal(checked);
+  EXPECT_TRUE(holds(checked.err, "robot.urdf:"));
+
+  write(folder / "hound.xacro", "<robot/>");
+  const Outcome xacro =
+      run_program({"robot", "import", folder / "hound.xacro", "--out", folder / "x"});
+  expect_refusal(xacro);
+  EXPECT_TRUE(holds(xacro.err, "xacro hound.xacro > robot.urdf"));
+}
+
+}  // namespace
+}  // namespace jaculus::cli

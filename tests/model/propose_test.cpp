@@ -1,0 +1,351 @@
+// Proposals of robot.yaml: each is read back, for what counts is the robot that comes of it.
+
+#include "jaculus/model/propose.h"
+
+#include <fmt/ranges.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "jaculus/model/mjcf.h"
+#include "jaculus/model/robot.h"
+#include "model/support.h"
+#include "support/input_error.h"
+#include "support/robot_texts.h"
+
+namespace jaculus::model {
+namespace {
+
+using test::holds;
+using test::input_error_of;
+
+struct Imported {
+  Proposal proposal;
+  Robot robot;
+};
+
+Imported imported(const std::string& urdf, const ProposeOptions& options = {}) {
+  const testing::Folder folder;
+  const Proposal proposal = propose_robot(parse_urdf(urdf, "robot.urdf"), options);
+  folder.write("robot.urdf", urdf);
+  folder.write("robot.yaml", proposal.yaml);
+  return {proposal, read_robot(folder.path())};
+}
+
+std::vector<std::string> names(const std::vector<Coordinate>& coordinates) {
+  std::vector<std::string> all;
+  for (const Coordinate& c : coordinates) all.push_back(c.name);
+  return all;
+}
+
+std::string link(const std::string& name, double mass, const std::string& com,
+                 const std::string& shape = "") {
+  return fmt::format(
+      "<link name=\"{}\"><inertial><origin xyz=\"{}\"/><mass value=\"{}\"/><inertia ixx=\"0.01\" "
+      "iyy=\"0.01\" izz=\"0.01\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial>{}</link>\n",
+      name, com, mass,
+      shape.empty() ? "" : "<collision><geometry>" + shape + "</geometry></collision>");
+}
+
+std::string joint(const std::string& name, const std::string& type, const std::string& parent,
+                  const std::string& child, const std::string& origin, const std::string& axis,
+                  const std::string& effort = "10") {
+  return fmt::format(
+      "<joint name=\"{}\" type=\"{}\"><parent link=\"{}\"/><child link=\"{}\"/><origin "
+      "xyz=\"{}\"/><axis "
+      "xyz=\"{}\"/><limit lower=\"-2\" upper=\"2\" effort=\"{}\" velocity=\"9\"/></joint>\n",
+      name, type, parent, child, origin, axis, effort);
+}
+
+TEST(Propose, AQuadrupedWithAbductionIsPlanarByItself) {
+  const Imported hound = imported(test::quadruped_urdf());
+  const PlanarModel& m = hound.robot.planar;
+  EXPECT_TRUE(hound.proposal.floating);
+  EXPECT_EQ(names(m.coordinates),
+            (std::vector<std::string>{"x", "z", "pitch", "front_hip", "front_knee", "rear_hip",
+                                      "rear_knee"}));
+  EXPECT_NEAR(m.total_mass(), 6.0 + 4 * (0.5 + 0.8 + 0.2), 1e-12);
+  EXPECT_NEAR(m.bodies[0].mass, 8.0, 1e-12);
+  // the trunk's, and four hips of 0.5 kg at 0.2 m
+  EXPECT_NEAR(m.bodies[0].inertia, 0.08 + 4 * (3e-3 + 0.5 * 0.04), 1e-12);
+
+  ASSERT_EQ(m.feet.size(), 2u);
+  EXPECT_EQ(m.feet[0].name, "front_foot");
+  EXPECT_EQ(m.feet[0].position, Vec2(0.0, -0.2));
+  EXPECT_EQ(m.feet[0].count, 2);
+  for (const PlanarMotor& motor : m.motors) EXPECT_EQ(motor.torque_limit, 25.0);
+}
+
+TEST(Propose, ForwardFollowsFromTheNamesOfLeftAndRight) {
+  std::string text = "<robot name=\"biped\">" + link("trunk", 5, "0 0 0");
+  for (const char* side : {"left", "right"}) {
+    // left is at -y here, so the file looks along -x
+    text += link(std::string(side) + "_leg", 1, "0 0 -0.1", "<sphere radius=\"0.01\"/>") +
+            joint(std::string(side) + "_hip", "revolute", "trunk", std::string(side) + "_leg",
+                  std::string(side) == "left" ? "0 -0.1 0" : "0 0.1 0", "0 1 0");
+  }
+  const Imported biped = imported(text + "</robot>");
+  EXPECT_TRUE(holds(biped.proposal.yaml, "axes: {forward: -x, up: +z}"));
+  EXPECT_TRUE(holds(biped.proposal.yaml, "[\"left_hip\", \"right_hip\"]"));
+}
+
+TEST(Propose, SaysWhatIsDropped) {
+  const Dropped d = imported(test::quadruped_urdf()).proposal.dropped;
+  EXPECT_NEAR(d.mass, 12.0, 1e-12);
+  EXPECT_NEAR(d.com_off_plane, 0.0, 1e-15);
+  EXPECT_NEAR(d.mass_off_plane, 6.0, 1e-12);
+  // hips at 0.07 m, thighs at 0.14 m, shanks at 0.13 m from the plane
+  EXPECT_NEAR(d.inertia_moved, 4 * (0.5 * 0.07 * 0.07 + 0.8 * 0.14 * 0.14 + 0.2 * 0.13 * 0.13),
+              1e-12);
+  EXPECT_NEAR(d.coupling, 0.0, 1e-12);
+}
+
+TEST(Propose, RestsWithItsFeetBelowTheHipsAtOneHeight) {
+  const Imported hound = imported(test::quadruped_urdf());
+  const std::vector<testing::Pose> at = testing::poses(hound.robot.planar, {}, hound.proposal.rest);
+  for (const PlanarPoint& foot : hound.robot.planar.feet) {
+    const Vec2 p = at[foot.body].at(foot.position);
+    EXPECT_NEAR(p.x(), foot.name == "front_foot" ? 0.2 : -0.2, 1e-4);
+    EXPECT_NEAR(p.y(), -0.75 * 0.4, 1e-4);
+  }
+  EXPECT_GE(hound.proposal.rest.at("front_knee"), -2.7);
+  EXPECT_LE(hound.proposal.rest.at("front_knee"), -0.9);
+}
+
+TEST(Propose, AbductionIsHeldWhereItIsStated) {
+  ProposeOptions options;
+  for (const char* leg : {"FL", "RL"}) options.pose[std::string(leg) + "_abduct"] = 0.1;
+  for (const char* leg : {"FR", "RR"}) options.pose[std::string(leg) + "_abduct"] = -0.1;
+  const Imported hound = imported(test::quadruped_urdf(), options);
+  // thighs hang from hips that are turned outwards: 0.08 m of abduction link rise
+  EXPECT_NEAR(hound.robot.planar.bodies[1].origin.y(), 0.08 * std::sin(0.1), 1e-6);
+  EXPECT_EQ(hound.robot.planar.size(), 7);
+
+  options.pose = {{"FL_abdct", 0.1}};
+  EXPECT_TRUE(holds(input_error_of([&] { (void)imported(test::quadruped_urdf(), options); }),
+                    "did you mean 'FL_abduct'"));
+  options.pose = {{"FL_abduct", 2.0}};
+  EXPECT_TRUE(holds(input_error_of([&] { (void)imported(test::quadruped_urdf(), options); }),
+                    "out of range; allowed: -0.8 to 0.8"));
+}
+
+TEST(Propose, LeftAndRightMayStayApart) {
+  ProposeOptions options;
+  options.pairs = false;
+  EXPECT_EQ(imported(test::quadruped_urdf(), options).robot.planar.size(), 3 + 8);
+}
+
+TEST(Propose, AFileWithYUpAndZForward) {
+  // the pendulum hangs along -y, its joints turn about x; two of them, so it isn't one limb
+  std::string text = "<robot name=\"r\">" + link("trunk", 5, "0 0 0");
+  for (const char* end : {"front", "rear"}) {
+    const std::string z = std::string(end) == "front" ? "0.2" : "-0.2";
+    text += link(std::string(end) + "_leg", 1, "0 -0.1 0", "<sphere radius=\"0.01\"/>") +
+            joint(std::string(end) + "_joint", "revolute", "trunk", std::string(end) + "_leg",
+                  "0 -0.1 " + z, "1 0 0") +
+            link(std::string(end) + "_toe", 0.1, "0 0 0", "<sphere radius=\"0.01\"/>") +
+            joint(std::string(end) + "_ankle", "fixed", std::string(end) + "_leg",
+                  std::string(end) + "_toe", "0 -0.3 0", "1 0 0");
+  }
+  const Imported r = imported(text + "</robot>");
+  EXPECT_NE(r.proposal.yaml.find("axes: {forward: +z, up: +y}"), std::string::npos);
+  ASSERT_EQ(r.robot.planar.feet.size(), 2u);
+  EXPECT_NEAR(r.robot.planar.bodies[1].origin.x(), 0.2, 1e-12);
+  EXPECT_NEAR(r.robot.planar.bodies[1].origin.y(), -0.1, 1e-12);
+  EXPECT_NEAR(r.robot.planar.feet[0].position.y(), -0.3, 1e-12);
+}
+
+TEST(Propose, AnArmIsFixedAndKeepsTheJointsOfThePlane) {
+  const Imported arm =
+      imported("<robot name=\"arm\">" + link("base", 3, "0 0 0") + link("a", 2, "0 0 0.1") +
+               link("b", 2, "0 0 0.1") + link("c", 1, "0 0 0.1") +
+               joint("turn", "revolute", "base", "a", "0 0 0.2", "0 0 1") +
+               joint("lift", "revolute", "a", "b", "0 0 0.2", "0 1 0") +
+               joint("bend", "revolute", "b", "c", "0 0 0.2", "0 -1 0") + "</robot>");
+  EXPECT_FALSE(arm.proposal.floating);
+  EXPECT_EQ(names(arm.robot.planar.coordinates), (std::vector<std::string>{"lift", "bend"}));
+  EXPECT_EQ(arm.robot.planar.bodies[0].mass, 5.0);
+  EXPECT_TRUE(arm.robot.planar.feet.empty());
+}
+
+TEST(Propose, ThePlaneMayBeStated) {
+  const std::string arm = "<robot name=\"arm\">" + link("base", 3, "0 0 0") +
+                          link("a", 2, "0 0 0.1") + link("b", 2, "0 0 0.1") +
+                          joint("turn", "revolute", "base", "a", "0 0 0.2", "1 0 0") +
+                          joint("lift", "revolute", "a", "b", "0 0 0.2", "0 1 0") + "</robot>";
+  ProposeOptions options;
+  EXPECT_EQ(names(imported(arm, options).robot.planar.coordinates),
+            (std::vector<std::string>{"lift"}));
+  options.forward = "+y";
+  options.up = "+z";
+  EXPECT_EQ(names(imported(arm, options).robot.planar.coordinates),
+            (std::vector<std::string>{"turn"}));
+}
+
+TEST(Propose, AFlatMechanismHasNoGravity) {
+  const Imported scara =
+      imported("<robot name=\"s\">" + link("base", 3, "0 0 0") + link("a", 2, "0.1 0 0") +
+               link("b", 2, "0.1 0 0") + joint("one", "revolute", "base", "a", "0 0 0.2", "0 0 1") +
+               joint("two", "revolute", "a", "b", "0.3 0 0", "0 0 1") + "</robot>");
+  EXPECT_EQ(scara.robot.planar.gravity, 0.0);
+  EXPECT_EQ(scara.robot.planar.size(), 2);
+}
+
+TEST(Propose, AWheelIsNoLeg) {
+  const auto wheels = [](double com) {
+    std::string text = "<robot name=\"car\">" + link("trunk", 5, "0 0 0");
+    for (const char* end : {"front", "rear"})
+      text += link(std::string(end) + "_wheel", 1, fmt::format("0 0 {}", com)) +
+              joint(std::string(end) + "_axle", "continuous", "trunk", std::string(end) + "_wheel",
+                    std::string(end) == "front" ? "0.2 0 0" : "-0.2 0 0", "0 1 0");
+    return text + "</robot>";
+  };
+  const Imported car = imported(wheels(0.0));
+  EXPECT_TRUE(car.robot.planar.feet.empty());
+  EXPECT_TRUE(holds(car.proposal.yaml, "rolling is not modelled"));
+  EXPECT_TRUE(holds(car.proposal.missing.at(0), "feet: none was found"));
+  // the same with the mass below the axle is a leg, whose foot is a guess
+  const Imported legs = imported(wheels(-0.1));
+  ASSERT_EQ(legs.robot.planar.feet.size(), 2u);
+  EXPECT_NEAR(legs.robot.planar.feet[0].position.y(), -0.2, 1e-12);
+  EXPECT_TRUE(holds(legs.proposal.missing.at(0), "feet.front_foot.point"));
+}
+
+/// Four motors at two hips, each with an upper and a lower link.
+std::string five_bars() {
+  std::string text = "<robot name=\"m\">" + link("trunk", 5, "0 0 0");
+  for (const char* end : {"front", "rear"}) {
+    for (const char* side : {"a", "b"}) {
+      const std::string name = std::string(end) + "_" + side;
+      text += link(name + "_upper", 0.2, "0 0 -0.05") + link(name + "_lower", 0.1, "0 0 -0.1") +
+              link(name + "_toe", 0.01, "0 0 0", "<sphere radius=\"0.01\"/>") +
+              joint(name + "_motor", "continuous", "trunk", name + "_upper",
+                    std::string(end) == "front" ? "0.2 0 0" : "-0.2 0 0", "0 1 0") +
+              joint(name + "_knee", "continuous", name + "_upper", name + "_lower", "0 0 -0.1",
+                    "0 1 0", "0") +
+              joint(name + "_end", "fixed", name + "_lower", name + "_toe", "0 0 -0.2", "0 1 0");
+    }
+  }
+  return text + "</robot>";
+}
+
+TEST(Propose, TwoAlikeChainsFromOneHipAreAFiveBar) {
+  const Imported m = imported(five_bars());
+  ASSERT_EQ(m.robot.planar.loops.size(), 2u);
+  EXPECT_EQ(m.robot.planar.size(), 3 + 4);
+  EXPECT_EQ(m.robot.planar.feet.size(), 2u);
+  EXPECT_EQ(m.robot.planar.motors.size(), 4u);
+  EXPECT_EQ(m.robot.planar.loops[0].point_a, Vec2(0.0, -0.2));
+  EXPECT_TRUE(holds(m.proposal.missing.at(0), "pinned where its lower links end"));
+
+  // at rest both chains of a leg end in one place, on the branch that is proposed
+  const std::vector<testing::Pose> at = testing::poses(m.robot.planar, {}, m.proposal.rest);
+  for (const PlanarLoop& loop : m.robot.planar.loops) {
+    const Vec2 pin = at[loop.body_a].at(loop.point_a);
+    EXPECT_NEAR((pin - at[loop.body_b].at(loop.point_b)).norm(), 0.0, 1e-4);
+    const Vec2 u = at[loop.body_b].p - at[loop.body_a].p;
+    const Vec2 v = pin - at[loop.body_a].p;
+    EXPECT_GT(loop.branch * (u.y() * v.x() - u.x() * v.y()), 0.0);
+  }
+
+  ProposeOptions open;
+  open.loops = false;
+  const Imported apart = imported(five_bars(), open);
+  EXPECT_TRUE(apart.robot.planar.loops.empty());
+  EXPECT_EQ(apart.robot.planar.feet.size(), 4u);
+}
+
+TEST(Propose, ChainsThatCannotMeetStayOpen) {
+  // front_b's knee stays bent so far that its chain ends 3 cm short of where the other does
+  std::string text = testing::replaced(five_bars(), "\"front_b_knee\" type=\"continuous\"",
+                                       "\"front_b_knee\" type=\"revolute\"");
+  text.replace(text.find("lower=\"-2\"", text.find("front_b_knee")), 10, "lower=\"1.9\"");
+  const Imported m = imported(text);
+  ASSERT_EQ(m.robot.planar.loops.size(), 1u);
+  EXPECT_EQ(m.robot.planar.loops[0].name, "rear_leg");
+  EXPECT_TRUE(holds(fmt::format("{}", fmt::join(m.proposal.missing, "\n")), "left open after all"));
+}
+
+TEST(Propose, JointsWithoutAnEffortArePassiveWhereOthersHaveOne) {
+  const Imported pole = imported(
+      "<robot name=\"p\">" + link("rail", 1, "0 0 0") + link("cart", 1, "0 0 0") +
+      link("pole", 1, "0 0 0.3") + joint("slide", "prismatic", "rail", "cart", "0 0 0", "1 0 0") +
+      joint("swing", "continuous", "cart", "pole", "0 0 0", "0 1 0", "0") + "</robot>");
+  ASSERT_EQ(pole.robot.planar.motors.size(), 1u);
+  EXPECT_EQ(pole.robot.planar.motors[0].joint, "slide");
+  EXPECT_TRUE(holds(pole.proposal.missing.at(0), "no largest torque of swing"));
+}
+
+TEST(Propose, AnInertiaBeyondTheRobotsSizeIsSaid) {
+  const std::string ones =
+      testing::replaced(test::quadruped_urdf(), "ixx=\"0.02\" iyy=\"0.08\" izz=\"0.09\"",
+                        "ixx=\"1\" iyy=\"6\" izz=\"6\"");
+  EXPECT_TRUE(holds(imported(ones).proposal.missing.at(0), "inertias of 1 links"));
+  EXPECT_TRUE(imported(test::quadruped_urdf()).proposal.missing.empty());
+}
+
+TEST(Propose, NothingThatMovesIsSaid) {
+  const Imported box = imported("<robot name=\"b\">" + link("box", 1, "0 0 0") + "</robot>");
+  EXPECT_FALSE(box.proposal.planar);
+  EXPECT_EQ(box.robot.planar.size(), 3);
+}
+
+/// The hopper, or nothing where this build has no MuJoCo.
+std::optional<MjcfRobot> hopper() {
+  const testing::Folder folder;
+  folder.write("hopper.xml", test::kHopperMjcf);
+  EXPECT_TRUE(is_mjcf(folder.path() / "hopper.xml"));
+  try {
+    return read_mjcf(folder.path() / "hopper.xml");
+  } catch (const InputError& error) {
+    EXPECT_TRUE(holds(error.what(), "made without it"));
+    return {};
+  }
+}
+
+TEST(Mjcf, IsReadByMujocoWithGeomsInertiasAndActuators) {
+  const std::optional<MjcfRobot> mjcf = hopper();
+  if (!mjcf) GTEST_SKIP() << "no MuJoCo";
+  const SpatialTree& tree = mjcf->tree;
+  const SpatialLink& trunk = tree.links[tree.link_index("trunk")];
+  // a box of 4 kg, 0.2 x 0.1 x 0.3 m
+  EXPECT_NEAR(trunk.inertia(1, 1), 4.0 / 12.0 * (0.2 * 0.2 + 0.3 * 0.3), 1e-12);
+  EXPECT_EQ(tree.joints[tree.joint_index("hip")].effort, 50.0);
+  EXPECT_EQ(tree.joints[tree.joint_index("knee")].effort, 30.0);
+  EXPECT_EQ(mjcf->armature.at("hip"), 0.02);
+  EXPECT_FALSE(mjcf->floating);
+}
+
+TEST(Mjcf, ComesBackFromItsUrdfAndIsPlanar) {
+  const std::optional<MjcfRobot> mjcf = hopper();
+  if (!mjcf) GTEST_SKIP() << "no MuJoCo";
+  ProposeOptions options;
+  options.armature = mjcf->armature;
+  const Imported robot = imported(write_urdf(mjcf->tree), options);
+  const PlanarModel& m = robot.robot.planar;
+  EXPECT_EQ(m.bodies[0].name, "trunk");
+  EXPECT_EQ(names(m.coordinates), (std::vector<std::string>{"x", "z", "pitch", "hip", "knee"}));
+  EXPECT_NEAR(m.total_mass(), 5.5, 1e-12);
+  // the hip's anchor is 0.05 m above the thigh's frame, so its link begins there
+  EXPECT_NEAR(m.bodies[1].origin.y(), -0.15, 1e-12);
+  EXPECT_NEAR(m.bodies[1].com.y(), -0.15 - 0.05, 1e-12);
+  EXPECT_NEAR(m.bodies[2].origin.y(), -0.35, 1e-12);
+  EXPECT_EQ(m.bodies[2].sign, -1.0);
+  ASSERT_EQ(m.feet.size(), 1u);
+  EXPECT_NEAR(m.feet[0].position.y(), -0.3, 1e-12);
+  EXPECT_EQ(m.motors[0].rotor_inertia, 0.02);
+}
+
+TEST(Mjcf, IsToldFromUrdfByItsFirstElement) {
+  const testing::Folder folder;
+  folder.write("a",
+               "<?xml version=\"1.0\"?>\n<!-- <mujoco> -->\n<robot name=\"r\"><mujoco/></robot>");
+  folder.write("b", "<!-- a robot -->\n<mujoco/>");
+  EXPECT_FALSE(is_mjcf(folder.path() / "a"));
+  EXPECT_TRUE(is_mjcf(folder.path() / "b"));
+  EXPECT_FALSE(is_mjcf(folder.path() / "none"));
+}
+
+}  // namespace
+}  // namespace jaculus::model
