@@ -28,7 +28,8 @@ TEST(LinearSets, AreTheSameAboutNoneAndAboutAFit) {
       diagnosis::comparison_about(*problem, diagnosis::estimate_noise(*problem, Vector::Zero(4)));
   const diagnosis::Whitening& whitening = comparison.whitening;
   const Fit none = diagnosis::fit_model(*problem, whitening, {}, {Vector::Zero(4)});
-  const Fit first = diagnosis::fit_model(*problem, whitening, {0}, {Vector(0.05 * Vector::Unit(4, 0))});
+  const Fit first =
+      diagnosis::fit_model(*problem, whitening, {0}, {Vector(0.05 * Vector::Unit(4, 0))});
   ASSERT_TRUE(none.valid && first.valid);
 
   const std::vector<std::vector<int>> sets = {{0}, {1}, {0, 1}};
