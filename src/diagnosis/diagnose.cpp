@@ -129,6 +129,20 @@ Diagnosis insufficient(const Problem& problem) {
   return out;
 }
 
+/// The parameters of the model that is stated, in a problem about other windows of the same data.
+Vector parameters_of(const Diagnosis& found, const Hypotheses& hypotheses) {
+  const Vector& stated = names_effects(found.verdict) ? found.model.p : found.none.p;
+  const std::vector<FreeParameter>& known = found.problem->hypotheses.parameters;
+  Vector p = hypotheses.nominal();
+  for (int i = 0; i < count_of(hypotheses.parameters); ++i) {
+    const FreeParameter& own = hypotheses.parameters[i];
+    for (int k = 0; k < count_of(known); ++k)
+      if (own.owner != "force" && known[k].owner == own.owner && known[k].name == own.name)
+        p[i] = stated[k];
+  }
+  return p;
+}
+
 /// Forces that acted once, about the model that is stated: sought in all windows.
 std::vector<ForceEvent> events_about(const Diagnosis& found,
                                      const std::vector<trajectory::Dataset>& datasets,
@@ -137,10 +151,11 @@ std::vector<ForceEvent> events_about(const Diagnosis& found,
     return {};
   tell(options, "events");
   options.settings.windows = kAllWindows;
+  options.settings.window_length = options.settings.force_box;
+  options.settings.window_start_half_width = 0.5 * options.settings.force_box;
   const BuiltProblem all = build_problem(datasets, options);
-  const Vector& p = names_effects(found.verdict) ? found.model.p : found.none.p;
-  if (!all.forward || count_of(all.problem->hypotheses.parameters) != p.size()) return {};
-  return force_events(*all.problem, p);
+  if (!all.forward) return {};
+  return force_events(*all.problem, *all.forward, parameters_of(found, all.problem->hypotheses));
 }
 
 /// The same with the horizon that the user names.

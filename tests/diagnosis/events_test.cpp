@@ -45,6 +45,20 @@ TEST(Events, ArePlantedPushesWithTheirSign) {
   }
 }
 
+TEST(Events, AreNoRatesThatWereMeasuredWronglyAtOneInstant) {
+  std::vector<ForceSeries> series = noise(2);
+  series[1].force[100] += 2.0;
+  series[1].force[101] -= 2.0;
+  EXPECT_TRUE(diagnosis::unusual_runs(series, 0.05).empty());
+}
+
+TEST(Events, AreNotWhatAnotherTrialHasAtTheSameTime) {
+  std::vector<ForceSeries> series = noise(3);
+  for (const int trial : {0, 3})
+    for (int i = 60; i < 66; ++i) series[trial].force[i] += 0.8;
+  EXPECT_TRUE(diagnosis::unusual_runs(series, 0.05).empty());
+}
+
 TEST(Events, AreSeldomMadeByNoise) {
   int alarms = 0;
   for (unsigned seed = 0; seed < 100; ++seed)

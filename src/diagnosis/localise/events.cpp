@@ -1,14 +1,13 @@
 #include "diagnosis/localise/events.h"
 
-#include <Eigen/Cholesky>
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <boost/math/special_functions/erf.hpp>
 #include <cmath>
-#include <map>
 #include <tuple>
 
-#include "diagnosis/noise/force_bands.h"
-#include "diagnosis/noise/whitening.h"
+#include "jaculus/dynamics/rigid_body.h"
 
 namespace jaculus::diagnosis {
 namespace {
@@ -18,17 +17,7 @@ constexpr double kMedianOfNormal = 0.6745;
 constexpr int kWidths[] = {1, 2, 4, 8};
 /// Share of an event's largest force that still belongs to it.
 constexpr double kBelongs = 0.3;
-
-/// Posterior mean of w of a block, of the white residual of its rows.
-Vector mean_forces(const RandomBlock& block, const Vector& scales, const Vector& residual) {
-  Vector own(count_of(block.group));
-  for (int k = 0; k < count_of(block.group); ++k) own[k] = scales[block.group[k]];
-  Matrix inner = own.asDiagonal() * block.gram * own.asDiagonal();
-  inner.diagonal().array() += 1.0;
-  const Vector along =
-      own.cwiseProduct(block.columns.transpose() * residual.segment(block.first, block.count));
-  return own.cwiseProduct(inner.llt().solve(along));
-}
+constexpr double kSameTime = 1e-6;  // [s]
 
 double run_mean(const ForceSeries& series, int first, int width) {
   double sum = 0.0;
@@ -47,8 +36,47 @@ double usual_size(const std::vector<ForceSeries>& series, int width) {
   return *middle / kMedianOfNormal;
 }
 
+/// Mean of a run, or of it with a box more at either side where that is nearer to zero: a rate that
+/// was measured wrongly at one instant pushes the boxes on both sides of it against one another.
+double steady_mean(const ForceSeries& series, int first, int width) {
+  const double own = run_mean(series, first, width) * width;
+  double least = own;
+  for (const int before : {0, 1}) {
+    for (const int after : {0, 1}) {
+      const int from = first - before, to = first + width + after;
+      if (from < 0 || to > count_of(series.force)) continue;
+      const double sum = run_mean(series, from, to - from) * (to - from);
+      if (sum * own <= 0.0) return 0.0;
+      if (std::abs(sum) < std::abs(least)) least = sum;
+    }
+  }
+  return least / width;
+}
+
 bool overlaps(const EventRun& a, const EventRun& b) {
   return a.series == b.series && a.first <= b.last && b.first <= a.last;
+}
+
+bool same_way(const ForceSeries& a, const EventRun& of_a, const ForceSeries& b,
+              const EventRun& of_b) {
+  const bool together =
+      a.time[of_a.first] <= b.time[of_b.last] && b.time[of_b.first] <= a.time[of_a.last];
+  return together &&
+         a.force[(of_a.first + of_a.last) / 2] * b.force[(of_b.first + of_b.last) / 2] > 0.0;
+}
+
+/// Without what another trial has at the same time: that comes with the motion.
+std::vector<EventRun> only_once(const std::vector<ForceSeries>& series,
+                                const std::vector<EventRun>& found) {
+  std::vector<EventRun> events;
+  for (const EventRun& event : found) {
+    const auto repeats = [&](const EventRun& other) {
+      return other.series != event.series &&
+             same_way(series[event.series], event, series[other.series], other);
+    };
+    if (std::none_of(found.begin(), found.end(), repeats)) events.push_back(event);
+  }
+  return events;
 }
 
 /// The run with the boxes beside it that push the same way by a share of its largest force.
@@ -66,36 +94,60 @@ EventRun widened(const ForceSeries& series, EventRun run) {
   return run;
 }
 
-/// Series by dataset, joint and trial.
-using Place = std::tuple<int, int, int>;
+/// The force that is missing between the starts of two windows, along every coordinate; empty where
+/// the second doesn't follow the first, or can't be simulated.
+Vector force_between(const PlantForward& forward, int dataset, int segment,
+                     const ObservedDataset& observed, double box, const Vector& p) {
+  if (segment + 1 >= count_of(observed.segments)) return {};
+  const Segment &own = observed.segments[segment], &next = observed.segments[segment + 1];
+  const double length = next.start - own.start;
+  if (next.trial != own.trial || std::abs(length - box) > kSameTime) return {};
 
-std::map<Place, ForceSeries> series_of(const Problem& all, const Whitening& whitening,
-                                       const Vector& residual, const Vector& scales) {
-  std::map<Place, ForceSeries> series;
-  int block = 0;
-  for (int d = 0; d < count_of(all.observations.datasets); ++d) {
-    const ObservedDataset& observed = all.observations.datasets[d];
-    for (const SegmentBlock& segment : whitening.datasets[d].blocks) {
-      const Vector w = mean_forces(whitening.random.blocks[block++], scales, residual);
-      const Segment& own = observed.segments[segment.segment];
-      int column = 0;
-      for (int g = 0; g < count_of(all.hypotheses.forces); ++g) {
-        const ForceGroup& group = all.hypotheses.forces[g];
-        const int boxes = count_of(group.boxes);
-        const Vector f = cosines(boxes) * w.segment(column, boxes) *
-                         all.hypotheses.parameters[group.boxes.front()].scale;
-        column += boxes;
-        ForceSeries& at = series[{d, g, own.trial}];
-        for (int k = 0; k < boxes; ++k) {
-          const double time = own.start + (k + 0.5) * all.settings.force_box;
-          if (time > own.end()) break;
-          at.time.push_back(time);
-          at.force.push_back(f[k]);
-        }
-      }
+  SimulationSetup setup = forward.setup(dataset, segment, p);
+  setup.options.sample_times = Vector::LinSpaced(2, 0.0, length);
+  setup.options.duration = length;
+  const simulation::Simulation simulated =
+      simulate(setup.plant, setup.controller, setup.start, setup.options);
+  if (simulated.status != simulation::SimulationStatus::done || simulated.time.size() != 2 ||
+      !simulated.v.allFinite())
+    return {};
+
+  const dynamics::AbsoluteTree tree(setup.plant.model);
+  dynamics::Motion motion(tree);
+  if (!set_configuration(tree, next.start_q, motion)) return {};
+  return mass_matrix(tree, motion) * (next.start_v - simulated.v.col(1)) / length;
+}
+
+/// Forces of a dataset, a series for every trial and coordinate.
+std::vector<std::vector<ForceSeries>> series_of(const Problem& all, const PlantForward& forward,
+                                                int dataset, const Vector& p) {
+  const ObservedDataset& observed = all.observations.datasets[dataset];
+  const double box = all.settings.window_length;
+  std::vector<Vector> forces(observed.segments.size());
+  tbb::parallel_for(0, count_of(forces), [&](int s) {
+    forces[s] = force_between(forward, dataset, s, observed, box, p);
+  });
+
+  const std::size_t trials = observed.dataset.trials.size();
+  std::vector<std::vector<ForceSeries>> series(observed.model.size(),
+                                               std::vector<ForceSeries>(trials));
+  for (int s = 0; s < count_of(forces); ++s) {
+    const Segment& own = observed.segments[s];
+    for (int i = 0; i < forces[s].size(); ++i) {
+      ForceSeries& at = series[i][own.trial];
+      at.time.push_back(own.start + 0.5 * box);
+      at.force.push_back(forces[s][i]);
     }
   }
   return series;
+}
+
+/// Largest mean of two boxes of a run that follow one another: one box alone may be noise.
+double peak_of(const ForceSeries& series, const EventRun& run) {
+  double peak = run.first == run.last ? series.force[run.first] : 0.0;
+  for (int i = run.first; i < run.last; ++i)
+    if (const double mean = run_mean(series, i, 2); std::abs(mean) > std::abs(peak)) peak = mean;
+  return peak;
 }
 
 double probability_of(double deviations, std::size_t tried) {
@@ -110,7 +162,7 @@ std::vector<EventRun> unusual_runs(const std::vector<ForceSeries>& series, doubl
     const double usual = usual_size(series, width);
     for (int s = 0; s < count_of(series); ++s)
       for (int i = 0; i + width <= count_of(series[s].force); ++i)
-        tried.push_back({s, i, i + width - 1, std::abs(run_mean(series[s], i, width)) / usual});
+        tried.push_back({s, i, i + width - 1, std::abs(steady_mean(series[s], i, width)) / usual});
   }
   if (tried.empty()) return {};
   const double bound =
@@ -126,44 +178,27 @@ std::vector<EventRun> unusual_runs(const std::vector<ForceSeries>& series, doubl
     const auto known = [&](const EventRun& event) { return overlaps(event, whole); };
     if (std::none_of(events.begin(), events.end(), known)) events.push_back(whole);
   }
-  return events;
+  return only_once(series, events);
 }
 
-std::vector<ForceEvent> force_events(const Problem& all, const Vector& p) {
-  NoiseModel noise = estimate_noise(all, p);
-  if (!in_windows(all) || !noise.valid()) return {};
-  const std::vector<Vector> rows = rows_of(all, noise, noise.at_p);
-  const Whitening whitening = whitening_of(all, with_random_effects(all, std::move(noise)));
-  const Vector residual = whitening.residual(rows);
-  const ScaleEstimate scales = estimated_scales(
-      whitening.random, products_of(whitening.random, residual), first_scales(whitening.random),
-      all.settings.scale_steps, all.settings.scale_spread);
-
+std::vector<ForceEvent> force_events(const Problem& all, const PlantForward& forward,
+                                     const Vector& p) {
   std::vector<ForceEvent> events;
-  const auto by_place = series_of(all, whitening, residual, scales.scales);
+  if (!in_windows(all)) return events;
+  const double half = 0.5 * all.settings.window_length;
   for (int d = 0; d < count_of(all.observations.datasets); ++d) {
     const ObservedDataset& observed = all.observations.datasets[d];
-    for (int g = 0; g < count_of(all.hypotheses.forces); ++g) {
-      std::vector<ForceSeries> series;
-      std::vector<int> trials;
-      for (const auto& [place, own] : by_place) {
-        if (std::get<0>(place) != d || std::get<1>(place) != g) continue;
-        series.push_back(own);
-        trials.push_back(std::get<2>(place));
-      }
+    const auto by_coordinate = series_of(all, forward, d, p);
+    for (int i = 0; i < observed.model.size(); ++i) {
+      const model::Coordinate& coordinate = observed.model.coordinates[i];
+      const std::vector<ForceSeries>& series = by_coordinate[i];
       std::size_t tried = 0;
       for (const ForceSeries& own : series) tried += own.force.size() * std::size(kWidths);
-      const ForceGroup& group = all.hypotheses.forces[g];
       for (const EventRun& run : unusual_runs(series, all.settings.event_level)) {
         const ForceSeries& own = series[run.series];
-        double peak = 0.0;
-        for (int i = run.first; i <= run.last; ++i)
-          if (std::abs(own.force[i]) > std::abs(peak)) peak = own.force[i];
-        const double half = 0.5 * all.settings.force_box;
-        events.push_back({d, observed.dataset.trials[trials[run.series]].name, group.name,
-                          own.time[run.first] - half, own.time[run.last] + half, peak,
-                          all.hypotheses.parameters[group.boxes.front()].unit,
-                          probability_of(run.deviations, tried)});
+        events.push_back({d, observed.dataset.trials[run.series].name, coordinate.name,
+                          own.time[run.first] - half, own.time[run.last] + half, peak_of(own, run),
+                          coordinate.angular ? "N m" : "N", probability_of(run.deviations, tried)});
       }
     }
   }

@@ -1,10 +1,11 @@
 #pragma once
-// Sets of effects by linear algebra alone: what many sets near a fitted one could explain, from the
-// columns that screening about it left behind.
+// Sets of effects by linear algebra alone: what many sets near a fitted one could explain, from
+// the columns that screening about it left behind.
 //
 // A set that leads may stand in for another that is at work, and none of the sets that differ from
 // it by one member need be that; so sets two members larger are judged too. About a fitted set,
-// with r0 what is left of the data at u = 0 by its slopes, every other set is the linear Gaussian model
+// with r0 what is left of the data at u = 0 by its slopes, every other set is the linear Gaussian
+// model
 //   r0 = sum_i Y_i u_i + N n + C c + G w + e
 // (noise/random_effects.h; Y_i the columns of an effect, N the nuisances'), its evidence by the
 // deviations that it needs. All products are taken once, a set's are picked out of them. No
