@@ -50,11 +50,20 @@ SpanSystem span_system(const ObservedDataset& observed, const RowSpan& span,
   return system;
 }
 
+/// Whether motion capture is all there is: its clock is not the robot's, and nothing logged on the
+/// robot says by how much.
+bool tracked_alone(const ObservedDataset& observed) {
+  return std::all_of(observed.channels.begin(), observed.channels.end(), [](const Channel& c) {
+    return c.name == "x" || c.name == "z" || c.name == "pitch";
+  });
+}
+
 /// One stream of one segment, whose shift is sought.
 struct ShiftSearch {
   const ObservedDataset& observed;
   const Prediction& prediction;
   const Settings& settings;
+  double deviation = 0.0;  ///< prior, of the shift [s]
   std::vector<RowSpan> spans;
 
   struct Point {
@@ -64,7 +73,7 @@ struct ShiftSearch {
   };
 
   [[nodiscard]] Point at(double shift) const {
-    const double prior = 1.0 / (settings.shift_deviation * settings.shift_deviation);
+    const double prior = 1.0 / (deviation * deviation);
     double cost = prior * shift * shift;
     double gradient = -shift * prior, curvature = prior;
 
@@ -122,10 +131,12 @@ Alignment align(const ObservedDataset& observed, const std::vector<const Predict
 
   for (int c = 0; c < count_of(observed.channels); ++c)
     alignment.late[c] = predictions.front()->lateness(c);
+  const double deviation =
+      tracked_alone(observed) ? settings.foreign_clock : settings.shift_deviation;
   const std::vector<RowSpan> all = row_spans(observed);
   for (int r = 0; r < count_of(observed.segments); ++r) {
     for (int s = 0; s < count_of(observed.streams); ++s) {
-      ShiftSearch search{observed, *predictions[r], settings, {}};
+      ShiftSearch search{observed, *predictions[r], settings, deviation, {}};
       for (const RowSpan& span : all) {
         const bool own = span.segment == r && observed.stream_of(span.channel) == s;
         if (own && !observed.channels[span.channel].zero_order_hold)
