@@ -103,6 +103,10 @@ const ContactRows* PlantEquations::rows(const State& y, const std::vector<int>& 
   return fill_rows(y, touching) ? &rows_ : nullptr;
 }
 
+double PlantEquations::fastest_rate(const State& y) {
+  return weigh(y) ? passive_.fastest_rate(mechanism_, inertia_) : 0.0;
+}
+
 /// force_ and free_, everything up to the acceleration without rigid contacts. Weighed at y.
 void PlantEquations::set_forces(double t, const State& y, const std::vector<Touch>& modes) {
   const double *q = y.data(), *v = q + size();

@@ -67,6 +67,8 @@ class PlantEquations {
   const std::vector<ContactState>* contacts(const State& y);
   const Inertia* inertia(const State& y);
   const ContactRows* rows(const State& y, const std::vector<int>& touching);
+  /// Fastest rate at which parts that hang loosely on the robot move at y [1/s].
+  double fastest_rate(const State& y);
   /// Generalised forces less the bias, Q - h, without rigid contacts.
   const double* balance(double t, const State& y, const std::vector<Touch>& modes);
   /// What Coulomb's law asks of contacts: w their accelerations at (t, y), or their rates.

@@ -119,7 +119,9 @@ Outcome start_run(Run& run) {
   if (Outcome failed = resolve_impact(equations, tolerance, s)) return failed;
   if (equations.inputs().waiting())
     if (Outcome failed = hold_pose(equations, tolerance, s)) return failed;
-  return begin_step(run);
+  if (Outcome failed = begin_step(run)) return failed;
+  run.stepper.expect(equations.fastest_rate(s.y));
+  return {};
 }
 
 namespace {

@@ -3,12 +3,19 @@
 #include <algorithm>
 #include <cmath>
 
+#include "jaculus/core/types.h"
+
 namespace jaculus::simulation::detail {
 
 namespace {
 
 constexpr double kShortestStep = 1e-13;  ///< [s]
 constexpr double kRestart = 1e-4;        ///< length to start with after an event [s]
+/// Dormand and Prince's method is stable up to this length times the fastest rate (Hairer and
+/// Wanner II, section IV.2).
+constexpr double kStable = 3.3;
+constexpr double kUsual = 1e-3;    ///< length that a motion allows where nothing stiff is in it [s]
+constexpr int kDormandPrince = 6;  ///< evaluations of a step
 /// steps for which Kutta's method rests after one that it could not take
 constexpr int kPause = 16;
 
@@ -54,7 +61,7 @@ double Stepper::worst_error(const Step& step) {
 /// Over the whole of the step's length. False where it errs by more than the tolerance: nothing is
 /// lost but the time.
 bool Stepper::attempt_kutta(const RightHandSide& f, Step& step) {
-  step.kutta = true;
+  step.method = Method::kutta;
   const double t = step.t, h = step.length;
   const State &y = step.y, &k1 = step.dydt;
   const auto stage = [&](double share, const State& slope) {
@@ -75,12 +82,21 @@ bool Stepper::attempt_kutta(const RightHandSide& f, Step& step) {
   return worst_error(step) <= 1.0 && !broken_;
 }
 
+/// Whether two implicit steps take fewer evaluations than explicit ones over the time that is left,
+/// or that a step may be long.
+bool Stepper::stiff(const Step& step, double left) const {
+  const double time = std::min(left, std::max(next_length_, kUsual));
+  const double explicit_steps = time * fastest_rate_ / kStable;
+  return kDormandPrince * explicit_steps > 2 * ImplicitMethod::evaluations(count_of(step.y));
+}
+
 bool Stepper::attempt(const RightHandSide& f, double limit, Step& step) {
   const double left = limit - step.t;
   const bool whole = next_length_ > 0.999 * left;
   step.length = whole ? left : (next_length_ > 0.5 * left ? 0.5 * left : next_length_);
   broken_ = false;
-  if (whole && pause_ == 0) {
+  step.method = stiff(step, left) ? Method::implicit : Method::dormand_prince;
+  if (step.method == Method::dormand_prince && whole && pause_ == 0) {
     if (attempt_kutta(f, step)) {
       step.end = limit;
       return true;
@@ -90,16 +106,30 @@ bool Stepper::attempt(const RightHandSide& f, double limit, Step& step) {
   }
 
   pause_ = std::max(0, pause_ - 1);
-  step.kutta = false;
-  dopri5_.do_step([&](const State& y, State& dydt, double t) { f(t, y, dydt); }, step.y, step.dydt,
-                  step.t, step.y_end, step.dydt_end, step.length, error_);
+  if (!attempt_adaptive(f, step)) return false;
+  step.end = whole ? limit : step.t + step.length;
+  return true;
+}
+
+/// Over the step's length, by a method that says how long the next one may be.
+bool Stepper::attempt_adaptive(const RightHandSide& f, Step& step) {
+  const bool implicit = step.method == Method::implicit;
+  if (implicit) {
+    implicit_.take(f, step, error_);
+  } else {
+    step.method = Method::dormand_prince;
+    dopri5_.do_step([&](const State& y, State& dydt, double t) { f(t, y, dydt); }, step.y,
+                    step.dydt, step.t, step.y_end, step.dydt_end, step.length, error_);
+  }
   const double worst = worst_error(step);
   if (broken_) {
     next_length_ = 0.2 * step.length;
     return false;
   }
 
-  const double factor = worst == 0.0 ? 5.0 : std::clamp(0.9 * std::pow(worst, -0.2), 0.2, 5.0);
+  const double order = implicit ? 4.0 : 5.0;
+  const double factor =
+      worst == 0.0 ? 5.0 : std::clamp(0.9 * std::pow(worst, -1.0 / order), 0.2, 5.0);
   if (worst > 1.0) {
     next_length_ = step.length * std::min(0.9, factor);
     return false;
@@ -108,13 +138,16 @@ bool Stepper::attempt(const RightHandSide& f, double limit, Step& step) {
   // A step that a limit cut short says little about the next.
   const bool cut = step.length < next_length_;
   next_length_ = cut ? std::max(next_length_, factor * step.length) : factor * step.length;
-  step.end = whole ? limit : step.t + step.length;
   return true;
 }
 
-/// Dormand and Prince's interpolant of order four, or the cubic through both ends and their slopes.
+/// The interpolant of the step's method; Kutta's is the cubic through both ends and their slopes.
 void Stepper::dense(const Step& step, double t, State& out) {
-  if (!step.kutta) {
+  if (step.method == Method::implicit) {
+    implicit_.dense(step, t, out);
+    return;
+  }
+  if (step.method == Method::dormand_prince) {
     dopri5_.calc_state(t, out, step.y, step.dydt, step.t, step.y_end, step.dydt_end,
                        step.t + step.length);
     return;

@@ -120,6 +120,18 @@ void PassiveForces::add_springs(const Mechanism& mechanism, const Inertia& inert
   }
 }
 
+double PassiveForces::fastest_rate(const Mechanism& mechanism, const Inertia& inertia) const {
+  double fastest = 0.0;
+  for (std::size_t k = 0; k < springs_.size(); ++k) {
+    Row unit{};
+    unit[mechanism.hinges[k].coordinate] = 1.0;
+    inertia.forward(unit.data());
+    const double a = dot(unit, unit.data(), mechanism.n);
+    fastest = std::max({fastest, springs_[k].damping * a, std::sqrt(springs_[k].stiffness * a)});
+  }
+  return fastest;
+}
+
 void PassiveForces::add_drag(const Mechanism& mechanism, double* force) const {
   for (const model::PlanarDrag& drag : plant_.model.drags) {
     if (drag.kind == model::DragKind::none || drag.coefficient == 0.0) continue;

@@ -32,6 +32,9 @@ class PassiveForces {
   /// what each makes now; load friction goes by it.
   void add(const Mechanism& mechanism, const Inertia& inertia,
            const std::vector<MotorState>& motors, const double* q, const double* v, double* force);
+  /// Of the hinges' springs and dampers after the first add(): with a the acceleration of a hinge
+  /// by a unit of its torque, the largest of c a and sqrt(k a) [1/s]. 0: no hinge.
+  [[nodiscard]] double fastest_rate(const Mechanism& mechanism, const Inertia& inertia) const;
 
  private:
   struct Friction {
