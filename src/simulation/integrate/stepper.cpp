@@ -14,8 +14,9 @@ constexpr double kRestart = 1e-4;        ///< length to start with after an even
 /// Dormand and Prince's method is stable up to this length times the fastest rate (Hairer and
 /// Wanner II, section IV.2).
 constexpr double kStable = 3.3;
-constexpr double kUsual = 1e-3;    ///< length that a motion allows where nothing stiff is in it [s]
-constexpr int kDormandPrince = 6;  ///< evaluations of a step
+constexpr double kDormandPrince = 6.0;  ///< evaluations of a step
+/// steps for which the implicit method rests after one that did not pay
+constexpr int kImplicitPause = 32;
 /// steps for which Kutta's method rests after one that it could not take
 constexpr int kPause = 16;
 
@@ -26,7 +27,10 @@ Stepper::Stepper(double relative_tolerance, double absolute_tolerance, int state
   for (State* s : {&error_, &y_stage_, &k2_, &k3_, &k4_}) s->assign(states, 0.0);
 }
 
-void Stepper::restart() { next_length_ = std::max(next_length_, kRestart); }
+void Stepper::restart() {
+  next_length_ = std::max(next_length_, kRestart);
+  implicit_length_ = std::max(implicit_length_, kRestart);
+}
 
 StepResult Stepper::take(const RightHandSide& f, double limit, Step& step) {
   step.y_end.resize(step.y.size());
@@ -82,21 +86,38 @@ bool Stepper::attempt_kutta(const RightHandSide& f, Step& step) {
   return worst_error(step) <= 1.0 && !broken_;
 }
 
-/// Whether two implicit steps take fewer evaluations than explicit ones over the time that is left,
-/// or that a step may be long.
-bool Stepper::stiff(const Step& step, double left) const {
-  const double time = std::min(left, std::max(next_length_, kUsual));
-  const double explicit_steps = time * fastest_rate_ / kStable;
-  return kDormandPrince * explicit_steps > 2 * ImplicitMethod::evaluations(count_of(step.y));
+/// Sets the step's length: all that is left, half of it, or the next one.
+bool Stepper::set_length(double next, double left, Step& step) {
+  const bool whole = next > 0.999 * left;
+  step.length = whole ? left : (next > 0.5 * left ? 0.5 * left : next);
+  return whole;
+}
+
+/// Length from which an implicit step takes fewer evaluations than the explicit ones that are
+/// stable.
+double Stepper::paying_length(const Step& step) const {
+  return ImplicitMethod::evaluations(count_of(step.y)) / kDormandPrince * kStable / fastest_rate_;
+}
+
+/// Steps that don't pay are left to the explicit methods for a while.
+bool Stepper::attempt_implicit(const RightHandSide& f, double limit, double least, Step& step) {
+  step.method = Method::implicit;
+  const bool whole = set_length(std::max(least, implicit_length_), limit - step.t, step);
+  implicit_.take(f, step, error_);
+  const bool accepted = accept(4.0, implicit_length_, step);
+  if (implicit_length_ < least) implicit_pause_ = kImplicitPause;
+  if (accepted) step.end = whole ? limit : step.t + step.length;
+  return accepted;
 }
 
 bool Stepper::attempt(const RightHandSide& f, double limit, Step& step) {
-  const double left = limit - step.t;
-  const bool whole = next_length_ > 0.999 * left;
-  step.length = whole ? left : (next_length_ > 0.5 * left ? 0.5 * left : next_length_);
   broken_ = false;
-  step.method = stiff(step, left) ? Method::implicit : Method::dormand_prince;
-  if (step.method == Method::dormand_prince && whole && pause_ == 0) {
+  const double least = paying_length(step), left = limit - step.t;
+  if (implicit_pause_ == 0 && least < left) return attempt_implicit(f, limit, least, step);
+
+  implicit_pause_ = std::max(0, implicit_pause_ - 1);
+  const bool whole = set_length(next_length_, left, step);
+  if (whole && pause_ == 0) {
     if (attempt_kutta(f, step)) {
       step.end = limit;
       return true;
@@ -106,38 +127,33 @@ bool Stepper::attempt(const RightHandSide& f, double limit, Step& step) {
   }
 
   pause_ = std::max(0, pause_ - 1);
-  if (!attempt_adaptive(f, step)) return false;
+  step.method = Method::dormand_prince;
+  dopri5_.do_step([&](const State& y, State& dydt, double t) { f(t, y, dydt); }, step.y, step.dydt,
+                  step.t, step.y_end, step.dydt_end, step.length, error_);
+  if (!accept(5.0, next_length_, step)) return false;
   step.end = whole ? limit : step.t + step.length;
   return true;
 }
 
-/// Over the step's length, by a method that says how long the next one may be.
-bool Stepper::attempt_adaptive(const RightHandSide& f, Step& step) {
-  const bool implicit = step.method == Method::implicit;
-  if (implicit) {
-    implicit_.take(f, step, error_);
-  } else {
-    step.method = Method::dormand_prince;
-    dopri5_.do_step([&](const State& y, State& dydt, double t) { f(t, y, dydt); }, step.y,
-                    step.dydt, step.t, step.y_end, step.dydt_end, step.length, error_);
-  }
+/// Whether error_ is within the tolerance; sets how long the next step of a method of this order
+/// may be.
+bool Stepper::accept(double order, double& next, const Step& step) {
   const double worst = worst_error(step);
   if (broken_) {
-    next_length_ = 0.2 * step.length;
+    next = 0.2 * step.length;
     return false;
   }
 
-  const double order = implicit ? 4.0 : 5.0;
   const double factor =
       worst == 0.0 ? 5.0 : std::clamp(0.9 * std::pow(worst, -1.0 / order), 0.2, 5.0);
   if (worst > 1.0) {
-    next_length_ = step.length * std::min(0.9, factor);
+    next = step.length * std::min(0.9, factor);
     return false;
   }
 
   // A step that a limit cut short says little about the next.
-  const bool cut = step.length < next_length_;
-  next_length_ = cut ? std::max(next_length_, factor * step.length) : factor * step.length;
+  const bool cut = step.length < next;
+  next = cut ? std::max(next, factor * step.length) : factor * step.length;
   return true;
 }
 

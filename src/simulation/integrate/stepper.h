@@ -13,8 +13,9 @@
 // methods (CVODE) would restart at every command, and ARKODE's root finding evaluates event
 // functions on an interpolant all the same.
 //
-// Explicit methods are stable up to a length of 3.3/r, r: the fastest rate of the equations. Where
-// that takes more evaluations than two steps of the implicit method, this is taken.
+// Explicit methods are stable up to a length of 3.3/r, r: the fastest rate of the equations. The
+// implicit method is taken where its steps, as accuracy allows them, are so much longer that they
+// take fewer evaluations; where they turn out not to be, it rests.
 
 #include <boost/numeric/odeint/stepper/runge_kutta_dopri5.hpp>
 
@@ -42,18 +43,22 @@ class Stepper {
 
  private:
   bool attempt(const RightHandSide& f, double limit, Step& step);
-  [[nodiscard]] bool stiff(const Step& step, double left) const;
+  bool attempt_implicit(const RightHandSide& f, double limit, double least, Step& step);
   bool attempt_kutta(const RightHandSide& f, Step& step);
-  bool attempt_adaptive(const RightHandSide& f, Step& step);
+  bool accept(double order, double& next, const Step& step);
+  static bool set_length(double next, double left, Step& step);
+  [[nodiscard]] double paying_length(const Step& step) const;
   double worst_error(const Step& step);
 
   double relative_tolerance_, absolute_tolerance_;
   boost::numeric::odeint::runge_kutta_dopri5<State> dopri5_;
   ImplicitMethod implicit_;
-  double fastest_rate_ = 0.0;  ///< [1/s]
-  double next_length_ = 1e-3;  ///< [s]
-  int pause_ = 0;              ///< steps for which Kutta's method rests
-  bool broken_ = false;        ///< the equations failed within the step
+  double fastest_rate_ = 0.0;      ///< [1/s]
+  double next_length_ = 1e-3;      ///< of an explicit step [s]
+  double implicit_length_ = 1e-3;  ///< [s]
+  int pause_ = 0;                  ///< steps for which Kutta's method rests
+  int implicit_pause_ = 0;         ///< steps for which the implicit one does
+  bool broken_ = false;            ///< the equations failed within the step
   State error_, y_stage_, k2_, k3_, k4_;
 };
 
