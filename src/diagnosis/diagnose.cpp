@@ -226,7 +226,9 @@ HeldOut held_out_with(const std::vector<trajectory::Dataset>& datasets,
   const Relinearised about = relinearise(problem, std::move(comparison), model);
   const Fit none = fit_model(problem, about.comparison.whitening, problem.hypotheses.nuisances,
                              {problem.hypotheses.nominal()});
-  return none.valid ? held_out(problem, about.comparison, none, about.fit) : HeldOut{};
+  if (!none.valid) return {};
+  return held_out(problem, about.comparison, none, about.fit,
+                  tolerance_variances(problem, about.comparison));
 }
 
 }  // namespace jaculus::diagnosis

@@ -42,6 +42,8 @@ struct HeldOut {
   std::string over;  ///< "conditions" (datasets), "trials", "time"
   int folds = 0;
   double before = kNaN, after = kNaN;  ///< [noise floors]
+  /// The same in floors to which the builder's tolerances add.
+  double beyond_before = kNaN, beyond_after = kNaN;
   double log_gain = kNaN;  ///< log density of all judged rows together, after less before
   std::optional<double> shrink;
   Bounds ci95{kNaN, kNaN};                        ///< of shrink

@@ -77,7 +77,8 @@ struct FoldErrors {
 };
 
 FoldErrors judge_fold(const Problem& problem, const Comparison& comparison, const SegmentMask& mask,
-                      const Tangent& none, const Tangent& model) {
+                      const Tangent& none, const Tangent& model,
+                      const std::vector<Vector>& granted) {
   FoldErrors result{false, Errors(problem), Errors(problem)};
   const Whitening fold = whitening_of(problem, comparison.noise, mask);
   if (fold.rows == 0) return result;
@@ -90,7 +91,7 @@ FoldErrors judge_fold(const Problem& problem, const Comparison& comparison, cons
       const auto trained = static_cast<double>(std::count(mask[d].begin(), mask[d].end(), true));
       const bool alone = observed.measured_input || trained == 0.0;
       const Judge judge{observed, comparison.noise.datasets[d], comparison.whitening.datasets[d],
-                        problem.settings, alone ? kInfinity : trained};
+                        problem.settings, granted[d], alone ? kInfinity : trained};
       const Vector residual =
           measured_rows(observed, comparison.noise.alignments[d]) - predicted[d];
       for (int s = 0; s < count_of(mask[d]); ++s)
@@ -156,8 +157,24 @@ std::map<std::string, ChannelShrink> by_channel(const Problem& problem, const Er
 
 }  // namespace
 
+std::vector<Vector> tolerance_variances(const Problem& problem, const Comparison& comparison) {
+  std::vector<Vector> variances;
+  for (int d = 0; d < count_of(problem.observations.datasets); ++d) {
+    const ObservedDataset& observed = problem.observations.datasets[d];
+    variances.emplace_back(Vector::Zero(observed.rows()));
+    if (comparison.noise.random.tolerances.empty()) continue;
+
+    Vector& own = variances.back();
+    const Judge judge{observed, comparison.noise.datasets[d], comparison.whitening.datasets[d],
+                      problem.settings, own};
+    for (int s = 0; s < count_of(observed.segments); ++s)
+      judge.add_granted(s, comparison.noise.random.tolerances[d], own);
+  }
+  return variances;
+}
+
 HeldOut held_out(const Problem& problem, const Comparison& comparison, const Fit& none,
-                 const Fit& model) {
+                 const Fit& model, const std::vector<Vector>& granted) {
   HeldOut out;
   const Folds folds = folds_of(problem.observations, problem.settings);
   out.over = folds.over;
@@ -168,7 +185,7 @@ HeldOut held_out(const Problem& problem, const Comparison& comparison, const Fit
 
   std::vector<FoldErrors> judged(folds.masks.size(), {false, Errors(problem), Errors(problem)});
   tbb::parallel_for(0, count_of(judged), [&](int f) {
-    judged[f] = judge_fold(problem, comparison, folds.masks[f], *of_none, *of_model);
+    judged[f] = judge_fold(problem, comparison, folds.masks[f], *of_none, *of_model, granted);
   });
   Errors before(problem), after(problem);
   for (const FoldErrors& fold : judged) {
@@ -184,6 +201,8 @@ HeldOut held_out(const Problem& problem, const Comparison& comparison, const Fit
   out.valid = true;
   out.before = before.overall();
   out.after = after.overall();
+  out.beyond_before = before.overall_beyond();
+  out.beyond_after = after.overall_beyond();
   out.log_gain = after.log_density - before.log_density;
   if (out.before >= problem.settings.plain_gap) {
     out.shrink = shrink_of(out.before, out.after);
@@ -196,7 +215,7 @@ HeldOut held_out(const Problem& problem, const Comparison& comparison, const Fit
 const HeldOut& HeldOutGaps::of(const ModelFit& model) {
   const auto known = gaps_.find(model.candidates);
   if (known != gaps_.end()) return known->second;
-  return gaps_.emplace(model.candidates, held_out(problem_, comparison_, none_, model.fit))
+  return gaps_.emplace(model.candidates, held_out(problem_, comparison_, none_, model.fit, granted_))
       .first->second;
 }
 

@@ -21,20 +21,28 @@ namespace jaculus::diagnosis {
 /// Judges a fitted model (its free parameters refitted in each fold by Gauss-Newton steps from
 /// where they are) against the nominal one, in which only nuisances of whole datasets are fitted.
 /// Both fits are of `comparison`. Not valid where there are no folds or a simulation fails.
+/// `granted`: of tolerance_variances().
 HeldOut held_out(const Problem& problem, const Comparison& comparison, const Fit& none,
-                 const Fit& model);
+                 const Fit& model, const std::vector<Vector>& granted);
+
+/// Variance that the builder's tolerances add to held-out errors: rows of a dataset each [unit^2].
+std::vector<Vector> tolerance_variances(const Problem& problem, const Comparison& comparison);
 
 /// Held-out gaps of several models, each computed once.
 class HeldOutGaps {
  public:
   HeldOutGaps(const Problem& problem, const Comparison& comparison, const Fit& none)
-      : problem_(problem), comparison_(comparison), none_(none) {}
+      : problem_(problem),
+        comparison_(comparison),
+        none_(none),
+        granted_(tolerance_variances(problem, comparison)) {}
   const HeldOut& of(const ModelFit& model);
 
  private:
   const Problem& problem_;
   const Comparison& comparison_;
   const Fit& none_;
+  std::vector<Vector> granted_;
   std::map<std::vector<int>, HeldOut> gaps_;
 };
 

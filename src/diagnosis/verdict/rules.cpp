@@ -20,7 +20,8 @@ bool none_probable(const VerdictEvidence& e, const Settings& s) {
 }
 
 bool small_gap(const VerdictEvidence& e, const Settings& s) {
-  if (!e.gap.valid || e.gap.before >= s.plain_gap) return false;
+  if (!e.gap.valid || !(e.gap.beyond_before < s.plain_gap)) return false;
+  if (!named(e)) return true;
   const double most = (1.0 - s.least_improvement_small_gap) * e.gap.before;
   return e.gap.log_gain <= s.worth_small_gap || e.gap.after >= most;
 }
@@ -72,10 +73,9 @@ const std::vector<VerdictRule>& verdict_rules() {
        one_trial},
       {"none probable", Verdict::none, "", none_probable},
       {"small gap", Verdict::none,
-       "the fit prefers a model with effects, but the nominal one predicts held-out data nearly to "
-       "the noise, and the fit hardly better: no gap is claimed (settings plain_gap, "
-       "worth_small_gap, "
-       "least_improvement_small_gap)",
+       "the nominal model predicts held-out data as well as a robot within its builder's tolerances "
+       "lets it, and no effect does so much better: no gap is claimed (settings plain_gap, "
+       "worth_small_gap, least_improvement_small_gap)",
        small_gap},
       {"unknown structure", Verdict::unexplained, "", unknown_structure},
       {"no better prediction", Verdict::unexplained,
