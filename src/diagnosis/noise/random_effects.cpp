@@ -15,9 +15,8 @@ namespace {
 
 /// s^2 below which a direction shrinks by less than its rounding.
 constexpr double kLeastEnergy = 1e-5;
-/// Range of a deviation, in the force that counts as large (hypotheses.h) or in noise floors:
-/// wide enough to hold what exists, narrow enough for rounding.
-constexpr double kLeastScale = 1e-7, kLargestScale = 1e4;
+/// Least deviation, in the force that counts as large (hypotheses.h) or in noise floors.
+constexpr double kLeastScale = 1e-7;
 constexpr double kFirstScale = 1e-2;
 /// Of one fixed-point step: factor on a deviation at most, and below which it stays.
 constexpr double kLargestFactor = 10.0, kStays = 0.02;
@@ -265,7 +264,7 @@ ScaleEstimate estimated_scales(const RandomEffects& effects, const Products& pro
     for (int g = 0; g < effects.size(); ++g) {
       const double ratio = std::sqrt(squares[g]) / scales[g];
       const double factor = std::clamp(ratio, 1.0 / kLargestFactor, kLargestFactor);
-      const double next = std::clamp(scales[g] * factor, kLeastScale, kLargestScale);
+      const double next = std::clamp(scales[g] * factor, kLeastScale, effects.groups[g].largest);
       if (told[g] > kTold) moved = std::max(moved, std::abs(std::log(next / scales[g])));
       scales[g] = next;
     }

@@ -162,6 +162,7 @@ RandomEffects random_effects(const Problem& problem, const NoiseModel& noise,
   RandomEffects out;
   if (noise.random.forces.empty()) return out;
   out.groups = force_groups(problem.hypotheses.forces);
+  for (RandomGroup& group : out.groups) group.largest = problem.settings.largest_force;
 
   out.tolerances.resize(rows, noise.random.tolerances.front().cols());
   int first = 0;

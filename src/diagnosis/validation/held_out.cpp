@@ -90,8 +90,12 @@ FoldErrors judge_fold(const Problem& problem, const Comparison& comparison, cons
       const ObservedDataset& observed = problem.observations.datasets[d];
       const auto trained = static_cast<double>(std::count(mask[d].begin(), mask[d].end(), true));
       const bool alone = observed.measured_input || trained == 0.0;
-      const Judge judge{observed, comparison.noise.datasets[d], comparison.whitening.datasets[d],
-                        problem.settings, granted[d], alone ? kInfinity : trained};
+      const Judge judge{observed,
+                        comparison.noise.datasets[d],
+                        comparison.whitening.datasets[d],
+                        problem.settings,
+                        granted[d],
+                        alone ? kInfinity : trained};
       const Vector residual =
           measured_rows(observed, comparison.noise.alignments[d]) - predicted[d];
       for (int s = 0; s < count_of(mask[d]); ++s)
@@ -215,7 +219,8 @@ HeldOut held_out(const Problem& problem, const Comparison& comparison, const Fit
 const HeldOut& HeldOutGaps::of(const ModelFit& model) {
   const auto known = gaps_.find(model.candidates);
   if (known != gaps_.end()) return known->second;
-  return gaps_.emplace(model.candidates, held_out(problem_, comparison_, none_, model.fit, granted_))
+  return gaps_
+      .emplace(model.candidates, held_out(problem_, comparison_, none_, model.fit, granted_))
       .first->second;
 }
 

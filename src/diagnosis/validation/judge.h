@@ -5,8 +5,8 @@
 //   n = argmin |W (y - f - A n)|^2 over rows of the prefix + |(n - m)/s|^2,
 // and rows after it are judged. P: covariance of n that the prefix leaves.
 //   noise floors  e_i = (y - f - A n)_i/sqrt(v_i),  v_i = sigma_i^2 (1 + 1/n_train) + (A P A^T)_ii
-//   beyond        e_i with what the builder's tolerances make of the row added to v_i: C - A N, N the
-//                 nuisances that the prefix takes for each of them, squares summed
+//   beyond        e_i with what the builder's tolerances make of the row added to v_i: C - A N,
+//                 squares summed, N the nuisances that the prefix takes for each of them
 //   units         (y - f - A n)_i, beside v_i, which is what a perfect model is expected to leave
 //
 // Horizon h: the segment is judged as if it ended at h after its start, its prefix being

@@ -73,7 +73,8 @@ const std::vector<VerdictRule>& verdict_rules() {
        one_trial},
       {"none probable", Verdict::none, "", none_probable},
       {"small gap", Verdict::none,
-       "the nominal model predicts held-out data as well as a robot within its builder's tolerances "
+       "the nominal model predicts held-out data as well as a robot within its builder's "
+       "tolerances "
        "lets it, and no effect does so much better: no gap is claimed (settings plain_gap, "
        "worth_small_gap, least_improvement_small_gap)",
        small_gap},
