@@ -62,6 +62,20 @@ TEST(Acceptance, FitsASmallerSetThatTheSearchLeftOut) {
   EXPECT_NEAR(kept.fit.p[0] + 2.0 * kept.fit.p[2], 0.5, 0.02);  // a twin stays where it started
 }
 
+TEST(Acceptance, LeavesOutMembersThatExplainNothingOfTheGap) {
+  const Fitted little(toy_truth(0.5, 0.02)), both(toy_truth(0.5, 0.3));
+  for (const auto& [fitted, kept] :
+       {std::pair(&little, std::vector<int>{0}), std::pair(&both, std::vector<int>{0, 1})}) {
+    HeldOutGaps gaps = fitted->gaps();
+    const Posterior posterior = posterior_of(fitted->search, {});
+    const ModelFit* pair = posterior.find({0, 1});
+    EXPECT_EQ(
+        without_members_of_no_share(*fitted->problem, fitted->comparison, posterior, gaps, *pair)
+            .candidates,
+        kept);
+  }
+}
+
 TEST(Acceptance, JudgesNothingByGapsThatAreNotThere) {
   Fitted toy(toy_truth(0.5, 0.01));
   HeldOutGaps gaps = toy.gaps();

@@ -16,6 +16,8 @@ using model::PlanarModel;
 using simulation::StartState;
 
 constexpr double kStep = 1e-5;  // of differences of foot heights
+/// Lever at which what slides counts like what turns, as forces do (missing_forces.h) [m].
+constexpr double kLever = 0.1;
 
 /// Heights of all feet at q; empty where a loop can't close.
 Vector foot_heights(const AbsoluteTree& tree, const Vector& q) {
@@ -41,12 +43,13 @@ Matrix height_jacobian(const AbsoluteTree& tree, const Vector& q) {
   return jacobian;
 }
 
+/// `scale`: prior deviation of an angle or its rate; what slides is the arc of that at kLever.
 StartDirection direction(const PlanarModel& model, int i, bool rate, double scale) {
   const Coordinate& coordinate = model.coordinates[i];
   StartDirection d{channel_name(coordinate.name, rate ? trajectory::Quantity::velocity
                                                       : trajectory::Quantity::position),
                    coordinate.angular ? "rad" : "m",
-                   scale,
+                   coordinate.angular ? scale : kLever * scale,
                    Vector::Zero(model.size()),
                    Vector::Zero(model.size()),
                    false};

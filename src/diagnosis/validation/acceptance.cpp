@@ -1,8 +1,10 @@
 #include "diagnosis/validation/acceptance.h"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 
+#include "diagnosis/validation/shares.h"
 #include "diagnosis/validation/subset_fit.h"
 
 namespace jaculus::diagnosis {
@@ -24,6 +26,11 @@ bool needed(const HeldOut& with, const HeldOut& without, const Settings& setting
          left(without) >= settings.named_beside * left(with);
 }
 
+/// What a member explains at most, where too many are there for all of their orders.
+double largest_share(const EffectShare& share) {
+  return std::isfinite(share.shapley) ? share.shapley : std::max(share.alone, share.last);
+}
+
 }  // namespace
 
 ModelFit without_idle_members(const Problem& problem, const Comparison& comparison,
@@ -38,6 +45,27 @@ ModelFit without_idle_members(const Problem& problem, const Comparison& comparis
 
     if (!best || needed(gaps.of(model), gaps.of(*best), problem.settings)) break;
     model = std::move(*best);
+  }
+  return model;
+}
+
+ModelFit without_members_of_no_share(const Problem& problem, const Comparison& comparison,
+                                     const Posterior& posterior, HeldOutGaps& gaps,
+                                     ModelFit model) {
+  while (model.candidates.size() > 1) {
+    const auto shares = shares_of(problem, comparison, posterior, gaps, model);
+    int least = -1;
+    double value = problem.settings.remainder_share;
+    for (int i = 0; i < count_of(shares); ++i) {
+      if (!shares[i] || largest_share(*shares[i]) >= value) continue;
+      least = i;
+      value = largest_share(*shares[i]);
+    }
+    if (least < 0) break;
+
+    ModelFit less = without_member(problem, comparison, posterior, model, model.candidates[least]);
+    if (!less.fit.valid) break;
+    model = std::move(less);
   }
   return model;
 }

@@ -13,4 +13,10 @@ namespace jaculus::diagnosis {
 ModelFit without_idle_members(const Problem& problem, const Comparison& comparison,
                               const Posterior& posterior, HeldOutGaps& gaps, ModelFit model);
 
+/// The model without those members that explain less than settings.remainder_share of the held-out
+/// gap's energy in the mean over the orders in which its members may join (shares.h), the least
+/// first: what would not be worth stating as a remainder is not worth a name. One always stays.
+ModelFit without_members_of_no_share(const Problem& problem, const Comparison& comparison,
+                                     const Posterior& posterior, HeldOutGaps& gaps, ModelFit model);
+
 }  // namespace jaculus::diagnosis

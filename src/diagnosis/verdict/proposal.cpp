@@ -149,12 +149,14 @@ Proposal propose(const Problem& problem, const Comparison& comparison, const Pos
 
   leading = best_predicting(posterior, gaps, settings);
   Proposal proposal = name_effects(posterior, *leading, settings);
-  const ModelFit kept = without_idle_members(problem, comparison, posterior, gaps, *leading);
+  const ModelFit kept = without_members_of_no_share(
+      problem, comparison, posterior, gaps,
+      without_idle_members(problem, comparison, posterior, gaps, *leading));
   for (const int c : leading->candidates) {
     if (contains(kept.candidates, c)) continue;
     proposal.reasons.push_back(
         fmt::format("{} would raise the evidence, but held-out data are predicted as well without "
-                    "it",
+                    "it, or it explains nothing of their gap",
                     problem.hypotheses.candidates[c].name));
   }
 
