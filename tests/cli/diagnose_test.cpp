@@ -28,7 +28,7 @@ class Diagnosed : public ::testing::Test {
         run_program({"simulate", kProblems + "pendulum_trials.yaml", "--effect",
                      "joint_coulomb_friction:torque=0.2", "--out", *folder / "data"});
     ASSERT_EQ(made.exit_code, 0) << made.err;
-    const std::string few = folder->write("s.yaml", "largest_set: 1\nkept_singles: 3\n");
+    const std::string few = folder->write("s.yaml", "largest_model: 1\nkept_singles: 3\n");
     outcome = run_program({"diagnose", *folder / "data", "--settings", few, "--tolerance",
                            "pendulum=1deg,pendulum_velocity=0.001 rad/s", "--horizon", "0.3s",
                            "--out", *folder / "out"});

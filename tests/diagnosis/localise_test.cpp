@@ -75,7 +75,7 @@ Case localise_leap(const std::filesystem::path& data,
                    bool joints = true) {
   DiagnoseOptions options;
   options.effects = candidates();
-  options.settings.largest_set = 1;  // pairs would take minutes
+  options.settings.largest_model = 1;  // pairs would take minutes
   const Diagnosis d = diagnose({play(data, change, seed, joints)}, options);
   EXPECT_TRUE(d.where) << diagnosis_text(d);
   return {d.where.value_or(Localisation{}), d};

@@ -62,6 +62,29 @@ std::vector<Members> indistinguishable_sets(const Whitening& whitening, const Fi
   return sets;
 }
 
+/// Backwards from the best set, and one for one: each member dropped, what is left fitted, and
+/// extended anew where it was not.
+void exchange(FittedModels& models, const ModelFit& best, const std::set<Members>& extended,
+              int kept) {
+  for (const int dropped : best.candidates) {
+    Members rest = best.candidates;
+    std::erase(rest, dropped);
+    if (models.find(rest) == nullptr) {
+      Members root = rest;
+      root.pop_back();
+      const ModelFit* fitted = models.find(root);
+      if (fitted == nullptr) continue;
+      const ModelFit copy = *fitted;
+      models.extend(copy, models.probe(copy), Members{rest.back()});
+    }
+
+    const ModelFit* smaller = models.find(rest);
+    if (smaller == nullptr || !smaller->fit.valid || extended.contains(rest)) continue;
+    const ModelFit copy = *smaller;
+    models.extend(copy, models.probe(copy), kept);
+  }
+}
+
 /// Whether a model leaves forces that the plant lacks.
 bool leaves_more(const Settings& settings, const ModelFit& model) {
   return model.fit.log_evidence - model.fit.log_complete >= settings.remainder_left;
@@ -190,6 +213,38 @@ void search_from_leader(const Problem& problem, const Whitening& whitening,
   }
 }
 
+/// Whether models of `size` effects are worth seeking: the best smaller one gains, and leaves
+/// forces that the plant lacks.
+bool worth_enlarging(const Settings& settings, const FittedModels& models, int size) {
+  const ModelFit *base = models.best(size - 1), *before = models.best(size - 2);
+  if (base == nullptr || before == nullptr) return false;
+  const double gain = size > 2 ? settings.larger_gain : 0.0;
+  return models.value(*base) >= models.value(*before) + gain &&
+         base->fit.log_evidence - base->fit.log_complete >= settings.remainder_left;
+}
+
+void search_about_leaders(const Problem& problem, const SearchOptions& options,
+                          FittedModels& models) {
+  const Settings& settings = problem.settings;
+  for (int size = 2; size <= options.largest; ++size) {
+    if (!worth_enlarging(settings, models, size)) return;
+    if (options.progress) options.progress(size == 2 ? "pairs of effects" : "triples of effects");
+
+    // What one effect stands in for, a second one may tell apart.
+    const ModelFit from = *models.best(size - 1);
+    std::set<Members> extended;
+    for (const ModelFit& root : models.close_to(from, size == 2 ? settings.search_roots : 1)) {
+      models.extend(root, models.probe(root), settings.kept_pairs);
+      extended.insert(root.candidates);
+    }
+
+    const ModelFit* reached = models.best(size);
+    if (reached == nullptr || models.value(*reached) < models.value(from)) return;
+    const ModelFit best = *reached;
+    exchange(models, best, extended, settings.kept_pairs);
+  }
+}
+
 /// The set that leads none clearly; null where none does.
 const ModelFit* clear_leader(const Posterior& posterior, const Settings& settings) {
   const ModelFit* none = posterior.find({});
@@ -220,14 +275,15 @@ SearchResult search_models(const Problem& problem, const Comparison& comparison,
   const ModelFit none = models.none();
   if (options.progress) options.progress("screening");
   out.probes = models.probe(none);
-  if (options.earlier != nullptr) models.fit_again(leading_models(*options.earlier, problem));
-  if (!in_windows(problem) && options.earlier == nullptr) {
+  if (in_windows(problem)) {
+    if (options.earlier != nullptr) models.fit_again(leading_models(*options.earlier, problem));
+    search_from_leader(problem, comparison.whitening, out.probes, options, models);
+  } else {
     if (options.progress) options.progress("single effects");
     models.extend(none, out.probes, problem.settings.kept_singles);
     fit_indistinguishable(problem.settings, comparison.whitening, out.probes, models);
+    search_about_leaders(problem, options, models);
   }
-  if (in_windows(problem) || options.largest > 1)
-    search_from_leader(problem, comparison.whitening, out.probes, options, models);
 
   out.indistinguishable = indistinguishable_sets(comparison.whitening, models, out.probes,
                                                  problem.settings.indistinguishable_below);
@@ -246,7 +302,9 @@ Selection select_models(const Problem& problem, Comparison comparison,
 
   if (const ModelFit* leader = clear_leader(posterior, problem.settings))
     comparison = relinearise(problem, std::move(comparison), leader->fit).comparison;
-  const SearchOptions options{problem.settings.largest_set, &singles, progress};
+  const int largest =
+      in_windows(problem) ? problem.settings.largest_set : problem.settings.largest_model;
+  const SearchOptions options{largest, &singles, progress};
   SearchResult search = search_models(problem, comparison, options);
   search.predictions += singles.predictions;
   return {std::move(comparison), std::move(search)};
