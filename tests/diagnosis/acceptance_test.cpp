@@ -29,8 +29,8 @@ struct Fitted {
       search.models.push_back(model);
     }
   }
-  [[nodiscard]] HeldOutGaps gaps() const {
-    return {*problem, comparison, search.models.front().fit};
+  [[nodiscard]] HeldOutGaps gaps(const Posterior& posterior) const {
+    return {*problem, comparison, posterior, search.models.front().fit};
   }
 
   std::shared_ptr<Problem> problem;
@@ -42,33 +42,29 @@ TEST(Acceptance, LeavesOutMembersThatPredictNothing) {
   const Fitted toy(toy_truth(0.5, 0.0)), both(toy_truth(0.5, 0.2));
   for (const auto& [fitted, kept] :
        {std::pair(&toy, std::vector<int>{0}), std::pair(&both, std::vector<int>{0, 1})}) {
-    HeldOutGaps gaps = fitted->gaps();
     const Posterior posterior = posterior_of(fitted->search, {});
+    HeldOutGaps gaps = fitted->gaps(posterior);
     const ModelFit* pair = posterior.find({0, 1});
-    EXPECT_EQ(without_idle_members(*fitted->problem, fitted->comparison, posterior, gaps, *pair)
-                  .candidates,
-              kept);
+    EXPECT_EQ(without_idle_members(gaps, *pair).candidates, kept);
   }
 }
 
 TEST(Acceptance, FitsASmallerSetThatTheSearchLeftOut) {
   Fitted toy(toy_truth(0.5, 0.0));
   std::erase_if(toy.search.models, [](const ModelFit& m) { return m.candidates.size() == 1; });
-  HeldOutGaps gaps = toy.gaps();
   const Posterior posterior = posterior_of(toy.search, {});
-  const ModelFit kept =
-      without_idle_members(*toy.problem, toy.comparison, posterior, gaps, *posterior.find({0, 1}));
+  HeldOutGaps gaps = toy.gaps(posterior);
+  const ModelFit kept = without_idle_members(gaps, *posterior.find({0, 1}));
   EXPECT_EQ(kept.candidates, std::vector<int>{0});
   EXPECT_NEAR(kept.fit.p[0] + 2.0 * kept.fit.p[2], 0.5, 0.02);  // a twin stays where it started
 }
 
 TEST(Acceptance, LeavesOutMembersThatExplainNothingOfTheGap) {
   const Fitted toy(toy_truth(0.5, 0.3));
-  HeldOutGaps gaps = toy.gaps();
   const Posterior posterior = posterior_of(toy.search, {});
+  HeldOutGaps gaps = toy.gaps(posterior);
   const auto kept = [&](const ModelFit& model) {
-    return without_members_of_no_share(*toy.problem, toy.comparison, posterior, gaps, model)
-        .candidates;
+    return without_members_of_no_share(gaps, model).candidates;
   };
   EXPECT_EQ(kept(*posterior.find({0, 1})), (std::vector<int>{0, 1}));
 
@@ -80,22 +76,21 @@ TEST(Acceptance, LeavesOutMembersThatExplainNothingOfTheGap) {
 
 TEST(Acceptance, JudgesNothingByGapsThatAreNotThere) {
   Fitted toy(toy_truth(0.5, 0.01));
-  HeldOutGaps gaps = toy.gaps();
   // No simulation succeeds any more.
   toy.problem->forward = [](int, int, const Vector&) { return Prediction{}; };
   const Posterior posterior = posterior_of(toy.search, {});
+  HeldOutGaps gaps = toy.gaps(posterior);
   const ModelFit* pair = posterior.find({0, 1});
   ASSERT_FALSE(gaps.of(*pair).valid);
-  EXPECT_EQ(without_idle_members(*toy.problem, toy.comparison, posterior, gaps, *pair).candidates,
-            pair->candidates);
+  EXPECT_EQ(without_idle_members(gaps, *pair).candidates, pair->candidates);
 }
 
 TEST(Proposal, IsJudgedByTheModelOfWhatItNames) {
   for (const Vector& truth : {toy_truth(0.5, 0.0), toy_truth(0.5, 0.2), toy_truth(0.0, 0.3)}) {
     const Fitted toy(truth);
-    HeldOutGaps gaps = toy.gaps();
     const Posterior posterior = posterior_of(toy.search, {});
-    const Proposal proposal = propose(*toy.problem, toy.comparison, posterior, gaps);
+    HeldOutGaps gaps = toy.gaps(posterior);
+    const Proposal proposal = propose(gaps);
     EXPECT_EQ(proposal.naming, Naming::sure);
     std::vector<int> named;
     for (const Established& e : proposal.effects) named.push_back(e.effect);
@@ -107,9 +102,9 @@ TEST(Proposal, IsJudgedByTheModelOfWhatItNames) {
 
 TEST(Proposal, NamesNothingWhereNoneIsProbable) {
   const Fitted toy(toy_truth(0.0, 0.0));
-  HeldOutGaps gaps = toy.gaps();
   const Posterior posterior = posterior_of(toy.search, {});
-  const Proposal proposal = propose(*toy.problem, toy.comparison, posterior, gaps);
+  HeldOutGaps gaps = toy.gaps(posterior);
+  const Proposal proposal = propose(gaps);
   EXPECT_EQ(proposal.naming, Naming::nothing);
   EXPECT_TRUE(proposal.chosen.candidates.empty());
 }

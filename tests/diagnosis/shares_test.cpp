@@ -22,7 +22,7 @@ struct Fitted {
       : problem(toy_problem(truth)),
         comparison(comparison_about(*problem, estimate_noise(*problem, Vector::Zero(4)))),
         none(fit_model(*problem, comparison.whitening, {}, {Vector::Zero(4)})),
-        gaps(*problem, comparison, none) {
+        gaps(*problem, comparison, posterior, none) {
     model.candidates = members;
     Vector start = Vector::Zero(4);  // what is not freed stays
     for (const int i : members) start[i] = 0.1;
@@ -31,13 +31,12 @@ struct Fitted {
   [[nodiscard]] double explained(const HeldOut& gap) const {
     return 1.0 - (gap.after * gap.after - 1.0) / (gap.before * gap.before - 1.0);
   }
-  [[nodiscard]] std::vector<std::optional<EffectShare>> shares() {
-    return shares_of(*problem, comparison, Posterior{}, gaps, model);
-  }
+  [[nodiscard]] std::vector<std::optional<EffectShare>> shares() { return shares_of(gaps, model); }
 
   std::shared_ptr<Problem> problem;
   Comparison comparison;
   Fit none;
+  Posterior posterior;
   HeldOutGaps gaps;
   ModelFit model;
 };

@@ -4,8 +4,16 @@
 
 namespace jaculus::diagnosis {
 
+double largest_force(const model::PlanarModel& robot, const model::PlanarMotor& motor) {
+  const double limit = motor.torque_limit * motor.gear;
+  if (std::isfinite(limit)) return limit;
+  const double weight = robot.total_mass() * robot.gravity;
+  const bool turns = robot.bodies[motor.body].kind == model::JointKind::revolute;
+  return turns ? kLever * weight : weight;
+}
+
 std::vector<std::pair<std::string, double>> force_scales(const model::PlanarModel& robot) {
-  const double weight = robot.total_mass() * robot.gravity, moment = 0.1 * weight;
+  const double weight = robot.total_mass() * robot.gravity, moment = kLever * weight;
   std::vector<std::pair<std::string, double>> scales;
   for (const model::Coordinate& c : robot.coordinates) {
     if (c.name == "x" || c.name == "z") scales.emplace_back(c.name, weight);
@@ -13,11 +21,8 @@ std::vector<std::pair<std::string, double>> force_scales(const model::PlanarMode
     if (robot.body_of_joint(c.name) < 0 || robot.motor_index(c.name) >= 0) continue;
     scales.emplace_back(c.name, c.angular ? moment : weight);
   }
-  for (const model::PlanarMotor& motor : robot.motors) {
-    const bool turns = robot.bodies[motor.body].kind == model::JointKind::revolute;
-    const double limit = motor.torque_limit * motor.gear;
-    scales.emplace_back(motor.joint, std::isfinite(limit) ? limit : turns ? moment : weight);
-  }
+  for (const model::PlanarMotor& motor : robot.motors)
+    scales.emplace_back(motor.joint, largest_force(robot, motor));
   return scales;
 }
 

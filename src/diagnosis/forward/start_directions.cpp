@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "diagnosis/forward/missing_forces.h"
 #include "jaculus/dynamics/loop_closure.h"
 
 namespace jaculus::diagnosis {
@@ -16,8 +17,6 @@ using model::PlanarModel;
 using simulation::StartState;
 
 constexpr double kStep = 1e-5;  // of differences of foot heights
-/// Lever at which what slides counts like what turns, as forces do (missing_forces.h) [m].
-constexpr double kLever = 0.1;
 
 /// Heights of all feet at q; empty where a loop can't close.
 Vector foot_heights(const AbsoluteTree& tree, const Vector& q) {

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <utility>
 
+#include "diagnosis/forward/missing_forces.h"
+
 namespace jaculus::diagnosis {
 namespace {
 
@@ -67,13 +69,6 @@ void add_link(Directions& directions, const PlanarModel& model, int b, const mod
         [b](double d, Plant& plant) { stretch(d, b, plant.model); }, true);
 }
 
-/// The largest torque that a motor's joint meets [N m]: as the testbed's clutter has it, its limit,
-/// or for one without what holds the robot's weight at a tenth of a metre.
-double largest_torque(const PlanarMotor& motor, const PlanarModel& model) {
-  if (std::isfinite(motor.torque_limit)) return motor.torque_limit * motor.gear;
-  return 0.1 * model.total_mass() * model.gravity;
-}
-
 void add_motor(Directions& directions, const PlanarModel& model, int m,
                const model::Tolerances& t) {
   const PlanarMotor& motor = model.motors[m];
@@ -86,7 +81,7 @@ void add_motor(Directions& directions, const PlanarModel& model, int m,
   if (!motor.ideal())
     add(directions, t.resistance, "resistance of " + joint,
         [m](double d, Plant& plant) { plant.model.motors[m].resistance *= 1.0 + d; });
-  add(directions, t.joint_friction * largest_torque(motor, model), "friction of " + joint,
+  add(directions, t.joint_friction * largest_force(model, motor), "friction of " + joint,
       [joint](double d, Plant& plant) {
         plant.friction.push_back({joint, d});
       });

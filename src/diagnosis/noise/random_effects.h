@@ -54,7 +54,7 @@ struct RandomGroup {
   int force = -1;        ///< index in Hypotheses::forces; -1: no force
   double share = 1.0;    ///< of the force's mean square that the group's deviation squared is
   int slower = -1;       ///< the group before it, whose deviation its own is not below; -1: none
-  double largest = 1e4;  ///< deviation at most: of a force, in the force that counts as large
+  double largest = 1e4;  ///< deviation at most; of a force settings.largest_force
 };
 
 /// Of white rows.

@@ -5,17 +5,15 @@
 #include <optional>
 
 #include "diagnosis/validation/shares.h"
-#include "diagnosis/validation/subset_fit.h"
 
 namespace jaculus::diagnosis {
 namespace {
 
 /// The set without one member.
-ModelFit without_member(const Problem& problem, const Comparison& comparison,
-                        const Posterior& posterior, const ModelFit& model, int dropped) {
+const ModelFit& without_member(HeldOutGaps& gaps, const ModelFit& model, int dropped) {
   std::vector<int> members = model.candidates;
   std::erase(members, dropped);
-  return fitted_subset(problem, comparison, posterior, model, members);
+  return gaps.subset(model, members);
 }
 
 /// Whether a set leaves so much less of the held-out gap than a smaller one that the difference is
@@ -33,29 +31,26 @@ double largest_share(const EffectShare& share) {
 
 }  // namespace
 
-ModelFit without_idle_members(const Problem& problem, const Comparison& comparison,
-                              const Posterior& posterior, HeldOutGaps& gaps, ModelFit model) {
+ModelFit without_idle_members(HeldOutGaps& gaps, ModelFit model) {
   while (model.candidates.size() > 1 && gaps.of(model).valid) {
     std::optional<ModelFit> best;
     for (const int dropped : model.candidates) {
-      ModelFit less = without_member(problem, comparison, posterior, model, dropped);
+      const ModelFit& less = without_member(gaps, model, dropped);
       if (!less.fit.valid || !gaps.of(less).valid) continue;
-      if (!best || gaps.of(less).after < gaps.of(*best).after) best = std::move(less);
+      if (!best || gaps.of(less).after < gaps.of(*best).after) best = less;
     }
 
-    if (!best || needed(gaps.of(model), gaps.of(*best), problem.settings)) break;
+    if (!best || needed(gaps.of(model), gaps.of(*best), gaps.settings())) break;
     model = std::move(*best);
   }
   return model;
 }
 
-ModelFit without_members_of_no_share(const Problem& problem, const Comparison& comparison,
-                                     const Posterior& posterior, HeldOutGaps& gaps,
-                                     ModelFit model) {
+ModelFit without_members_of_no_share(HeldOutGaps& gaps, ModelFit model) {
   while (model.candidates.size() > 1) {
-    const auto shares = shares_of(problem, comparison, posterior, gaps, model);
+    const auto shares = shares_of(gaps, model);
     int least = -1;
-    double value = problem.settings.remainder_share;
+    double value = gaps.settings().remainder_share;
     for (int i = 0; i < count_of(shares); ++i) {
       if (!shares[i] || largest_share(*shares[i]) >= value) continue;
       least = i;
@@ -63,9 +58,9 @@ ModelFit without_members_of_no_share(const Problem& problem, const Comparison& c
     }
     if (least < 0) break;
 
-    ModelFit less = without_member(problem, comparison, posterior, model, model.candidates[least]);
+    const ModelFit less = without_member(gaps, model, model.candidates[least]);
     if (!less.fit.valid) break;
-    model = std::move(less);
+    model = less;
   }
   return model;
 }

@@ -10,13 +10,11 @@ namespace jaculus::diagnosis {
 /// beyond noise is settings.named_beside times as large. Evidence alone may ask for
 /// an effect (a few milliseconds of delay under a noisy input) that changes no motion that anybody
 /// would notice. Smaller sets that the search did not fit are fitted here.
-ModelFit without_idle_members(const Problem& problem, const Comparison& comparison,
-                              const Posterior& posterior, HeldOutGaps& gaps, ModelFit model);
+ModelFit without_idle_members(HeldOutGaps& gaps, ModelFit model);
 
 /// The model without those members that explain less than settings.remainder_share of the held-out
 /// gap's energy in the mean over the orders in which its members may join (shares.h), the least
 /// first: what would not be worth stating as a remainder is not worth a name. One always stays.
-ModelFit without_members_of_no_share(const Problem& problem, const Comparison& comparison,
-                                     const Posterior& posterior, HeldOutGaps& gaps, ModelFit model);
+ModelFit without_members_of_no_share(HeldOutGaps& gaps, ModelFit model);
 
 }  // namespace jaculus::diagnosis

@@ -216,6 +216,27 @@ HeldOut held_out(const Problem& problem, const Comparison& comparison, const Fit
   return out;
 }
 
+const ModelFit& HeldOutGaps::subset(const ModelFit& model, const std::vector<int>& members) {
+  if (members == model.candidates) return model;
+  if (const ModelFit* known = posterior_.find(members)) return *known;
+  const auto known = subsets_.find(members);
+  if (known != subsets_.end()) return known->second;
+
+  const Hypotheses& hypotheses = problem_.hypotheses;
+  ModelFit less;
+  less.candidates = members;
+  Vector p = model.fit.p;
+  for (const int c : model.candidates) {
+    if (std::binary_search(members.begin(), members.end(), c)) continue;
+    for (const int i : hypotheses.candidates[c].parameters) p[i] = hypotheses.parameters[i].nominal;
+  }
+  FitOptions options;
+  options.scales = model.fit.scales;
+  less.fit = fit_model(problem_, comparison_.whitening, hypotheses.freed_by(members), {p}, options);
+  less.log_prior = log_prior(members.size(), hypotheses.candidates.size(), problem_.settings);
+  return subsets_.emplace(members, std::move(less)).first->second;
+}
+
 const HeldOut& HeldOutGaps::of(const ModelFit& model) {
   const auto known = gaps_.find(model.candidates);
   if (known != gaps_.end()) return known->second;

@@ -13,6 +13,7 @@
 #include <map>
 #include <vector>
 
+#include "diagnosis/selection/posterior.h"
 #include "diagnosis/selection/search.h"
 #include "jaculus/diagnosis/held_out.h"
 
@@ -28,22 +29,33 @@ HeldOut held_out(const Problem& problem, const Comparison& comparison, const Fit
 /// Variance that the builder's tolerances add to held-out errors: rows of a dataset each [unit^2].
 std::vector<Vector> tolerance_variances(const Problem& problem, const Comparison& comparison);
 
-/// Held-out gaps of several models, each computed once.
+/// Held-out gaps of a search's models and of their subsets, each fitted and judged once.
 class HeldOutGaps {
  public:
-  HeldOutGaps(const Problem& problem, const Comparison& comparison, const Fit& none)
+  HeldOutGaps(const Problem& problem, const Comparison& comparison, const Posterior& posterior,
+              const Fit& none)
       : problem_(problem),
         comparison_(comparison),
+        posterior_(posterior),
         none_(none),
         granted_(tolerance_variances(problem, comparison)) {}
   const HeldOut& of(const ModelFit& model);
+  /// The model of `members`, a subset of a model's: as the search fitted it, else fitted from the
+  /// larger one with the others at nominal.
+  const ModelFit& subset(const ModelFit& model, const std::vector<int>& members);
+
+  [[nodiscard]] const Problem& problem() const { return problem_; }
+  [[nodiscard]] const Settings& settings() const { return problem_.settings; }
+  [[nodiscard]] const Posterior& posterior() const { return posterior_; }
 
  private:
   const Problem& problem_;
   const Comparison& comparison_;
+  const Posterior& posterior_;
   const Fit& none_;
   std::vector<Vector> granted_;
   std::map<std::vector<int>, HeldOut> gaps_;
+  std::map<std::vector<int>, ModelFit> subsets_;
 };
 
 }  // namespace jaculus::diagnosis

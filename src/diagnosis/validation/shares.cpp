@@ -73,14 +73,11 @@ EffectShare share_of(const Subsets& v, int n, int i) {
 
 }  // namespace
 
-std::vector<std::optional<EffectShare>> shares_of(const Problem& problem,
-                                                  const Comparison& comparison,
-                                                  const Posterior& posterior, HeldOutGaps& gaps,
-                                                  const ModelFit& model) {
+std::vector<std::optional<EffectShare>> shares_of(HeldOutGaps& gaps, const ModelFit& model) {
   const int n = count_of(model.candidates);
   std::vector<std::optional<EffectShare>> shares(model.candidates.size());
   const HeldOut whole = gaps.of(model);
-  if (!whole.valid || whole.before < problem.settings.plain_gap) return shares;
+  if (!whole.valid || whole.before < gaps.settings().plain_gap) return shares;
 
   Subsets v;
   v[0] = nothing_explained(whole.by_fold.size());
@@ -90,9 +87,9 @@ std::vector<std::optional<EffectShare>> shares_of(const Problem& problem,
     std::vector<int> members;
     for (int i = 0; i < n; ++i)
       if ((set >> i & 1u) != 0) members.push_back(model.candidates[i]);
-    const ModelFit fitted = fitted_subset(problem, comparison, posterior, model, members);
+    const ModelFit& fitted = gaps.subset(model, members);
     v[set] = {kNaN, std::vector<double>(whole.by_fold.size(), kNaN)};
-    if (fitted.fit.valid) v[set] = explained_by(gaps.of(fitted), problem.settings);
+    if (fitted.fit.valid) v[set] = explained_by(gaps.of(fitted), gaps.settings());
   }
 
   for (int i = 0; i < n; ++i) {

@@ -19,15 +19,11 @@
 #include <vector>
 
 #include "diagnosis/validation/held_out.h"
-#include "diagnosis/validation/subset_fit.h"
 
 namespace jaculus::diagnosis {
 
 /// Shares of a model's effects, in the order of its candidates; nothing for an effect of which a
 /// subset can't be judged. Shapley's is stated of sets of at most three, the search's largest.
-std::vector<std::optional<EffectShare>> shares_of(const Problem& problem,
-                                                  const Comparison& comparison,
-                                                  const Posterior& posterior, HeldOutGaps& gaps,
-                                                  const ModelFit& model);
+std::vector<std::optional<EffectShare>> shares_of(HeldOutGaps& gaps, const ModelFit& model);
 
 }  // namespace jaculus::diagnosis

@@ -63,9 +63,10 @@ Established place_of(const Posterior& posterior, const ModelFit& model, int memb
 }
 
 /// Those that may stand in for a member and predict held-out data as well as it does.
-std::vector<int> predicting(const Posterior& posterior, HeldOutGaps& gaps, const ModelFit& model,
-                            const Established& place, const Settings& settings) {
-  const std::vector<Exchange> exchanges = exchanges_of(posterior, model, place.effect, settings);
+std::vector<int> predicting(HeldOutGaps& gaps, const ModelFit& model, const Established& place) {
+  const Settings& settings = gaps.settings();
+  const std::vector<Exchange> exchanges =
+      exchanges_of(gaps.posterior(), model, place.effect, settings);
   std::vector<int> kept;
   for (const int other : place.others) {
     const auto as_well = [&](const Exchange& exchange) {
@@ -102,11 +103,11 @@ std::vector<int> members_of(const std::vector<Established>& effects) {
 
 /// The most probable set, or one of settings.listed of its probability that predicts held-out data
 /// better by settings.least_improvement: evidence that hardly decides leaves it to them.
-const ModelFit* best_predicting(const Posterior& posterior, HeldOutGaps& gaps,
-                                const Settings& settings) {
-  const ModelFit* best = posterior.leading();
+const ModelFit* best_predicting(HeldOutGaps& gaps) {
+  const Settings& settings = gaps.settings();
+  const ModelFit* best = gaps.posterior().leading();
   const double listed = settings.listed * best->probability();
-  for (const ModelFit& model : posterior.models) {
+  for (const ModelFit& model : gaps.posterior().models) {
     if (model.candidates.empty() || !model.fit.valid || model.probability() < listed) continue;
     const HeldOut own = gaps.of(model), present = gaps.of(*best);
     if (own.valid && present.valid &&
@@ -139,33 +140,30 @@ Proposal name_effects(const Posterior& posterior, const ModelFit& leading,
 
 }  // namespace
 
-Proposal propose(const Problem& problem, const Comparison& comparison, const Posterior& posterior,
-                 HeldOutGaps& gaps) {
-  const Settings& settings = problem.settings;
+Proposal propose(HeldOutGaps& gaps) {
+  const Posterior& posterior = gaps.posterior();
+  const Settings& settings = gaps.settings();
   const ModelFit* leading = posterior.leading();
   if (posterior.none > settings.likely || leading == nullptr)
     return {Naming::nothing, {}, *posterior.find({}), {}};
   if (posterior.unexplained > settings.likely) return {Naming::nothing, {}, *leading, {}};
 
-  leading = best_predicting(posterior, gaps, settings);
+  leading = best_predicting(gaps);
   Proposal proposal = name_effects(posterior, *leading, settings);
-  const ModelFit kept = without_members_of_no_share(
-      problem, comparison, posterior, gaps,
-      without_idle_members(problem, comparison, posterior, gaps, *leading));
+  const ModelFit kept = without_members_of_no_share(gaps, without_idle_members(gaps, *leading));
   for (const int c : leading->candidates) {
     if (contains(kept.candidates, c)) continue;
     proposal.reasons.push_back(
         fmt::format("{} would raise the evidence, but held-out data are predicted as well without "
                     "it, or it explains nothing of their gap",
-                    problem.hypotheses.candidates[c].name));
+                    gaps.problem().hypotheses.candidates[c].name));
   }
 
   std::erase_if(proposal.effects, [&](const Established& e) {
     return contains(leading->candidates, e.effect) && !contains(kept.candidates, e.effect);
   });
   for (Established& e : proposal.effects)
-    if (contains(leading->candidates, e.effect))
-      e.others = predicting(posterior, gaps, *leading, e, settings);
+    if (contains(leading->candidates, e.effect)) e.others = predicting(gaps, *leading, e);
   const ModelFit* named = posterior.find(members_of(proposal.effects));
   const bool all = members_of(proposal.effects) == kept.candidates;
   proposal.chosen = all || named == nullptr ? kept : *named;

@@ -38,7 +38,6 @@ struct Proposal {
 ///   rivals   one place that several could fill, or else all that reach settings.listed of what
 ///            effects explain.
 /// Of them those stay without which held-out data are predicted worse.
-Proposal propose(const Problem& problem, const Comparison& comparison, const Posterior& posterior,
-                 HeldOutGaps& gaps);
+Proposal propose(HeldOutGaps& gaps);
 
 }  // namespace jaculus::diagnosis

@@ -153,9 +153,10 @@ Ranked row_of(const Problem& problem, const ModelFit& model, double zero) {
 
 /// Every model worth a row, `chosen` however improbable: what is reported stands in the ranking. A
 /// set that held-out data made of a larger one has that one's probability.
-std::vector<Ranked> ranking_of(const Problem& problem, const Posterior& posterior,
-                               const ModelFit& chosen, HeldOutGaps& gaps) {
-  const Settings& settings = problem.settings;
+std::vector<Ranked> ranking_of(HeldOutGaps& gaps, const ModelFit& chosen) {
+  const Problem& problem = gaps.problem();
+  const Posterior& posterior = gaps.posterior();
+  const Settings& settings = gaps.settings();
   const double zero = posterior.find({})->fit.log_evidence;
   std::vector<Ranked> ranking;
   int judged = 0;
@@ -192,16 +193,15 @@ std::vector<FittedModel> rivals_of(const Posterior& posterior) {
 
 /// Gives the effects their shares of the held-out gap's energy: members of the chosen model within
 /// it, rivals alone.
-void add_shares(const Problem& problem, const Comparison& comparison, const Posterior& posterior,
-                HeldOutGaps& gaps, const ModelFit& chosen, std::vector<FoundEffect>& effects) {
-  const auto members = shares_of(problem, comparison, posterior, gaps, chosen);
+void add_shares(HeldOutGaps& gaps, const ModelFit& chosen, std::vector<FoundEffect>& effects) {
+  const auto members = shares_of(gaps, chosen);
   for (FoundEffect& effect : effects) {
-    const int c = problem.hypotheses.candidate(effect.name);
+    const int c = gaps.problem().hypotheses.candidate(effect.name);
     const int place = index_of(chosen.candidates, c);
     if (place >= 0) {
       effect.share = members[place];
-    } else if (const ModelFit* rival = posterior.find({c})) {
-      effect.share = shares_of(problem, comparison, posterior, gaps, *rival).front();
+    } else if (const ModelFit* rival = gaps.posterior().find({c})) {
+      effect.share = shares_of(gaps, *rival).front();
       if (effect.share) effect.share = EffectShare{effect.share->alone};
     }
   }
@@ -217,9 +217,9 @@ void append(const std::vector<std::string>& more, std::vector<std::string>& reas
 Statement state_verdict(const Problem& problem, const Selection& selection, bool one_trial) {
   const Settings& settings = problem.settings;
   const Fit& none = selection.search.models.front().fit;
-  HeldOutGaps gaps(problem, selection.comparison, none);
   const Posterior posterior = posterior_of(selection.search, settings);
-  const Proposal proposal = propose(problem, selection.comparison, posterior, gaps);
+  HeldOutGaps gaps(problem, selection.comparison, posterior, none);
+  const Proposal proposal = propose(gaps);
   const ModelFit& chosen = proposal.chosen;
 
   Statement out;
@@ -252,10 +252,10 @@ Statement state_verdict(const Problem& problem, const Selection& selection, bool
     // Rivals have a row each.
     if (out.verdict == Verdict::ambiguous)
       for (const int other : proposal.effects.front().others) add(other, {});
-    add_shares(problem, selection.comparison, posterior, gaps, chosen, effects);
+    add_shares(gaps, chosen, effects);
   }
   if (out.verdict == Verdict::ambiguous) out.rivals = rivals_of(posterior);
-  std::vector<Ranked> ranking = ranking_of(problem, posterior, chosen, gaps);
+  std::vector<Ranked> ranking = ranking_of(gaps, chosen);
   const std::vector<std::string> doubted = doubts(out.verdict, out.gap, effects, ranking, settings);
   append(doubted, out.reasons);
   Calibrated calibrated =
