@@ -8,6 +8,9 @@
 #include <Eigen/Eigenvalues>
 #include <random>
 
+#include "diagnosis/noise/columns.h"
+#include "diagnosis/noise/random_weights.h"
+
 namespace jaculus::diagnosis {
 namespace {
 
@@ -69,17 +72,47 @@ TEST(RandomEffects, EvidenceIsTheDenseGaussians) {
   EXPECT_NEAR(linear_evidence(effects, products, scales).log_evidence, log_density, 1e-9);
 }
 
-TEST(RandomEffects, ShrinkageIsTheRootOfTheCovariance) {
+TEST(RandomEffects, WeightsAreTheInverseOfTheCovariance) {
   const RandomEffects effects = small_effects(12, 4);
-  const Vector scales = Vector{{1.5, 0.2}};
-  const Matrix V = covariance(effects, scales);
-  const RandomShrinkage shrinkage = random_shrinkage(effects, scales);
-  for (unsigned seed = 0; seed < 5; ++seed) {
-    Vector x = normal_matrix(24, 1, 100 + seed);
-    const double expected = x.dot(V.ldlt().solve(x));
-    shrinkage.apply(x);
-    EXPECT_NEAR(x.squaredNorm(), expected, 1e-9 * expected);
+  for (const Vector& scales : {Vector{{1.5, 0.2}}, Vector{{0.0, 0.7}}, Vector{{0.0, 0.0}}}) {
+    const Matrix X = normal_matrix(24, 5, 100);
+    const Matrix expected = covariance(effects, scales).ldlt().solve(X);
+    const RandomWeights weights(effects, scales);
+    const Matrix root = weights.root(X);
+    EXPECT_EQ(root.rows(), 24 + weights.more_rows());
+    EXPECT_LT((root.transpose() * root - X.transpose() * expected).norm(), 1e-9);
+    EXPECT_LT((weights.inverse(X) - expected).norm(), 1e-9);
   }
+}
+
+TEST(RandomEffects, ToleranceStandsBesideColumnsAsIfItHadBeenPutTogetherSo) {
+  const RandomEffects effects = small_effects(12, 4);
+  const Matrix Y = normal_matrix(24, 3, 8);
+  const RandomEffects beside = beside_columns(effects, Y);
+  EXPECT_LT((Y.transpose() * beside.tolerances).norm(), 1e-10);
+  EXPECT_LT((beside.tolerance_gram - beside.tolerances.transpose() * beside.tolerances).norm(),
+            1e-10);
+  for (const RandomBlock& block : beside.blocks) {
+    const Matrix expected =
+        block.columns.transpose() * beside.tolerances.middleRows(block.first, block.count);
+    EXPECT_LT((block.with_tolerances - expected).norm(), 1e-10);
+  }
+}
+
+TEST(Columns, SideBySideAndMovedHaveTheProductsOfTheWhole) {
+  const RandomEffects effects = small_effects(12, 4);
+  const Columns a = columns_of(effects, normal_matrix(24, 3, 21)),
+                b = columns_of(effects, normal_matrix(24, 2, 22)),
+                moved = columns_of(effects, normal_matrix(24, 1, 23));
+  for (const Columns& built : {side_by_side(a, b), first_moved(a, moved)}) {
+    const Products whole = products_of(effects, built.X);
+    EXPECT_LT((built.products.gram - whole.gram).norm(), 1e-10);
+    EXPECT_LT((built.products.tolerances - whole.tolerances).norm(), 1e-10);
+    for (std::size_t i = 0; i < whole.blocks.size(); ++i)
+      EXPECT_LT((built.products.blocks[i] - whole.blocks[i]).norm(), 1e-10);
+  }
+  EXPECT_EQ(side_by_side(a, b).X.rightCols(2), b.X);
+  EXPECT_EQ(first_moved(a, moved).X.col(0), a.X.col(0) + moved.X.col(0));
 }
 
 TEST(RandomEffects, DeviationsThatWerePlantedComeBack) {

@@ -18,7 +18,8 @@ inline constexpr double kLever = 0.1;
 double largest_force(const model::PlanarModel& robot, const model::PlanarMotor& motor);
 
 /// Coordinates along which a force may be missing, with one that counts as large [N m, or N where
-/// it slides]: of the body its weight, or that at kLever; of a joint its motor's limit, or the same.
+/// it slides]: of the body its weight, or that at kLever; of a joint its motor's limit, or the
+/// same.
 std::vector<std::pair<std::string, double>> force_scales(const model::PlanarModel& robot);
 
 /// Whether a force along a coordinate can act on a robot.

@@ -216,7 +216,7 @@ void add_indistinguishable(const Problem& problem, const Whitening& whitening,
       if (sj.norm() < problem.settings.component_compared * si.norm()) continue;
       Matrix other(sj.size(), 1 + nuisances.cols());
       other << sj, nuisances;
-      const double energy = unexplained_energy(whitening, model.fit.scales, si, other);
+      const double energy = unexplained_energy(whitening.random, model.fit.scales, si, other);
       if (0.5 * energy < problem.settings.indistinguishable_below)
         add(a.players[i].component, a.players[j].component);
     }

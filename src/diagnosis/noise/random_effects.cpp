@@ -127,7 +127,8 @@ FixedPoint fixed_point(const RandomEffects& effects, const Products& products,
     const Eigen::Index k = own.scales.size();
     const Matrix P = own.inner.solve(own.products);
     const Vector w = P.col(0) - P.rightCols(n) * mean;
-    const Vector alone = own.inner.solve(Matrix::Identity(k, k)).diagonal();
+    const Matrix root = own.inner.matrixL().solve(Matrix::Identity(k, k));
+    const Vector alone = root.colwise().squaredNorm();
     const Matrix along = factor.matrixL().solve(P.rightCols(n).transpose());
     const Vector variance = alone + along.colwise().squaredNorm().transpose();
     for (Eigen::Index j = 0; j < k; ++j) {
@@ -280,32 +281,13 @@ Vector told_by(const RandomEffects& effects, const Products& products, const Vec
 RandomEffects beside_columns(RandomEffects effects, const Matrix& Y) {
   if (effects.tolerances.cols() == 0 || Y.cols() == 0) return effects;
 
-  effects.tolerances -= Y * Y.colPivHouseholderQr().solve(effects.tolerances);
+  const Matrix B = Y.colPivHouseholderQr().solve(effects.tolerances);
+  effects.tolerances.noalias() -= Y * B;
   effects.tolerance_gram = effects.tolerances.transpose() * effects.tolerances;
   for (RandomBlock& block : effects.blocks)
-    block.with_tolerances =
-        block.columns.transpose() * effects.tolerances.middleRows(block.first, block.count);
+    block.with_tolerances.noalias() -=
+        (block.columns.transpose() * Y.middleRows(block.first, block.count)) * B;
   return effects;
-}
-
-void RandomShrinkage::apply(VectorRef x) const {
-  for (const auto& [first, block] : blocks) block.apply(x.segment(first, block.U.rows()));
-  tolerances.apply(x);
-}
-
-RandomShrinkage random_shrinkage(const RandomEffects& effects, const Vector& scales) {
-  RandomShrinkage out;
-  Matrix tolerances = effects.tolerances;
-  for (const RandomBlock& block : effects.blocks) {
-    const Matrix scaled = block.columns * column_scales(block, scales).asDiagonal();
-    Shrinkage own = shrinkage(scaled);
-    if (own.shrink.size() == 0) continue;
-    for (Eigen::Index k = 0; k < tolerances.cols(); ++k)
-      own.apply(tolerances.col(k).segment(block.first, block.count));
-    out.blocks.emplace_back(block.first, std::move(own));
-  }
-  out.tolerances = shrinkage(tolerances);
-  return out;
 }
 
 }  // namespace jaculus::diagnosis

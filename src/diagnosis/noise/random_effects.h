@@ -116,12 +116,4 @@ Vector told_by(const RandomEffects& effects, const Products& products, const Vec
 /// it, so that an estimate is what the data show in all.
 RandomEffects beside_columns(RandomEffects effects, const Matrix& Y);
 
-/// V^-1/2, as a fixed map on white rows.
-struct RandomShrinkage {
-  std::vector<std::pair<int, Shrinkage>> blocks;  ///< first row, map
-  Shrinkage tolerances;
-  void apply(VectorRef x) const;
-};
-RandomShrinkage random_shrinkage(const RandomEffects& effects, const Vector& scales);
-
 }  // namespace jaculus::diagnosis

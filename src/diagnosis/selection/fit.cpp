@@ -11,6 +11,7 @@
 #include <numbers>
 
 #include "diagnosis/forward/sensitivities.h"
+#include "diagnosis/noise/random_weights.h"
 
 namespace jaculus::diagnosis {
 namespace {
@@ -116,12 +117,11 @@ class Residual {
   std::string message_;
 };
 
-/// Ceres' view: residual by V^-1/2 and prior rows below it.
+/// Ceres' view: the residual's root by V^-1 (noise/random_weights.h) and prior rows below it.
 class Cost : public ceres::CostFunction {
  public:
-  Cost(Residual& residual, const RandomShrinkage& shrinkage)
-      : residual_(residual), shrinkage_(shrinkage) {
-    set_num_residuals(residual.rows() + count_of(residual));
+  Cost(Residual& residual, const RandomWeights& weights) : residual_(residual), weights_(weights) {
+    set_num_residuals(residual.rows() + static_cast<int>(weights.more_rows()) + count_of(residual));
     mutable_parameter_block_sizes()->push_back(count_of(residual));
   }
   bool Evaluate(double const* const* parameters, double* residuals,
@@ -129,33 +129,32 @@ class Cost : public ceres::CostFunction {
     const Vector u = Eigen::Map<const Vector>(parameters[0], residual_.size());
     Vector r;
     if (!residual_.value(u, r)) return false;
-    shrinkage_.apply(r);
-    Eigen::Map<Vector>(residuals, r.size()) = r;
-    Eigen::Map<Vector>(residuals + r.size(), u.size()) = u;
+    const Vector root = weights_.root(r);
+    Eigen::Map<Vector>(residuals, root.size()) = root;
+    Eigen::Map<Vector>(residuals + root.size(), u.size()) = u;
     if (jacobians == nullptr || jacobians[0] == nullptr) return true;
     Matrix J;
     if (!residual_.jacobian(u, J)) return false;
-    for (Eigen::Index i = 0; i < J.cols(); ++i) shrinkage_.apply(J.col(i));
     Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> all(
-        jacobians[0], r.size() + u.size(), u.size());
-    all.topRows(r.size()) = J;
+        jacobians[0], root.size() + u.size(), u.size());
+    all.topRows(root.size()) = weights_.root(J);
     all.bottomRows(u.size()).setIdentity();
     return true;
   }
 
  private:
   Residual& residual_;
-  const RandomShrinkage& shrinkage_;
+  const RandomWeights& weights_;
 };
 
 /// Minimises from u; false where no point could be evaluated.
-bool minimise(Residual& residual, const RandomShrinkage& shrinkage, int iterations,
+bool minimise(Residual& residual, const RandomWeights& weights, int iterations,
               const Settings& settings, Vector& u) {
   FLAGS_minloglevel =
       google::GLOG_FATAL;  // a simulation that fails is a status here, no message of a library
   ceres::Problem::Options ownership;
   ownership.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-  Cost cost(residual, shrinkage);
+  Cost cost(residual, weights);
   ceres::Problem problem(ownership);
   problem.AddResidualBlock(&cost, nullptr, u.data());
   for (Eigen::Index i = 0; i < u.size(); ++i) {
@@ -239,12 +238,12 @@ Fit fit_from(const Problem& problem, const Whitening& whitening, const std::vect
                              ? without_tolerances(random)
                              : beside_columns(random, options.beside);
   for (int round = 0;; ++round) {
-    const RandomShrinkage shrinkage = random_shrinkage(beside, fit.scales);
     // Later rounds set out from where the one before arrived.
     const int iterations = round == 0 || !in_windows(problem)
                                ? first_iterations
                                : std::min(first_iterations, settings.profile_iterations);
-    fit.valid = (free.empty() || minimise(residual, shrinkage, iterations, settings, u)) &&
+    fit.valid = (free.empty() ||
+                 minimise(residual, RandomWeights(beside, fit.scales), iterations, settings, u)) &&
                 residual.value(u, fit.residual) && residual.jacobian(u, fit.jacobian);
     if (!fit.valid) return fit;
 
@@ -337,10 +336,8 @@ Fit fit_around(const Problem& problem, const Whitening& whitening, Fit fit,
   if (!fit.valid || fit.free.empty()) return fit;
   const int first = fit.free.front();
   const FreeParameter& own = problem.hypotheses.parameters[first];
-  FitOptions held;
-  held.scales = fit.scales;
-  held.hold_scales = true;
-  held.beside = fit.jacobian;
+  const RandomEffects beside = beside_columns(whitening.random, fit.jacobian);
+  const RandomWeights weights(beside, fit.scales);
   Vector best;
   double least = fit.cost - problem.settings.lower_valley;
   for (const double factor : kAround) {
@@ -348,10 +345,12 @@ Fit fit_around(const Problem& problem, const Whitening& whitening, Fit fit,
     p[first] = std::clamp(own.nominal + factor * (fit.p[first] - own.nominal), own.bounds.lower,
                           own.bounds.upper);
     if (p[first] == fit.p[first]) continue;
-    const Fit there = evaluate_model(problem, whitening, p, held);
+    Residual residual(problem, whitening, {}, p);
+    Vector r;
     ++fit.predictions;
-    if (!there.valid) continue;
-    const double cost = there.cost + 0.5 * problem.hypotheses.scaled(fit.free, p).squaredNorm();
+    if (!residual.value({}, r)) continue;
+    const double cost = 0.5 * (weights.root(r).squaredNorm() +
+                               problem.hypotheses.scaled(fit.free, p).squaredNorm());
     if (cost >= least) continue;
     least = cost;
     best = p;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "diagnosis/noise/quantiles.h"
+#include "diagnosis/noise/random_weights.h"
 #include "diagnosis/selection/fit.h"
 
 namespace jaculus::diagnosis {
@@ -65,12 +66,8 @@ double interval_end(const Problem& problem, const Whitening& whitening, const Fi
 /// Scores of the free parameters by windows, J_w^T V^-1 r_w, a row a window.
 Matrix scores(const Whitening& whitening, const Fit& fit) {
   const RandomEffects beside = beside_columns(whitening.random, fit.jacobian);
-  const RandomShrinkage shrinkage = random_shrinkage(beside, fit.scales);
-  Vector r = fit.residual;
-  Matrix J = fit.jacobian;
-  shrinkage.apply(r);
-  for (Eigen::Index i = 0; i < J.cols(); ++i) shrinkage.apply(J.col(i));
-
+  const Vector r = RandomWeights(beside, fit.scales).inverse(fit.residual);
+  const Matrix& J = fit.jacobian;
   Matrix scores(count_of(beside.blocks), J.cols());
   for (int w = 0; w < count_of(beside.blocks); ++w) {
     const RandomBlock& block = beside.blocks[w];

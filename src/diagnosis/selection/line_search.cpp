@@ -51,7 +51,7 @@ struct Line {
   const Whitening& whitening;
   const Fit& base;
   int parameter = 0;
-  Matrix model;           ///< [r0 -J] of the base model
+  const Columns& model;   ///< [r0 -J] of the base model
   double standing = 0.0;  ///< its log evidence
 
   /// Log evidence gained by a smaller residual, as if it were one random effect in all directions
@@ -61,7 +61,7 @@ struct Line {
     double directions = 0.0;
     for (const RandomBlock& block : whitening.random.blocks)
       directions += static_cast<double>(block.columns.cols());
-    const double before = model.col(0).squaredNorm(), now = r.squaredNorm();
+    const double before = model.X.col(0).squaredNorm(), now = r.squaredNorm();
     return 0.5 * std::min(directions, before) * std::log(before / std::max(now, 1e-300));
   }
 
@@ -73,19 +73,18 @@ struct Line {
 
     // The base model's own parameters move linearly along.
     const RandomEffects& random = whitening.random;
-    Matrix X = model;
-    X.col(0) += whitening.residual(rows_of(problem, whitening.alignments, set)) - base.residual;
-    const Products products = products_of(random, X);
+    const Columns moved = columns_of(
+        random, whitening.residual(rows_of(problem, whitening.alignments, set)) - base.residual);
+    const Columns there = first_moved(model, moved);
+    const Products& products = there.products;
     const ScaleEstimate followed = screening_scales(problem, random, products, base.scales);
-    const double there = linear_evidence(random, products, followed.scales).log_evidence +
-                         followed.log_cost - 0.5 * u * u;
-
-    const Vector moved = X.col(0) - model.col(0);
-    const double energy = weigh(random, products_of(random, moved), followed.scales).gram(0, 0);
+    const double evidence = linear_evidence(random, products, followed.scales).log_evidence +
+                            followed.log_cost - 0.5 * u * u;
+    const double energy = weigh(random, moved.products, followed.scales).gram(0, 0);
     const double width = 0.5 * std::log1p(energy / (u * u));
-    const double influence = moved.norm();
-    double gain = there - standing;
-    if (const double smaller = gain_of_size(X.col(0)); smaller > 0.0)
+    const double influence = moved.X.norm();
+    double gain = evidence - standing;
+    if (const double smaller = gain_of_size(there.X.col(0)); smaller > 0.0)
       gain = std::max(gain, smaller - 0.5 * u * u);
     return {u, gain - width, gain, influence};
   }
@@ -145,9 +144,8 @@ ScaleEstimate screening_scales(const Problem& problem, const RandomEffects& rand
                           settings.scale_spread);
 }
 
-double followed_evidence(const Problem& problem, const Whitening& whitening, const Matrix& X,
-                         const Vector& scales) {
-  const Products products = products_of(whitening.random, X);
+double followed_evidence(const Problem& problem, const Whitening& whitening,
+                         const Products& products, const Vector& scales) {
   const ScaleEstimate followed = screening_scales(problem, whitening.random, products, scales);
   return linear_evidence(whitening.random, products, followed.scales).log_evidence +
          followed.log_cost;
@@ -159,10 +157,10 @@ double probe_step(const FreeParameter& parameter, double value, double share) {
 }
 
 BestStep line_search(const Problem& problem, const Whitening& whitening, const Fit& base,
-                     int first) {
-  const Matrix model = linear_model(problem, base);
-  const Line line{problem, whitening, base,
-                  first,   model,     followed_evidence(problem, whitening, model, base.scales)};
+                     const Columns& model, int first) {
+  const Line line{problem, whitening,
+                  base,    first,
+                  model,   followed_evidence(problem, whitening, model.products, base.scales)};
   BestStep found;
   std::vector<Point> points{{0.0, 0.0, 0.0, 0.0}};
   const FreeParameter& parameter = problem.hypotheses.parameters[first];

@@ -12,6 +12,7 @@
 // changes is far beyond the proportion of the step before, and does harm, the space between the two
 // is halved until a step helps.
 
+#include "diagnosis/noise/columns.h"
 #include "diagnosis/selection/fit.h"
 
 namespace jaculus::diagnosis {
@@ -20,8 +21,8 @@ namespace jaculus::diagnosis {
 ScaleEstimate screening_scales(const Problem& problem, const RandomEffects& random,
                                const Products& products, const Vector& scales);
 /// Log evidence of white columns X = [r Y] by such deviations.
-double followed_evidence(const Problem& problem, const Whitening& whitening, const Matrix& X,
-                         const Vector& scales);
+double followed_evidence(const Problem& problem, const Whitening& whitening,
+                         const Products& products, const Vector& scales);
 
 /// Probing step of a parameter from `value`, times `share`; inwards where it would leave the
 /// bounds.
@@ -33,8 +34,8 @@ struct BestStep {
   double score = 0.0;    ///< log evidence gained
   long predictions = 0;  ///< sets of simulations that it took
 };
-/// Searches along parameter `first` from the base model.
+/// Searches along parameter `first` from the base model, whose [r0 -J] is `model`.
 BestStep line_search(const Problem& problem, const Whitening& whitening, const Fit& base,
-                     int first);
+                     const Columns& model, int first);
 
 }  // namespace jaculus::diagnosis

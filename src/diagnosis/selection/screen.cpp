@@ -50,16 +50,14 @@ struct Base {
   const Problem& problem;
   const Whitening& whitening;
   const Fit& fit;
-  Matrix model;        ///< [r0 -J]
-  double alone = 0.0;  ///< its log evidence
+  const Columns& model;  ///< [r0 -J]
+  double alone = 0.0;    ///< its log evidence
 };
 
-/// The posterior of one more candidate's columns beside the base model's own.
+/// The posterior of one more candidate's columns beside the base model's own, which come first.
 LinearEvidence with_columns(const Base& base, const Matrix& own) {
-  Matrix X(base.model.rows(), base.model.cols() + own.cols());
-  X << base.model.col(0), own, base.model.rightCols(base.model.cols() - 1);
   const RandomEffects& random = base.whitening.random;
-  const Products products = products_of(random, X);
+  const Products products = side_by_side(base.model, columns_of(random, own)).products;
   const ScaleEstimate followed = screening_scales(base.problem, random, products, base.fit.scales);
   LinearEvidence linear = linear_evidence(random, products, followed.scales);
   linear.log_evidence += followed.log_cost;
@@ -69,19 +67,20 @@ LinearEvidence with_columns(const Base& base, const Matrix& own) {
 /// Raises the probe's score and estimate to what these columns reach; whether they do.
 bool raise_score(const Base& base, const Candidate& candidate, const Matrix& own, Probe& probe) {
   LinearEvidence linear = with_columns(base, own);
+  Vector mean = linear.mean.tail(own.cols());
   for (Eigen::Index k = 0; k < own.cols(); ++k) {
     const FreeParameter& p = base.problem.hypotheses.parameters[candidate.parameters[k]];
     const double value = base.fit.p[candidate.parameters[k]];
     const Bounds range{(p.bounds.lower - value) / p.scale, (p.bounds.upper - value) / p.scale};
-    if (range.contains(linear.mean[k])) continue;
-    linear.mean[k] = std::clamp(linear.mean[k], range.lower, range.upper);
+    if (range.contains(mean[k])) continue;
+    mean[k] = std::clamp(mean[k], range.lower, range.upper);
     // On the wrong side of a boundary the first parameter can do nothing for the residual.
-    if (k == 0 && linear.mean[k] == 0.0) linear.log_evidence = base.alone - 1.0;
+    if (k == 0 && mean[k] == 0.0) linear.log_evidence = base.alone - 1.0;
   }
 
   if (linear.log_evidence - base.alone <= probe.score) return false;
   probe.score = linear.log_evidence - base.alone;
-  probe.estimate = linear.mean.head(own.cols());
+  probe.estimate = mean;
   return true;
 }
 
@@ -93,9 +92,9 @@ Probe probe_candidate(const Problem& problem, const Whitening& whitening, const 
   const int first = candidate.parameters.front();
   Probe probe;
   if (std::find(base.free.begin(), base.free.end(), first) != base.free.end()) return probe;
-  const Matrix model = linear_model(problem, base);
+  const Columns model = columns_of(whitening.random, linear_model(problem, base));
   const Base known{problem, whitening, base, model,
-                   followed_evidence(problem, whitening, model, base.scales)};
+                   followed_evidence(problem, whitening, model.products, base.scales)};
 
   const double influence = problem.settings.influence;
   const auto full = columns_of(problem, whitening, base, candidate, 1.0);
@@ -114,7 +113,7 @@ Probe probe_candidate(const Problem& problem, const Whitening& whitening, const 
   if (in_windows(problem) && by_full && by_small && proportional(*small, *full, problem.settings))
     return probe;
 
-  const BestStep best = line_search(problem, whitening, base, first);
+  const BestStep best = line_search(problem, whitening, base, model, first);
   probe.predictions += best.predictions;
   probe.step = best.u;
   probe.score = std::max(probe.score, best.score);
@@ -165,14 +164,19 @@ std::vector<Vector> fit_starts(const Problem& problem, const Vector& base, int c
   return {estimated, searched, probed};
 }
 
-double unexplained_energy(const Whitening& whitening, const Vector& scales, const Vector& signature,
-                          const Matrix& own) {
-  Matrix X(signature.size(), 1 + own.cols());
-  X << signature, own;
-  const Matrix gram = weigh(whitening.random, products_of(whitening.random, X), scales).gram;
-  if (own.cols() == 0) return gram(0, 0);
+double unexplained_energy(const RandomEffects& random, const Vector& scales,
+                          const Vector& signature, const Matrix& others) {
+  Matrix X(signature.size(), 1 + others.cols());
+  X << signature, others;
+  return unexplained_energy(random, scales, products_of(random, X));
+}
 
-  const Eigen::Index n = own.cols();
+double unexplained_energy(const RandomEffects& random, const Vector& scales,
+                          const Products& columns) {
+  const Matrix gram = weigh(random, columns, scales).gram;
+  const Eigen::Index n = gram.cols() - 1;
+  if (n == 0) return gram(0, 0);
+
   const Matrix A = gram.bottomRightCorner(n, n) + kRidge * Matrix::Identity(n, n);
   const Vector b = gram.col(0).tail(n);
   return gram(0, 0) - b.dot(A.llt().solve(b));

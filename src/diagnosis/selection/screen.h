@@ -12,6 +12,7 @@
 
 #include <vector>
 
+#include "diagnosis/noise/columns.h"
 #include "diagnosis/selection/fit.h"
 
 namespace jaculus::diagnosis {
@@ -46,8 +47,12 @@ std::vector<Probe> screen(const Problem& problem, const Whitening& whitening, co
 std::vector<Vector> fit_starts(const Problem& problem, const Vector& base, int candidate,
                                const Probe& probe);
 
-/// Energy, by V^-1 at some deviations, of a white signature that the columns `own` can't reproduce.
-double unexplained_energy(const Whitening& whitening, const Vector& scales, const Vector& signature,
-                          const Matrix& own);
+/// Energy, by V^-1 at some deviations, of a white signature, the first of the columns, that the
+/// others can't reproduce.
+double unexplained_energy(const RandomEffects& random, const Vector& scales,
+                          const Products& columns);
+/// The same of a signature and other columns whose products are not known.
+double unexplained_energy(const RandomEffects& random, const Vector& scales,
+                          const Vector& signature, const Matrix& others);
 
 }  // namespace jaculus::diagnosis

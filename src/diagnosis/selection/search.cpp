@@ -1,6 +1,7 @@
 #include "diagnosis/selection/search.h"
 
 #include <fmt/format.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <set>
@@ -11,35 +12,48 @@
 namespace jaculus::diagnosis {
 namespace {
 
+/// Columns of every candidate at the two strengths; none where its probe is not valid.
+using ProbedColumns = std::vector<std::vector<Columns>>;
+
+ProbedColumns columns_of_probes(const RandomEffects& random, const std::vector<Probe>& probes) {
+  ProbedColumns columns(probes.size());
+  tbb::parallel_for(0, count_of(probes), [&](int c) {
+    if (!probes[c].valid) return;
+    for (const Matrix* own : {&probes[c].small, &probes[c].full})
+      columns[c].push_back(columns_of(random, *own));
+  });
+  return columns;
+}
+
 /// Candidates whose columns, at either strength, reproduce the signature of a fitted single.
-Members indistinguishable_from(const Whitening& whitening, const ModelFit& none,
-                               const ModelFit& single, const std::vector<Probe>& probes,
-                               double below) {
-  const Vector signature = none.fit.residual - single.fit.residual;
-  const Matrix& nuisances = none.fit.jacobian;
+Members indistinguishable_from(const RandomEffects& random, const ModelFit& none,
+                               const ModelFit& single, const ProbedColumns& probed, double below) {
+  const Columns signature =
+      side_by_side(columns_of(random, none.fit.residual - single.fit.residual),
+                   columns_of(random, none.fit.jacobian));
+  std::vector<double> energy(probed.size(), kInfinity);
+  tbb::parallel_for(0, count_of(probed), [&](int c) {
+    for (const Columns& own : probed[c])
+      energy[c] = std::min(energy[c], unexplained_energy(random, single.fit.scales,
+                                                         side_by_side(signature, own).products));
+  });
+
   Members found;
-  for (int c = 0; c < count_of(probes); ++c) {
-    if (!probes[c].valid) continue;
-    double energy = kInfinity;
-    for (const Matrix* own : {&probes[c].small, &probes[c].full}) {
-      Matrix all(signature.size(), own->cols() + nuisances.cols());
-      all << *own, nuisances;
-      energy = std::min(energy, unexplained_energy(whitening, single.fit.scales, signature, all));
-    }
-    if (0.5 * energy < below) found.push_back(c);
-  }
+  for (int c = 0; c < count_of(probed); ++c)
+    if (0.5 * energy[c] < below) found.push_back(c);
   return found;
 }
 
 /// Fits whatever can't be told from the best single, best by screening first.
-void fit_indistinguishable(const Settings& settings, const Whitening& whitening,
-                           const std::vector<Probe>& probes, FittedModels& models) {
+void fit_indistinguishable(const Settings& settings, const RandomEffects& random,
+                           const std::vector<Probe>& probes, const ProbedColumns& probed,
+                           FittedModels& models) {
   const ModelFit* best = models.best(1);
   if (best == nullptr) return;
 
   const ModelFit none = models.none();
   Members others =
-      indistinguishable_from(whitening, none, *best, probes, settings.indistinguishable_below);
+      indistinguishable_from(random, none, *best, probed, settings.indistinguishable_below);
   std::stable_sort(others.begin(), others.end(),
                    [&](int a, int b) { return probes[a].score > probes[b].score; });
   std::erase_if(others, [&](int c) { return models.find({c}) != nullptr; });
@@ -48,13 +62,13 @@ void fit_indistinguishable(const Settings& settings, const Whitening& whitening,
   models.extend(none, probes, others);
 }
 
-std::vector<Members> indistinguishable_sets(const Whitening& whitening, const FittedModels& models,
-                                            const std::vector<Probe>& probes, double below) {
-  std::vector<Members> sets(probes.size());
+std::vector<Members> indistinguishable_sets(const RandomEffects& random, const FittedModels& models,
+                                            const ProbedColumns& probed, double below) {
+  std::vector<Members> sets(probed.size());
   for (const ModelFit& model : models.all()) {
     if (model.candidates.size() != 1 || !model.fit.valid) continue;
     const int own = model.candidates.front();
-    Members others = indistinguishable_from(whitening, models.none(), model, probes, below);
+    Members others = indistinguishable_from(random, models.none(), model, probed, below);
     std::erase(others, own);
     others.insert(others.begin(), own);
     sets[own] = others;
@@ -275,18 +289,20 @@ SearchResult search_models(const Problem& problem, const Comparison& comparison,
   const ModelFit none = models.none();
   if (options.progress) options.progress("screening");
   out.probes = models.probe(none);
+  const RandomEffects& random = comparison.whitening.random;
+  const ProbedColumns probed = columns_of_probes(random, out.probes);
   if (in_windows(problem)) {
     if (options.earlier != nullptr) models.fit_again(leading_models(*options.earlier, problem));
     search_from_leader(problem, comparison.whitening, out.probes, options, models);
   } else {
     if (options.progress) options.progress("single effects");
     models.extend(none, out.probes, problem.settings.kept_singles);
-    fit_indistinguishable(problem.settings, comparison.whitening, out.probes, models);
+    fit_indistinguishable(problem.settings, random, out.probes, probed, models);
     search_about_leaders(problem, options, models);
   }
 
-  out.indistinguishable = indistinguishable_sets(comparison.whitening, models, out.probes,
-                                                 problem.settings.indistinguishable_below);
+  out.indistinguishable =
+      indistinguishable_sets(random, models, probed, problem.settings.indistinguishable_below);
   out.models = models.all();
   out.predictions = models.predictions();
   return out;

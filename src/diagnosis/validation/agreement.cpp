@@ -143,7 +143,7 @@ std::vector<std::string> hidden_by_unknowns(const Problem& problem, const Compar
     if (!probes[c].valid) continue;
     const Vector signature = probes[c].full.col(0);
     const auto energy = [&](const Matrix& own) {
-      return unexplained_energy(comparison.whitening, none.scales, signature, own);
+      return unexplained_energy(comparison.whitening.random, none.scales, signature, own);
     };
     if (energy(Matrix(signature.size(), 0)) >= told && energy(none.jacobian) < told)
       hidden.push_back(problem.hypotheses.candidates[c].name);

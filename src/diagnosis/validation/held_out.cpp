@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "diagnosis/forward/sensitivities.h"
+#include "diagnosis/noise/random_weights.h"
 #include "diagnosis/validation/fold_interval.h"
 #include "diagnosis/validation/folds.h"
 #include "diagnosis/validation/judge.h"
@@ -48,22 +49,21 @@ std::vector<Vector> refitted_rows(const Problem& problem, const Whitening& fold,
 
   Matrix J(fold.rows, size);
   for (Eigen::Index i = 0; i < size; ++i) J.col(i) = -fold.apply(tangent.slopes[i]);
-  const RandomShrinkage shrinkage =
-      random_shrinkage(beside_columns(fold.random, J), tangent.fit.scales);
-  for (Eigen::Index i = 0; i < size; ++i) shrinkage.apply(J.col(i));
-  const Eigen::LLT<Matrix> curvature(J.transpose() * J + Matrix::Identity(size, size));
+  const RandomEffects beside = beside_columns(fold.random, J);
+  const RandomWeights weights(beside, tangent.fit.scales);
+  const Matrix root = weights.root(J);
+  const Eigen::LLT<Matrix> curvature(root.transpose() * root + Matrix::Identity(size, size));
   Vector p = tangent.fit.p;
   double least = kInfinity;
   for (int step = 0;; ++step) {
     Vector u = problem.hypotheses.scaled(free, p);
-    Vector r = fold.residual(rows);
-    shrinkage.apply(r);
+    const Vector r = weights.root(fold.residual(rows));
     const double cost = r.squaredNorm() + u.squaredNorm();
     if (cost < least) best = rows;
     if (cost >= least || step == problem.settings.refit_steps) return best;
 
     least = cost;
-    u -= curvature.solve(J.transpose() * r + u);
+    u -= curvature.solve(root.transpose() * r + u);
     p = problem.hypotheses.unscaled(free, u, p);
     const PredictionSet there = predict_all(problem, p);
     if (!there.valid) return best;
