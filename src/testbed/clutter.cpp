@@ -21,7 +21,8 @@ double deviation(Random& random) {
 }
 
 /// The largest torque that a joint meets [N m]: its motor's, or for a motor without a limit what it
-/// takes to hold the robot's whole weight at a tenth of a metre.
+/// takes to hold the robot's whole weight at a tenth of a metre (diagnosis grants as much; no robot
+/// here has a motor that slides).
 double largest_torque(const Drive& drive, const RobotFiles& files) {
   const model::PlanarMotor& motor = drive.motor;
   if (std::isfinite(motor.torque_limit)) return motor.torque_limit * motor.gear;

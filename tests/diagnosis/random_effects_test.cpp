@@ -6,10 +6,12 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <numbers>
 #include <random>
 
 #include "diagnosis/noise/columns.h"
 #include "diagnosis/noise/random_weights.h"
+#include "diagnosis/selection/fit.h"
 
 namespace jaculus::diagnosis {
 namespace {
@@ -78,7 +80,7 @@ TEST(RandomEffects, WeightsAreTheInverseOfTheCovariance) {
     const Matrix X = normal_matrix(24, 5, 100);
     const Matrix expected = covariance(effects, scales).ldlt().solve(X);
     const RandomWeights weights(effects, scales);
-    const Matrix root = weights.root(X);
+    const Matrix root = weights.stacked(X);
     EXPECT_EQ(root.rows(), 24 + weights.more_rows());
     EXPECT_LT((root.transpose() * root - X.transpose() * expected).norm(), 1e-9);
     EXPECT_LT((weights.inverse(X) - expected).norm(), 1e-9);
@@ -97,6 +99,43 @@ TEST(RandomEffects, ToleranceStandsBesideColumnsAsIfItHadBeenPutTogetherSo) {
         block.columns.transpose() * beside.tolerances.middleRows(block.first, block.count);
     EXPECT_LT((block.with_tolerances - expected).norm(), 1e-10);
   }
+}
+
+TEST(Widening, IsOneOnTheMeanWhereTheCovarianceIsTrue) {
+  // Forty windows that tolerances couple; residuals drawn by their covariance.
+  RandomEffects effects = small_effects(6, 2);
+  effects.tolerances = normal_matrix(240, 3, 31);
+  effects.tolerance_gram = effects.tolerances.transpose() * effects.tolerances;
+  const RandomBlock like = effects.blocks.front();
+  effects.blocks.assign(40, like);
+  for (int w = 0; w < 40; ++w) {
+    effects.blocks[w].first = 6 * w;
+    effects.blocks[w].with_tolerances =
+        like.columns.transpose() * effects.tolerances.middleRows(6 * w, 6);
+  }
+  Whitening whitening;
+  whitening.rows = 240;
+  whitening.random = effects;
+  Fit fit;
+  fit.scales = Vector{{0.7, 0.4}};
+  fit.jacobian = Matrix(normal_matrix(240, 1, 32).array() + 0.5);
+  const RandomEffects beside = beside_columns(effects, fit.jacobian);
+  const Eigen::LLT<Matrix> V(covariance(beside, fit.scales));
+  const Matrix H = fit.jacobian.transpose() * V.solve(fit.jacobian) + Matrix::Identity(1, 1);
+  fit.covariance = H.inverse();
+
+  double squares = 0.0, repeated = 0.0;
+  const int draws = 300;
+  for (int i = 0; i < draws; ++i) {
+    fit.residual = V.matrixL() * normal_matrix(240, 1, 1000 + i);
+    squares += std::pow(widening(whitening, fit, 0), 2) / draws;
+    // A misfit that goes the same way in every window widens.
+    fit.residual += 0.8 * fit.jacobian.col(0).cwiseAbs2();
+    repeated += std::pow(widening(whitening, fit, 0), 2) / draws;
+  }
+  // At least 1 each, of ratios that scatter by sqrt(2/40) about 1.
+  EXPECT_NEAR(squares, 1.0 + std::sqrt(2.0 / 40.0) / std::sqrt(2.0 * std::numbers::pi), 0.06);
+  EXPECT_GT(repeated, 1.5);
 }
 
 TEST(Columns, SideBySideAndMovedHaveTheProductsOfTheWhole) {

@@ -4,7 +4,7 @@
 
 namespace jaculus::diagnosis {
 
-double largest_force(const model::PlanarModel& robot, const model::PlanarMotor& motor) {
+double large_force(const model::PlanarModel& robot, const model::PlanarMotor& motor) {
   const double limit = motor.torque_limit * motor.gear;
   if (std::isfinite(limit)) return limit;
   const double weight = robot.total_mass() * robot.gravity;
@@ -22,7 +22,7 @@ std::vector<std::pair<std::string, double>> force_scales(const model::PlanarMode
     scales.emplace_back(c.name, c.angular ? moment : weight);
   }
   for (const model::PlanarMotor& motor : robot.motors)
-    scales.emplace_back(motor.joint, largest_force(robot, motor));
+    scales.emplace_back(motor.joint, large_force(robot, motor));
   return scales;
 }
 

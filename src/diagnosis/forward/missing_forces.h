@@ -15,7 +15,7 @@ inline constexpr double kLever = 0.1;
 
 /// A force of a motor that counts as large [N m, or N where it slides]: its limit, or for one
 /// without what holds the robot's weight, at kLever where it turns.
-double largest_force(const model::PlanarModel& robot, const model::PlanarMotor& motor);
+double large_force(const model::PlanarModel& robot, const model::PlanarMotor& motor);
 
 /// Coordinates along which a force may be missing, with one that counts as large [N m, or N where
 /// it slides]: of the body its weight, or that at kLever; of a joint its motor's limit, or the

@@ -81,7 +81,7 @@ void add_motor(Directions& directions, const PlanarModel& model, int m,
   if (!motor.ideal())
     add(directions, t.resistance, "resistance of " + joint,
         [m](double d, Plant& plant) { plant.model.motors[m].resistance *= 1.0 + d; });
-  add(directions, t.joint_friction * largest_force(model, motor), "friction of " + joint,
+  add(directions, t.joint_friction * large_force(model, motor), "friction of " + joint,
       [joint](double d, Plant& plant) {
         plant.friction.push_back({joint, d});
       });

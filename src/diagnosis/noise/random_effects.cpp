@@ -15,7 +15,7 @@ namespace {
 
 /// s^2 below which a direction shrinks by less than its rounding.
 constexpr double kLeastEnergy = 1e-5;
-/// Least deviation, in the force that counts as large (hypotheses.h) or in noise floors.
+/// Least deviation, in the force that counts as large (missing_forces.h) or in noise floors.
 constexpr double kLeastScale = 1e-7;
 constexpr double kFirstScale = 1e-2;
 /// Of one fixed-point step: factor on a deviation at most, and below which it stays.
@@ -28,25 +28,6 @@ Vector column_scales(const RandomBlock& block, const Vector& scales) {
   Vector own(count_of(block.group));
   for (int k = 0; k < count_of(block.group); ++k) own[k] = scales[block.group[k]];
   return own;
-}
-
-/// Slopes of all rows by some parameters, a prior scale each; a matrix a dataset.
-std::vector<Matrix> slopes_by(const Problem& problem, const std::vector<Alignment>& alignments,
-                              const Vector& p, const std::vector<Vector>& rows_at_p,
-                              const std::vector<int>& parameters) {
-  std::vector<Matrix> slopes;
-  for (const Vector& rows : rows_at_p)
-    slopes.emplace_back(Matrix::Zero(rows.size(), count_of(parameters)));
-
-  tbb::parallel_for(0, count_of(parameters), [&](int k) {
-    const FreeParameter& own = problem.hypotheses.parameters[parameters[k]];
-    const double step = own.usual_step();
-    const auto moved = difference(problem, alignments, p, rows_at_p, parameters[k], step);
-    if (!moved) return;
-    for (std::size_t d = 0; d < slopes.size(); ++d)
-      slopes[d].col(k) = moved->rows[d] * (own.scale / moved->step);
-  });
-  return slopes;
 }
 
 /// One block's part of weighing.
@@ -187,6 +168,24 @@ Shrinkage shrinkage(const Matrix& A) {
           1.0 - (1.0 + energy.array()).sqrt().inverse()};
 }
 
+std::vector<Matrix> slopes_by(const Problem& problem, const std::vector<Alignment>& alignments,
+                              const Vector& p, const std::vector<Vector>& rows_at_p,
+                              const std::vector<int>& parameters) {
+  std::vector<Matrix> slopes;
+  for (const Vector& rows : rows_at_p)
+    slopes.emplace_back(Matrix::Zero(rows.size(), count_of(parameters)));
+
+  tbb::parallel_for(0, count_of(parameters), [&](int k) {
+    const FreeParameter& own = problem.hypotheses.parameters[parameters[k]];
+    const double step = own.usual_step();
+    const auto moved = difference(problem, alignments, p, rows_at_p, parameters[k], step);
+    if (!moved) return;
+    for (std::size_t d = 0; d < slopes.size(); ++d)
+      slopes[d].col(k) = moved->rows[d] * (own.scale / moved->step);
+  });
+  return slopes;
+}
+
 RandomColumns random_columns(const Problem& problem, const std::vector<Alignment>& alignments,
                              const Vector& p, const std::vector<Vector>& rows_at_p) {
   RandomColumns columns;
@@ -200,6 +199,13 @@ RandomColumns random_columns(const Problem& problem, const std::vector<Alignment
   columns.tolerances = slopes_by(problem, alignments, p, rows_at_p, problem.hypotheses.tolerances);
   columns.forces = slopes_by(problem, alignments, p, rows_at_p, boxes);
   return columns;
+}
+
+RandomEffects without_tolerances(RandomEffects effects) {
+  effects.tolerances.resize(effects.tolerances.rows(), 0);
+  effects.tolerance_gram.resize(0, 0);
+  for (RandomBlock& block : effects.blocks) block.with_tolerances.resize(block.columns.cols(), 0);
+  return effects;
 }
 
 Vector first_scales(const RandomEffects& effects) {

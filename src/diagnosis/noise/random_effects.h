@@ -35,6 +35,11 @@ struct RandomColumns {
   std::vector<Matrix> forces;      ///< a dataset each: rows x boxes of all groups
   std::vector<int> group;          ///< of every column of `forces`, index in Hypotheses::forces
 };
+/// Slopes of all rows by some parameters, a prior scale each; a matrix a dataset. Where a
+/// simulation fails the column is zero.
+std::vector<Matrix> slopes_by(const Problem& problem, const std::vector<Alignment>& alignments,
+                              const Vector& p, const std::vector<Vector>& rows_at_p,
+                              const std::vector<int>& parameters);
 /// Where a simulation fails the column is zero: nothing is granted there.
 RandomColumns random_columns(const Problem& problem, const std::vector<Alignment>& alignments,
                              const Vector& p, const std::vector<Vector>& rows_at_p);
@@ -61,11 +66,14 @@ struct RandomGroup {
 struct RandomEffects {
   std::vector<RandomGroup> groups;
   std::vector<RandomBlock> blocks;
-  Matrix tolerances;      ///< C, rows x t
+  Matrix tolerances;      ///< C, rows x t, also where t is 0
   Matrix tolerance_gram;  ///< C^T C
 
   [[nodiscard]] int size() const { return count_of(groups); }
 };
+
+/// The same where a robot is as its files say.
+RandomEffects without_tolerances(RandomEffects effects);
 
 /// Deviations to begin with: small beside what the groups may reach.
 Vector first_scales(const RandomEffects& effects);

@@ -28,7 +28,7 @@ RandomWeights::RandomWeights(const RandomEffects& effects, const Vector& scales)
   tolerance_inner_.compute(tolerances);
 }
 
-Matrix RandomWeights::root(const Matrix& X) const {
+Matrix RandomWeights::stacked(const Matrix& X) const {
   // Forces alone, then tolerances, then what these leave to the forces.
   Matrix c = effects_->tolerances.transpose() * X;
   std::vector<Matrix> forces;
@@ -37,7 +37,7 @@ Matrix RandomWeights::root(const Matrix& X) const {
     c.noalias() -= block.with_tolerances.transpose() * along;
     forces.push_back(block.inner.solve(along));
   }
-  if (c.rows() > 0) c = tolerance_inner_.solve(c);
+  c = tolerance_inner_.solve(c);
 
   Matrix out(X.rows() + more_rows(), X.cols());
   out.topRows(X.rows()) = X;

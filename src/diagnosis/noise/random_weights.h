@@ -23,9 +23,9 @@ class RandomWeights {
   /// How many rows more than X has M X.
   [[nodiscard]] Eigen::Index more_rows() const { return forces_ + effects_->tolerances.cols(); }
   /// M X, a column each.
-  [[nodiscard]] Matrix root(const Matrix& X) const;
+  [[nodiscard]] Matrix stacked(const Matrix& X) const;
   /// V^-1 X, a column each.
-  [[nodiscard]] Matrix inverse(const Matrix& X) const { return root(X).topRows(X.rows()); }
+  [[nodiscard]] Matrix inverse(const Matrix& X) const { return stacked(X).topRows(X.rows()); }
 
  private:
   struct Block {

@@ -158,28 +158,18 @@ void add_blocks(const Problem& problem, const NoiseModel& noise, int dataset, in
 }
 
 RandomEffects random_effects(const Problem& problem, const NoiseModel& noise,
-                             const std::vector<DatasetWhitening>& datasets, int rows) {
+                             const std::vector<DatasetWhitening>& datasets) {
   RandomEffects out;
   if (noise.random.forces.empty()) return out;
   out.groups = force_groups(problem.hypotheses.forces);
   for (RandomGroup& group : out.groups) group.largest = problem.settings.largest_force;
 
-  out.tolerances.resize(rows, noise.random.tolerances.front().cols());
   int first = 0;
   for (int d = 0; d < count_of(datasets); ++d) {
-    for (Eigen::Index k = 0; k < out.tolerances.cols(); ++k)
-      out.tolerances.col(k).segment(first, datasets[d].rows) =
-          datasets[d].apply(noise.random.tolerances[d].col(k));
     add_blocks(problem, noise, d, first, datasets[d], out);
     first += datasets[d].rows;
   }
-
-  out.tolerance_gram = out.tolerances.transpose() * out.tolerances;
-  for (RandomBlock& block : out.blocks) {
-    block.gram = block.columns.transpose() * block.columns;
-    block.with_tolerances =
-        block.columns.transpose() * out.tolerances.middleRows(block.first, block.count);
-  }
+  for (RandomBlock& block : out.blocks) block.gram = block.columns.transpose() * block.columns;
   return out;
 }
 
@@ -261,8 +251,27 @@ Whitening whitening_of(const Problem& problem, const NoiseModel& noise, const Se
     out.measured.push_back(measured_rows(observed, noise.alignments[d]) -
                            out.datasets.back().prior_mean_rows);
   }
-  out.random = random_effects(problem, noise, out.datasets, out.rows);
+  out.random = random_effects(problem, noise, out.datasets);
+  out.random.tolerances.resize(out.rows, 0);
+  if (!noise.random.tolerances.empty()) set_tolerances(noise.random.tolerances, out);
   return out;
+}
+
+void set_tolerances(const std::vector<Matrix>& slopes, Whitening& whitening) {
+  RandomEffects& random = whitening.random;
+  random.tolerances.resize(whitening.rows, slopes.front().cols());
+  int first = 0;
+  for (std::size_t d = 0; d < slopes.size(); ++d) {
+    const DatasetWhitening& own = whitening.datasets[d];
+    for (Eigen::Index k = 0; k < random.tolerances.cols(); ++k)
+      random.tolerances.col(k).segment(first, own.rows) = own.apply(slopes[d].col(k));
+    first += own.rows;
+  }
+
+  random.tolerance_gram = random.tolerances.transpose() * random.tolerances;
+  for (RandomBlock& block : random.blocks)
+    block.with_tolerances =
+        block.columns.transpose() * random.tolerances.middleRows(block.first, block.count);
 }
 
 }  // namespace jaculus::diagnosis

@@ -129,7 +129,7 @@ class Cost : public ceres::CostFunction {
     const Vector u = Eigen::Map<const Vector>(parameters[0], residual_.size());
     Vector r;
     if (!residual_.value(u, r)) return false;
-    const Vector root = weights_.root(r);
+    const Vector root = weights_.stacked(r);
     Eigen::Map<Vector>(residuals, root.size()) = root;
     Eigen::Map<Vector>(residuals + root.size(), u.size()) = u;
     if (jacobians == nullptr || jacobians[0] == nullptr) return true;
@@ -137,7 +137,7 @@ class Cost : public ceres::CostFunction {
     if (!residual_.jacobian(u, J)) return false;
     Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> all(
         jacobians[0], root.size() + u.size(), u.size());
-    all.topRows(root.size()) = weights_.root(J);
+    all.topRows(root.size()) = weights_.stacked(J);
     all.bottomRows(u.size()).setIdentity();
     return true;
   }
@@ -213,13 +213,6 @@ void complete(const Problem& problem, const RandomEffects& random, const RandomE
 
 Vector scales_of(const FitOptions& options, const RandomEffects& random) {
   return options.scales.size() == random.size() ? options.scales : first_scales(random);
-}
-
-RandomEffects without_tolerances(RandomEffects random) {
-  random.tolerances.resize(random.tolerances.rows(), 0);
-  random.tolerance_gram.resize(0, 0);
-  for (RandomBlock& block : random.blocks) block.with_tolerances.resize(block.columns.cols(), 0);
-  return random;
 }
 
 /// Minimises and estimates the deviations in turn, from u on. First without any force, as plain
@@ -349,7 +342,7 @@ Fit fit_around(const Problem& problem, const Whitening& whitening, Fit fit,
     Vector r;
     ++fit.predictions;
     if (!residual.value({}, r)) continue;
-    const double cost = 0.5 * (weights.root(r).squaredNorm() +
+    const double cost = 0.5 * (weights.stacked(r).squaredNorm() +
                                problem.hypotheses.scaled(fit.free, p).squaredNorm());
     if (cost >= least) continue;
     least = cost;

@@ -74,6 +74,14 @@ Matrix linear_model(const Problem& problem, const Fit& fit);
 Fit fit_around(const Problem& problem, const Whitening& whitening, Fit fit,
                const FitOptions& options = {});
 
+/// By how much a deviation is larger than curvature says, for what windows contradict one another.
+/// With the scores g_w = J_w^T (V^-1 r)_w of the windows, the root of
+///   (H^-1 sum_w g_w g_w^T H^-1)_ii/(H^-1 sum_w J_w^T (V^-1)_ww J_w H^-1)_ii,
+/// what they are over what they would be if V were true (White 1982), at least 1. Where a model's
+/// form is wrong its misfit repeats with the motion and does not average out as noise does.
+/// `place`: of the parameter among those that are free.
+double widening(const Whitening& whitening, const Fit& fit, Eigen::Index place);
+
 /// 95 % interval of one free parameter: +-1.96 standard deviations, cut at the bounds, where the
 /// cost there rises as the curvature says within `profile_tolerance`; else ends where the profile
 /// (others refitted) has risen by 1.92. Widened by what windows contradict one another, and,

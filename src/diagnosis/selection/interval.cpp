@@ -63,33 +63,26 @@ double interval_end(const Problem& problem, const Whitening& whitening, const Fi
   return 0.5 * (inside + outside);
 }
 
-/// Scores of the free parameters by windows, J_w^T V^-1 r_w, a row a window.
-Matrix scores(const Whitening& whitening, const Fit& fit) {
-  const RandomEffects beside = beside_columns(whitening.random, fit.jacobian);
-  const Vector r = RandomWeights(beside, fit.scales).inverse(fit.residual);
-  const Matrix& J = fit.jacobian;
-  Matrix scores(count_of(beside.blocks), J.cols());
-  for (int w = 0; w < count_of(beside.blocks); ++w) {
-    const RandomBlock& block = beside.blocks[w];
-    scores.row(w) =
-        r.segment(block.first, block.count).transpose() * J.middleRows(block.first, block.count);
-  }
-  return scores;
-}
-
-/// By how much a deviation is larger than curvature says, for what windows contradict one another:
-/// the root of (H^-1 sum_w g_w g_w^T H^-1)_ii/(H^-1)_ii (White 1982), at least 1. Where a model's
-/// form is wrong its misfit repeats with the motion and does not average out as noise does.
-double widening(const Whitening& whitening, const Fit& fit, Eigen::Index place) {
-  const Matrix g = scores(whitening, fit);
-  const auto windows = static_cast<double>(g.rows()), free = static_cast<double>(g.cols());
-  if (windows < 2.0 * free) return 1.0;  // too few to tell
-  const Vector along = g * fit.covariance.col(place);
-  const double variance = along.squaredNorm() * windows / (windows - free);
-  return std::max(1.0, std::sqrt(variance / fit.covariance(place, place)));
-}
-
 }  // namespace
+
+double widening(const Whitening& whitening, const Fit& fit, Eigen::Index place) {
+  const RandomEffects beside = beside_columns(whitening.random, fit.jacobian);
+  const auto windows = static_cast<double>(beside.blocks.size()),
+             free = static_cast<double>(fit.jacobian.cols());
+  if (windows < 2.0 * free) return 1.0;  // too few to tell
+
+  // With j = J (H^-1)_i: observed sum of (j_w^T V^-1 r_w)^2, expected sum of j_w^T (V^-1)_ww j_w.
+  const RandomWeights weights(beside, fit.scales);
+  const Vector r = weights.inverse(fit.residual), j = fit.jacobian * fit.covariance.col(place);
+  double observed = 0.0, expected = 0.0;
+  for (const RandomBlock& block : beside.blocks) {
+    Vector own = Vector::Zero(j.size());
+    own.segment(block.first, block.count) = j.segment(block.first, block.count);
+    observed += std::pow(own.dot(r), 2);
+    expected += own.dot(weights.inverse(own).col(0));
+  }
+  return std::sqrt(std::max(1.0, observed / expected * windows / (windows - free)));
+}
 
 Bounds interval95(const Problem& problem, const Whitening& whitening, const Fit& fit,
                   int parameter) {

@@ -1,10 +1,8 @@
 #include "diagnosis/selection/line_search.h"
 
 #include <algorithm>
-#include <boost/math/tools/minima.hpp>
 #include <cmath>
-#include <cstdint>
-#include <limits>
+#include <iterator>
 
 namespace jaculus::diagnosis {
 namespace {
@@ -90,27 +88,20 @@ struct Line {
   }
 };
 
-/// The best step between the neighbours of the best one tried, by Brent's method. Where data tell a
-/// parameter to a percent, a valley lies between steps that double, and a score beside it says
-/// nothing of its depth. `points`: in the order of u.
-Point refined(const Line& line, const std::vector<Point>& points, const Point& best,
-              long& predictions) {
-  const auto at = std::find_if(points.begin(), points.end(),
-                               [&](const Point& point) { return point.u == best.u; });
-  const double lower = at == points.begin() ? best.u : std::prev(at)->u;
-  const double upper = std::next(at) == points.end() ? best.u : std::next(at)->u;
-  Point reached = best;
-  const auto loss = [&](double u) {
-    const Point tried = line.at(u);
+/// Goes on about the best of some steps, each time to the middle of the wider space beside it.
+/// Where data tell a parameter to a percent, a valley lies between steps that double, and a score
+/// beside it says nothing of its depth. `points`: in the order of u.
+Point refined(const Line& line, std::vector<Point> points, long& predictions) {
+  auto best = std::max_element(points.begin(), points.end(), scores_less);
+  for (int i = 0; i < line.problem.settings.line_search_refinements; ++i) {
+    const double below = best == points.begin() ? 0.0 : best->u - std::prev(best)->u;
+    const double above = std::next(best) == points.end() ? 0.0 : std::next(best)->u - best->u;
+    const Point middle = line.at(best->u + (above > below ? 0.5 * above : -0.5 * below));
     ++predictions;
-    if (scores_less(reached, tried)) reached = tried;
-    return std::max(-tried.score, std::numeric_limits<double>::lowest());
-  };
-
-  std::uintmax_t steps = line.problem.settings.line_search_refinements;
-  const int bits = std::numeric_limits<double>::digits / 2;
-  if (lower < upper) boost::math::tools::brent_find_minima(loss, lower, upper, bits, steps);
-  return reached;
+    points.insert(above > below ? std::next(best) : best, middle);
+    best = std::max_element(points.begin(), points.end(), scores_less);
+  }
+  return *best;
 }
 
 /// Whether an effect sets in between two steps: what it changes grows far beyond proportion, and
@@ -171,17 +162,13 @@ BestStep line_search(const Problem& problem, const Whitening& whitening, const F
 
   Point best = *std::max_element(points.begin(), points.end(), scores_less);
   std::sort(points.begin(), points.end(), comes_before);
+  if (best.u != 0.0) best = refined(line, points, found.predictions);
   for (std::size_t i = 0; best.u == 0.0 && i + 1 < points.size(); ++i) {
     const bool below = points[i + 1].u <= 0.0;
     const Point &near = points[below ? i + 1 : i], &far = points[below ? i : i + 1];
     best = past_threshold(line, near, far, found.predictions);
-    if (best.u == 0.0) continue;
-    points.insert(points.begin() + static_cast<std::ptrdiff_t>(i) + 1, best);
-    break;
   }
 
-  if (best.u != 0.0 && std::isfinite(best.score))
-    best = refined(line, points, best, found.predictions);
   if (best.u != 0.0) found.u = best.u;
   found.score = best.score;
   return found;

@@ -4,7 +4,8 @@
 //
 // Strong effects leave the reach of slopes (a tail that rebounds, air that no longer brakes), so
 // the first parameter also takes the steps u = its probing step times 1/8, 1/4, ... 8, both ways,
-// or 16 even spaces where its bounds are closer than that. With the base model's parameters moved
+// or 16 even spaces where its bounds are closer than that; and then, a few times, the middle of the
+// wider space beside the best step. With the base model's parameters moved
 // linearly,
 //   score(u) = log evidence there - u^2/2 - log(1 + |(r(u) - r)/u|^2)/2,
 // the last norm by V^-1, the deviations of the random effects following at every step.

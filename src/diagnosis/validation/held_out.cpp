@@ -51,13 +51,13 @@ std::vector<Vector> refitted_rows(const Problem& problem, const Whitening& fold,
   for (Eigen::Index i = 0; i < size; ++i) J.col(i) = -fold.apply(tangent.slopes[i]);
   const RandomEffects beside = beside_columns(fold.random, J);
   const RandomWeights weights(beside, tangent.fit.scales);
-  const Matrix root = weights.root(J);
+  const Matrix root = weights.stacked(J);
   const Eigen::LLT<Matrix> curvature(root.transpose() * root + Matrix::Identity(size, size));
   Vector p = tangent.fit.p;
   double least = kInfinity;
   for (int step = 0;; ++step) {
     Vector u = problem.hypotheses.scaled(free, p);
-    const Vector r = weights.root(fold.residual(rows));
+    const Vector r = weights.stacked(fold.residual(rows));
     const double cost = r.squaredNorm() + u.squaredNorm();
     if (cost < least) best = rows;
     if (cost >= least || step == problem.settings.refit_steps) return best;

@@ -41,7 +41,7 @@ class HeldOutGaps {
         granted_(tolerance_variances(problem, comparison)) {}
   const HeldOut& of(const ModelFit& model);
   /// The model of `members`, a subset of a model's: as the search fitted it, else fitted from the
-  /// larger one with the others at nominal.
+  /// first larger one that asks, with the others at nominal.
   const ModelFit& subset(const ModelFit& model, const std::vector<int>& members);
 
   [[nodiscard]] const Problem& problem() const { return problem_; }
