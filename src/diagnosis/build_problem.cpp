@@ -216,8 +216,9 @@ Fit fit_members(const Problem& problem, const Whitening& whitening, const Vector
                 const std::vector<int>& members) {
   Fit model = fit_model(problem, whitening, problem.hypotheses.nuisances, {p});
   for (int k = 0; k < count_of(members) && model.valid; ++k) {
+    const Standing standing = standing_of(problem, whitening, model);
     const Probe probe =
-        probe_candidate(problem, whitening, model, members[k], Screening::line_search);
+        probe_candidate(problem, whitening, model, standing, members[k], Screening::line_search);
     const std::vector<int> joined(members.begin(), members.begin() + k + 1);
     model = fit_model(problem, whitening, problem.hypotheses.freed_by(joined),
                       fit_starts(problem, model.p, members[k], probe));

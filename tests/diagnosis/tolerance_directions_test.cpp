@@ -15,7 +15,7 @@ namespace {
 
 TEST(ToleranceDirections, MoveWhatTheyNameByOneDeviationAndNothingElse) {
   const model::Robot robot = model::read_robot(source_folder() / "models" / "minitaur");
-  const auto directions = tolerance_directions(robot.planar, robot.tolerances, false);
+  const auto directions = tolerance_directions(robot.planar, robot.tolerances, false, 0.1);
   std::set<std::string> names;
   for (const ToleranceDirection& d : directions) names.insert(d.name);
   EXPECT_EQ(names.size(), directions.size());
@@ -37,7 +37,7 @@ TEST(ToleranceDirections, MoveWhatTheyNameByOneDeviationAndNothingElse) {
 TEST(ToleranceDirections, ALoggedInputHasNoLoopToBeOff) {
   const model::Robot robot = model::read_robot(source_folder() / "models" / "pendulum");
   for (const bool measured : {false, true}) {
-    const auto directions = tolerance_directions(robot.planar, robot.tolerances, measured);
+    const auto directions = tolerance_directions(robot.planar, robot.tolerances, measured, 0.1);
     const bool loop = std::any_of(directions.begin(), directions.end(), [](const auto& d) {
       return d.name.starts_with("kp of ") || d.name.starts_with("encoder of ");
     });

@@ -4,16 +4,17 @@
 
 namespace jaculus::diagnosis {
 
-double large_force(const model::PlanarModel& robot, const model::PlanarMotor& motor) {
+double large_force(const model::PlanarModel& robot, const model::PlanarMotor& motor, double lever) {
   const double limit = motor.torque_limit * motor.gear;
   if (std::isfinite(limit)) return limit;
   const double weight = robot.total_mass() * robot.gravity;
   const bool turns = robot.bodies[motor.body].kind == model::JointKind::revolute;
-  return turns ? kLever * weight : weight;
+  return turns ? lever * weight : weight;
 }
 
-std::vector<std::pair<std::string, double>> force_scales(const model::PlanarModel& robot) {
-  const double weight = robot.total_mass() * robot.gravity, moment = kLever * weight;
+std::vector<std::pair<std::string, double>> force_scales(const model::PlanarModel& robot,
+                                                         double lever) {
+  const double weight = robot.total_mass() * robot.gravity, moment = lever * weight;
   std::vector<std::pair<std::string, double>> scales;
   for (const model::Coordinate& c : robot.coordinates) {
     if (c.name == "x" || c.name == "z") scales.emplace_back(c.name, weight);
@@ -22,7 +23,7 @@ std::vector<std::pair<std::string, double>> force_scales(const model::PlanarMode
     scales.emplace_back(c.name, c.angular ? moment : weight);
   }
   for (const model::PlanarMotor& motor : robot.motors)
-    scales.emplace_back(motor.joint, large_force(robot, motor));
+    scales.emplace_back(motor.joint, large_force(robot, motor, lever));
   return scales;
 }
 

@@ -9,18 +9,15 @@
 
 namespace jaculus::diagnosis {
 
-/// Lever at which what slides counts like what turns [m]: chosen, a tenth of a metre is between a
-/// foot and a leg of the robots that leap.
-inline constexpr double kLever = 0.1;
-
 /// A force of a motor that counts as large [N m, or N where it slides]: its limit, or for one
-/// without what holds the robot's weight, at kLever where it turns.
-double large_force(const model::PlanarModel& robot, const model::PlanarMotor& motor);
+/// without what holds the robot's weight, at `lever` [m] where it turns.
+double large_force(const model::PlanarModel& robot, const model::PlanarMotor& motor, double lever);
 
 /// Coordinates along which a force may be missing, with one that counts as large [N m, or N where
-/// it slides]: of the body its weight, or that at kLever; of a joint its motor's limit, or the
+/// it slides]: of the body its weight, or that at `lever` [m]; of a joint its motor's limit, or the
 /// same.
-std::vector<std::pair<std::string, double>> force_scales(const model::PlanarModel& robot);
+std::vector<std::pair<std::string, double>> force_scales(const model::PlanarModel& robot,
+                                                         double lever);
 
 /// Whether a force along a coordinate can act on a robot.
 bool has_place(const model::PlanarModel& robot, const std::string& name);

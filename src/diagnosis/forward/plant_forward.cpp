@@ -64,7 +64,7 @@ Base base_of(const ObservedDataset& observed, const Settings& settings) {
   if (settings.tolerances_granted != 0)
     base.tolerances =
         tolerance_directions(observed.model, simulation::dataset_robot(observed.dataset).tolerances,
-                             observed.measured_input);
+                             observed.measured_input, settings.lever);
   return base;
 }
 
@@ -130,7 +130,7 @@ void add_forces(Model& model) {
   std::map<std::string, double> scales;  // of all datasets' robots
   std::map<std::string, std::string> units;
   for (const ObservedDataset& observed : model.observations.datasets) {
-    for (const auto& [name, scale] : force_scales(observed.model)) {
+    for (const auto& [name, scale] : force_scales(observed.model, model.settings.lever)) {
       scales.emplace(name, scale);
       units.emplace(name, force_unit(observed.model, name));
     }

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstddef>
 
-#include "diagnosis/forward/missing_forces.h"
 #include "jaculus/dynamics/loop_closure.h"
 
 namespace jaculus::diagnosis {
@@ -42,13 +41,13 @@ Matrix height_jacobian(const AbsoluteTree& tree, const Vector& q) {
   return jacobian;
 }
 
-/// `scale`: prior deviation of an angle or its rate; what slides is the arc of that at kLever.
-StartDirection direction(const PlanarModel& model, int i, bool rate, double scale) {
+/// `scale`: prior deviation of an angle or its rate; what slides is the arc of that at `lever`.
+StartDirection direction(const PlanarModel& model, int i, bool rate, double scale, double lever) {
   const Coordinate& coordinate = model.coordinates[i];
   StartDirection d{channel_name(coordinate.name, rate ? trajectory::Quantity::velocity
                                                       : trajectory::Quantity::position),
                    coordinate.angular ? "rad" : "m",
-                   coordinate.angular ? scale : kLever * scale,
+                   coordinate.angular ? scale : lever * scale,
                    Vector::Zero(model.size()),
                    Vector::Zero(model.size()),
                    false};
@@ -57,11 +56,11 @@ StartDirection direction(const PlanarModel& model, int i, bool rate, double scal
   return d;
 }
 
-std::vector<StartDirection> free_directions(const PlanarModel& model, double angle, double rate) {
+std::vector<StartDirection> free_directions(const PlanarModel& model, const Settings& settings) {
   std::vector<StartDirection> directions;
   for (int i = 0; i < model.size(); ++i) {
-    directions.push_back(direction(model, i, false, angle));
-    directions.push_back(direction(model, i, true, rate));
+    directions.push_back(direction(model, i, false, settings.start_angle, settings.lever));
+    directions.push_back(direction(model, i, true, settings.window_start_rate, settings.lever));
   }
   return directions;
 }
@@ -71,8 +70,7 @@ std::vector<StartDirection> free_directions(const PlanarModel& model, double ang
 std::vector<StartDirection> start_directions(const ObservedDataset& observed,
                                              const StartState& start, const Settings& settings) {
   const PlanarModel& model = observed.model;
-  if (observed.measured_input)
-    return free_directions(model, settings.start_angle, settings.window_start_rate);
+  if (observed.measured_input) return free_directions(model, settings);
 
   const int z = model.coordinate_index("z"), pitch = model.coordinate_index("pitch"),
             x = model.coordinate_index("x");
@@ -84,7 +82,7 @@ std::vector<StartDirection> start_directions(const ObservedDataset& observed,
   const Matrix jacobian = stands ? height_jacobian(tree, start.q) : Matrix();
   for (int i = 0; i < model.size(); ++i) {
     if (i == x || i == z || (stands && i == pitch)) continue;
-    StartDirection d = direction(model, i, false, settings.start_angle);
+    StartDirection d = direction(model, i, false, settings.start_angle, settings.lever);
     if (stands) {
       Matrix follow(heights.size(), 2);
       follow << jacobian.col(z), jacobian.col(pitch);
@@ -97,7 +95,7 @@ std::vector<StartDirection> start_directions(const ObservedDataset& observed,
   }
 
   if (!stands && pitch >= 0)
-    directions.push_back(direction(model, pitch, true, settings.start_pitch_rate));
+    directions.push_back(direction(model, pitch, true, settings.start_pitch_rate, settings.lever));
   return directions;
 }
 

@@ -1,6 +1,5 @@
 #include "diagnosis/forward/tolerance_directions.h"
 
-#include <cmath>
 #include <utility>
 
 #include "diagnosis/forward/missing_forces.h"
@@ -69,8 +68,8 @@ void add_link(Directions& directions, const PlanarModel& model, int b, const mod
         [b](double d, Plant& plant) { stretch(d, b, plant.model); }, true);
 }
 
-void add_motor(Directions& directions, const PlanarModel& model, int m,
-               const model::Tolerances& t) {
+void add_motor(Directions& directions, const PlanarModel& model, int m, const model::Tolerances& t,
+               double lever) {
   const PlanarMotor& motor = model.motors[m];
   const std::string& joint = motor.joint;
   add(directions, t.torque_constant, "torque constant of " + joint,
@@ -81,7 +80,7 @@ void add_motor(Directions& directions, const PlanarModel& model, int m,
   if (!motor.ideal())
     add(directions, t.resistance, "resistance of " + joint,
         [m](double d, Plant& plant) { plant.model.motors[m].resistance *= 1.0 + d; });
-  add(directions, t.joint_friction * large_force(model, motor), "friction of " + joint,
+  add(directions, t.joint_friction * large_force(model, motor, lever), "friction of " + joint,
       [joint](double d, Plant& plant) {
         plant.friction.push_back({joint, d});
       });
@@ -114,10 +113,11 @@ void add_loop(Directions& directions, const PlanarModel& model, const model::Tol
 
 std::vector<ToleranceDirection> tolerance_directions(const PlanarModel& model,
                                                      const model::Tolerances& tolerances,
-                                                     bool measured_input) {
+                                                     bool measured_input, double lever) {
   Directions directions;
   for (int b = 0; b < count_of(model.bodies); ++b) add_link(directions, model, b, tolerances);
-  for (int m = 0; m < count_of(model.motors); ++m) add_motor(directions, model, m, tolerances);
+  for (int m = 0; m < count_of(model.motors); ++m)
+    add_motor(directions, model, m, tolerances, lever);
   if (!measured_input) add_loop(directions, model, tolerances);
   if (!model.feet.empty() && model.base_free[1])
     add(directions, tolerances.floor_friction, "friction of the floor",

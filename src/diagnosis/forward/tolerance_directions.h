@@ -20,8 +20,9 @@ struct ToleranceDirection {
 };
 
 /// Those that can matter for a robot; gains and encoders' zeros only where a loop reads them.
+/// `lever` [m]: of a friction at a motor without a limit (large_force in missing_forces.h).
 std::vector<ToleranceDirection> tolerance_directions(const model::PlanarModel& model,
                                                      const model::Tolerances& tolerances,
-                                                     bool measured_input);
+                                                     bool measured_input, double lever);
 
 }  // namespace jaculus::diagnosis

@@ -30,6 +30,25 @@ Vector column_scales(const RandomBlock& block, const Vector& scales) {
   return own;
 }
 
+/// Slopes of all rows by some parameters, a prior scale each; a matrix a dataset.
+std::vector<Matrix> slopes_by(const Problem& problem, const std::vector<Alignment>& alignments,
+                              const Vector& p, const std::vector<Vector>& rows_at_p,
+                              const std::vector<int>& parameters) {
+  std::vector<Matrix> slopes;
+  for (const Vector& rows : rows_at_p)
+    slopes.emplace_back(Matrix::Zero(rows.size(), count_of(parameters)));
+
+  tbb::parallel_for(0, count_of(parameters), [&](int k) {
+    const FreeParameter& own = problem.hypotheses.parameters[parameters[k]];
+    const double step = own.usual_step();
+    const auto moved = difference(problem, alignments, p, rows_at_p, parameters[k], step);
+    if (!moved) return;
+    for (std::size_t d = 0; d < slopes.size(); ++d)
+      slopes[d].col(k) = moved->rows[d] * (own.scale / moved->step);
+  });
+  return slopes;
+}
+
 /// One block's part of weighing.
 struct WeighedBlock {
   Vector scales;             ///< a column each
@@ -166,24 +185,6 @@ Shrinkage shrinkage(const Matrix& A) {
   const Vector inverse = energy.cwiseSqrt().cwiseInverse();
   return {A * solver.eigenvectors().rightCols(kept) * inverse.asDiagonal(),
           1.0 - (1.0 + energy.array()).sqrt().inverse()};
-}
-
-std::vector<Matrix> slopes_by(const Problem& problem, const std::vector<Alignment>& alignments,
-                              const Vector& p, const std::vector<Vector>& rows_at_p,
-                              const std::vector<int>& parameters) {
-  std::vector<Matrix> slopes;
-  for (const Vector& rows : rows_at_p)
-    slopes.emplace_back(Matrix::Zero(rows.size(), count_of(parameters)));
-
-  tbb::parallel_for(0, count_of(parameters), [&](int k) {
-    const FreeParameter& own = problem.hypotheses.parameters[parameters[k]];
-    const double step = own.usual_step();
-    const auto moved = difference(problem, alignments, p, rows_at_p, parameters[k], step);
-    if (!moved) return;
-    for (std::size_t d = 0; d < slopes.size(); ++d)
-      slopes[d].col(k) = moved->rows[d] * (own.scale / moved->step);
-  });
-  return slopes;
 }
 
 RandomColumns random_columns(const Problem& problem, const std::vector<Alignment>& alignments,

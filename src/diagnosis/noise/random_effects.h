@@ -35,11 +35,6 @@ struct RandomColumns {
   std::vector<Matrix> forces;      ///< a dataset each: rows x boxes of all groups
   std::vector<int> group;          ///< of every column of `forces`, index in Hypotheses::forces
 };
-/// Slopes of all rows by some parameters, a prior scale each; a matrix a dataset. Where a
-/// simulation fails the column is zero.
-std::vector<Matrix> slopes_by(const Problem& problem, const std::vector<Alignment>& alignments,
-                              const Vector& p, const std::vector<Vector>& rows_at_p,
-                              const std::vector<int>& parameters);
 /// Where a simulation fails the column is zero: nothing is granted there.
 RandomColumns random_columns(const Problem& problem, const std::vector<Alignment>& alignments,
                              const Vector& p, const std::vector<Vector>& rows_at_p);

@@ -187,6 +187,24 @@ DatasetWhitening dataset_whitening(const Problem& problem, const NoiseModel& noi
   return out;
 }
 
+/// Slopes by the tolerances, raw rows, a dataset each.
+void set_tolerances(const std::vector<Matrix>& slopes, Whitening& whitening) {
+  RandomEffects& random = whitening.random;
+  random.tolerances.resize(whitening.rows, slopes.front().cols());
+  int first = 0;
+  for (std::size_t d = 0; d < slopes.size(); ++d) {
+    const DatasetWhitening& own = whitening.datasets[d];
+    for (Eigen::Index k = 0; k < random.tolerances.cols(); ++k)
+      random.tolerances.col(k).segment(first, own.rows) = own.apply(slopes[d].col(k));
+    first += own.rows;
+  }
+
+  random.tolerance_gram = random.tolerances.transpose() * random.tolerances;
+  for (RandomBlock& block : random.blocks)
+    block.with_tolerances =
+        block.columns.transpose() * random.tolerances.middleRows(block.first, block.count);
+}
+
 }  // namespace
 
 Vector DatasetWhitening::whiten(const Vector& raw) const {
@@ -255,23 +273,6 @@ Whitening whitening_of(const Problem& problem, const NoiseModel& noise, const Se
   out.random.tolerances.resize(out.rows, 0);
   if (!noise.random.tolerances.empty()) set_tolerances(noise.random.tolerances, out);
   return out;
-}
-
-void set_tolerances(const std::vector<Matrix>& slopes, Whitening& whitening) {
-  RandomEffects& random = whitening.random;
-  random.tolerances.resize(whitening.rows, slopes.front().cols());
-  int first = 0;
-  for (std::size_t d = 0; d < slopes.size(); ++d) {
-    const DatasetWhitening& own = whitening.datasets[d];
-    for (Eigen::Index k = 0; k < random.tolerances.cols(); ++k)
-      random.tolerances.col(k).segment(first, own.rows) = own.apply(slopes[d].col(k));
-    first += own.rows;
-  }
-
-  random.tolerance_gram = random.tolerances.transpose() * random.tolerances;
-  for (RandomBlock& block : random.blocks)
-    block.with_tolerances =
-        block.columns.transpose() * random.tolerances.middleRows(block.first, block.count);
 }
 
 }  // namespace jaculus::diagnosis

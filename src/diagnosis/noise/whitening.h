@@ -56,9 +56,6 @@ struct Whitening {
   [[nodiscard]] Vector apply(const std::vector<Vector>& raw) const;
 };
 
-/// Gives a space other slopes by the tolerances, raw rows, a dataset each.
-void set_tolerances(const std::vector<Matrix>& slopes, Whitening& whitening);
-
 /// Which segments of which dataset take part; empty: all.
 using SegmentMask = std::vector<std::vector<bool>>;
 Whitening whitening_of(const Problem& problem, const NoiseModel& noise,

@@ -49,8 +49,7 @@ struct Line {
   const Whitening& whitening;
   const Fit& base;
   int parameter = 0;
-  const Columns& model;   ///< [r0 -J] of the base model
-  double standing = 0.0;  ///< its log evidence
+  const Standing& standing;
 
   /// Log evidence gained by a smaller residual, as if it were one random effect in all directions
   /// that the random effects have: on the way to a valley a residual may be smaller and yet of a
@@ -59,7 +58,7 @@ struct Line {
     double directions = 0.0;
     for (const RandomBlock& block : whitening.random.blocks)
       directions += static_cast<double>(block.columns.cols());
-    const double before = model.X.col(0).squaredNorm(), now = r.squaredNorm();
+    const double before = standing.model.X.col(0).squaredNorm(), now = r.squaredNorm();
     return 0.5 * std::min(directions, before) * std::log(before / std::max(now, 1e-300));
   }
 
@@ -73,7 +72,7 @@ struct Line {
     const RandomEffects& random = whitening.random;
     const Columns moved = columns_of(
         random, whitening.residual(rows_of(problem, whitening.alignments, set)) - base.residual);
-    const Columns there = first_moved(model, moved);
+    const Columns there = first_moved(standing.model, moved);
     const Products& products = there.products;
     const ScaleEstimate followed = screening_scales(problem, random, products, base.scales);
     const double evidence = linear_evidence(random, products, followed.scales).log_evidence +
@@ -81,7 +80,7 @@ struct Line {
     const double energy = weigh(random, moved.products, followed.scales).gram(0, 0);
     const double width = 0.5 * std::log1p(energy / (u * u));
     const double influence = moved.X.norm();
-    double gain = evidence - standing;
+    double gain = evidence - standing.log_evidence;
     if (const double smaller = gain_of_size(there.X.col(0)); smaller > 0.0)
       gain = std::max(gain, smaller - 0.5 * u * u);
     return {u, gain - width, gain, influence};
@@ -135,11 +134,13 @@ ScaleEstimate screening_scales(const Problem& problem, const RandomEffects& rand
                           settings.scale_spread);
 }
 
-double followed_evidence(const Problem& problem, const Whitening& whitening,
-                         const Products& products, const Vector& scales) {
-  const ScaleEstimate followed = screening_scales(problem, whitening.random, products, scales);
-  return linear_evidence(whitening.random, products, followed.scales).log_evidence +
-         followed.log_cost;
+Standing standing_of(const Problem& problem, const Whitening& whitening, const Fit& base) {
+  const RandomEffects& random = whitening.random;
+  Columns model = columns_of(random, linear_model(problem, base));
+  const ScaleEstimate followed = screening_scales(problem, random, model.products, base.scales);
+  const double evidence =
+      linear_evidence(random, model.products, followed.scales).log_evidence + followed.log_cost;
+  return {std::move(model), evidence};
 }
 
 double probe_step(const FreeParameter& parameter, double value, double share) {
@@ -148,10 +149,8 @@ double probe_step(const FreeParameter& parameter, double value, double share) {
 }
 
 BestStep line_search(const Problem& problem, const Whitening& whitening, const Fit& base,
-                     const Columns& model, int first) {
-  const Line line{problem, whitening,
-                  base,    first,
-                  model,   followed_evidence(problem, whitening, model.products, base.scales)};
+                     const Standing& standing, int first) {
+  const Line line{problem, whitening, base, first, standing};
   BestStep found;
   std::vector<Point> points{{0.0, 0.0, 0.0, 0.0}};
   const FreeParameter& parameter = problem.hypotheses.parameters[first];

@@ -21,9 +21,13 @@ namespace jaculus::diagnosis {
 /// Deviations of random effects that follow white columns X = [r Y] from `scales`, a few steps.
 ScaleEstimate screening_scales(const Problem& problem, const RandomEffects& random,
                                const Products& products, const Vector& scales);
-/// Log evidence of white columns X = [r Y] by such deviations.
-double followed_evidence(const Problem& problem, const Whitening& whitening,
-                         const Products& products, const Vector& scales);
+
+/// A base model as screening sees it: [r0 -J], and its log evidence by such deviations.
+struct Standing {
+  Columns model;
+  double log_evidence = 0.0;
+};
+Standing standing_of(const Problem& problem, const Whitening& whitening, const Fit& base);
 
 /// Probing step of a parameter from `value`, times `share`; inwards where it would leave the
 /// bounds.
@@ -35,8 +39,8 @@ struct BestStep {
   double score = 0.0;    ///< log evidence gained
   long predictions = 0;  ///< sets of simulations that it took
 };
-/// Searches along parameter `first` from the base model, whose [r0 -J] is `model`.
+/// Searches along parameter `first` from the base model.
 BestStep line_search(const Problem& problem, const Whitening& whitening, const Fit& base,
-                     const Columns& model, int first);
+                     const Standing& standing, int first);
 
 }  // namespace jaculus::diagnosis

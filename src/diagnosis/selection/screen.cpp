@@ -50,14 +50,13 @@ struct Base {
   const Problem& problem;
   const Whitening& whitening;
   const Fit& fit;
-  const Columns& model;  ///< [r0 -J]
-  double alone = 0.0;    ///< its log evidence
+  const Standing& standing;
 };
 
 /// The posterior of one more candidate's columns beside the base model's own, which come first.
 LinearEvidence with_columns(const Base& base, const Matrix& own) {
   const RandomEffects& random = base.whitening.random;
-  const Products products = side_by_side(base.model, columns_of(random, own)).products;
+  const Products products = side_by_side(base.standing.model, columns_of(random, own)).products;
   const ScaleEstimate followed = screening_scales(base.problem, random, products, base.fit.scales);
   LinearEvidence linear = linear_evidence(random, products, followed.scales);
   linear.log_evidence += followed.log_cost;
@@ -75,26 +74,24 @@ bool raise_score(const Base& base, const Candidate& candidate, const Matrix& own
     if (range.contains(mean[k])) continue;
     mean[k] = std::clamp(mean[k], range.lower, range.upper);
     // On the wrong side of a boundary the first parameter can do nothing for the residual.
-    if (k == 0 && mean[k] == 0.0) linear.log_evidence = base.alone - 1.0;
+    if (k == 0 && mean[k] == 0.0) linear.log_evidence = base.standing.log_evidence - 1.0;
   }
 
-  if (linear.log_evidence - base.alone <= probe.score) return false;
-  probe.score = linear.log_evidence - base.alone;
+  if (linear.log_evidence - base.standing.log_evidence <= probe.score) return false;
+  probe.score = linear.log_evidence - base.standing.log_evidence;
   probe.estimate = mean;
   return true;
 }
 
 }  // namespace
 
-Probe probe_candidate(const Problem& problem, const Whitening& whitening, const Fit& base, int c,
-                      Screening how) {
+Probe probe_candidate(const Problem& problem, const Whitening& whitening, const Fit& base,
+                      const Standing& standing, int c, Screening how) {
   const Candidate& candidate = problem.hypotheses.candidates[c];
   const int first = candidate.parameters.front();
   Probe probe;
   if (std::find(base.free.begin(), base.free.end(), first) != base.free.end()) return probe;
-  const Columns model = columns_of(whitening.random, linear_model(problem, base));
-  const Base known{problem, whitening, base, model,
-                   followed_evidence(problem, whitening, model.products, base.scales)};
+  const Base known{problem, whitening, base, standing};
 
   const double influence = problem.settings.influence;
   const auto full = columns_of(problem, whitening, base, candidate, 1.0);
@@ -113,7 +110,7 @@ Probe probe_candidate(const Problem& problem, const Whitening& whitening, const 
   if (in_windows(problem) && by_full && by_small && proportional(*small, *full, problem.settings))
     return probe;
 
-  const BestStep best = line_search(problem, whitening, base, model, first);
+  const BestStep best = line_search(problem, whitening, base, standing, first);
   probe.predictions += best.predictions;
   probe.step = best.u;
   probe.score = std::max(probe.score, best.score);
@@ -132,8 +129,10 @@ Probe probe_candidate(const Problem& problem, const Whitening& whitening, const 
 std::vector<Probe> screen(const Problem& problem, const Whitening& whitening, const Fit& base,
                           Screening how) {
   std::vector<Probe> probes(problem.hypotheses.candidates.size());
-  tbb::parallel_for(0, count_of(probes),
-                    [&](int c) { probes[c] = probe_candidate(problem, whitening, base, c, how); });
+  const Standing standing = standing_of(problem, whitening, base);
+  tbb::parallel_for(0, count_of(probes), [&](int c) {
+    probes[c] = probe_candidate(problem, whitening, base, standing, c, how);
+  });
   return probes;
 }
 

@@ -12,8 +12,7 @@
 
 #include <vector>
 
-#include "diagnosis/noise/columns.h"
-#include "diagnosis/selection/fit.h"
+#include "diagnosis/selection/line_search.h"
 
 namespace jaculus::diagnosis {
 
@@ -36,7 +35,7 @@ enum class Screening { steps, line_search };
 /// Probes one candidate. Invalid where `base` has freed it, or where it has no influence on these
 /// data.
 Probe probe_candidate(const Problem& problem, const Whitening& whitening, const Fit& base,
-                      int candidate, Screening how);
+                      const Standing& standing, int candidate, Screening how);
 /// The same of every candidate, in parallel and in their order.
 std::vector<Probe> screen(const Problem& problem, const Whitening& whitening, const Fit& base,
                           Screening how = Screening::steps);

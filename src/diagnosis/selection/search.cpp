@@ -233,8 +233,7 @@ bool worth_enlarging(const Settings& settings, const FittedModels& models, int s
   const ModelFit *base = models.best(size - 1), *before = models.best(size - 2);
   if (base == nullptr || before == nullptr) return false;
   const double gain = size > 2 ? settings.larger_gain : 0.0;
-  return models.value(*base) >= models.value(*before) + gain &&
-         base->fit.log_evidence - base->fit.log_complete >= settings.remainder_left;
+  return models.value(*base) >= models.value(*before) + gain && leaves_more(settings, *base);
 }
 
 void search_about_leaders(const Problem& problem, const SearchOptions& options,
