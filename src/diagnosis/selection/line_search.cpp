@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <utility>
 
 namespace jaculus::diagnosis {
 namespace {
@@ -73,10 +74,8 @@ struct Line {
     const Columns moved = columns_of(
         random, whitening.residual(rows_of(problem, whitening.alignments, set)) - base.residual);
     const Columns there = first_moved(standing.model, moved);
-    const Products& products = there.products;
-    const ScaleEstimate followed = screening_scales(problem, random, products, base.scales);
-    const double evidence = linear_evidence(random, products, followed.scales).log_evidence +
-                            followed.log_cost - 0.5 * u * u;
+    const Followed followed = followed_by(problem, random, there.products, base.scales);
+    const double evidence = followed.linear.log_evidence - 0.5 * u * u;
     const double energy = weigh(random, moved.products, followed.scales).gram(0, 0);
     const double width = 0.5 * std::log1p(energy / (u * u));
     const double influence = moved.X.norm();
@@ -127,19 +126,21 @@ Point past_threshold(const Line& line, Point near, Point far, long& predictions)
 
 }  // namespace
 
-ScaleEstimate screening_scales(const Problem& problem, const RandomEffects& random,
-                               const Products& products, const Vector& scales) {
+Followed followed_by(const Problem& problem, const RandomEffects& random, const Products& products,
+                     const Vector& scales) {
   const Settings& settings = problem.settings;
-  return estimated_scales(random, products, scales, settings.screening_scale_steps,
-                          settings.scale_spread);
+  ScaleEstimate estimate = estimated_scales(random, products, scales,
+                                            settings.screening_scale_steps, settings.scale_spread);
+  LinearEvidence linear = linear_evidence(random, products, estimate.scales);
+  linear.log_evidence += estimate.log_cost;
+  return {std::move(estimate.scales), std::move(linear)};
 }
 
 Standing standing_of(const Problem& problem, const Whitening& whitening, const Fit& base) {
   const RandomEffects& random = whitening.random;
   Columns model = columns_of(random, linear_model(problem, base));
-  const ScaleEstimate followed = screening_scales(problem, random, model.products, base.scales);
   const double evidence =
-      linear_evidence(random, model.products, followed.scales).log_evidence + followed.log_cost;
+      followed_by(problem, random, model.products, base.scales).linear.log_evidence;
   return {std::move(model), evidence};
 }
 

@@ -18,9 +18,14 @@
 
 namespace jaculus::diagnosis {
 
-/// Deviations of random effects that follow white columns X = [r Y] from `scales`, a few steps.
-ScaleEstimate screening_scales(const Problem& problem, const RandomEffects& random,
-                               const Products& products, const Vector& scales);
+/// White columns X = [r Y] by deviations of the random effects that follow them.
+struct Followed {
+  Vector scales;          ///< the deviations
+  LinearEvidence linear;  ///< by them; its log evidence has what their choice costs
+};
+/// A few steps from `scales`.
+Followed followed_by(const Problem& problem, const RandomEffects& random, const Products& products,
+                     const Vector& scales);
 
 /// A base model as screening sees it: [r0 -J], and its log evidence by such deviations.
 struct Standing {

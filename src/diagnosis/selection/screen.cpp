@@ -57,10 +57,7 @@ struct Base {
 LinearEvidence with_columns(const Base& base, const Matrix& own) {
   const RandomEffects& random = base.whitening.random;
   const Products products = side_by_side(base.standing.model, columns_of(random, own)).products;
-  const ScaleEstimate followed = screening_scales(base.problem, random, products, base.fit.scales);
-  LinearEvidence linear = linear_evidence(random, products, followed.scales);
-  linear.log_evidence += followed.log_cost;
-  return linear;
+  return followed_by(base.problem, random, products, base.fit.scales).linear;
 }
 
 /// Raises the probe's score and estimate to what these columns reach; whether they do.
