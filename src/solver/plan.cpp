@@ -22,6 +22,13 @@ void diagnose(Plan& plan) {
   plan.conflict = find_conflict(program, x, elastic);
 }
 
+/// Limits are held to what the refinement asks for, else to the defaults.
+VerifyOptions verification_of(const transcription::Problem& problem) {
+  VerifyOptions options;
+  if (problem.refinement.limits > 0.0) options.between = options.remark = problem.refinement.limits;
+  return options;
+}
+
 }  // namespace
 
 bool EarlierPlan::fits(const transcription::NonlinearProgram& program) const {
@@ -60,7 +67,7 @@ Plan make_plan(const transcription::Problem& problem, const model::PlanarModel& 
   const Vector x = plan.result.last_iterate();
   if (x.size() == plan.program->variables() && plan.program->evaluate_at(x)) {
     plan.trajectory = transcription::to_trajectory(*plan.program, x);
-    plan.verification = verify_plan(*plan.program, x);
+    plan.verification = verify_plan(*plan.program, x, verification_of(problem));
   }
 
   if (plan.converged()) {

@@ -28,9 +28,24 @@ MeshRound mesh_round(Plan& plan, int iterations) {
   return round;
 }
 
-/// Halves every interval whose error is above the tolerance; false where none is.
+/// Whether each interval is too long: its error is above the tolerance, or a limit is passed within
+/// it.
+std::vector<bool> too_long(const Plan& plan, const transcription::RefinementSpec& refinement) {
+  const Vector& x = plan.result.x();
+  const Vector errors = interval_errors(*plan.program, x);
+  std::vector<bool> split;
+  for (const double error : errors)
+    split.push_back(refinement.tolerance == 0.0 || error > refinement.tolerance);
+  if (refinement.limits == 0.0) return split;
+
+  const Vector passed = verify_plan(*plan.program, x).interval_excess;
+  for (int k = 0; k < passed.size(); ++k) split[k] = split[k] || passed[k] > refinement.limits;
+  return split;
+}
+
+/// Halves every interval that is too long; false where none is.
 bool refine(transcription::Problem& problem, const transcription::Layout& layout,
-            const Vector& errors) {
+            const std::vector<bool>& halved) {
   bool any = false;
   for (std::size_t p = 0; p < problem.phases.size(); ++p) {
     const transcription::PhaseBlock& block = layout.phases[p];
@@ -44,8 +59,7 @@ bool refine(transcription::Problem& problem, const transcription::Layout& layout
     std::vector<double> mesh;
     for (int k = block.first_interval; k <= block.last_interval; ++k) {
       const double fraction = layout.intervals[k].fraction;
-      const bool split =
-          problem.refinement.tolerance == 0.0 || errors[k] > problem.refinement.tolerance;
+      const bool split = halved[k];
       mesh.insert(mesh.end(), split ? 2 : 1, split ? 0.5 * fraction : fraction);
       any = any || split;
     }
@@ -76,14 +90,18 @@ bool in_worse_optimum(const NlpResult& coarse, const NlpResult& fine) {
   return fine.objective > coarse.objective + kWorse * std::abs(coarse.objective);
 }
 
-/// The plan on a finer mesh, from the plan before; tried again with a smaller first barrier where
-/// that is worse.
+/// The plan on a finer mesh, from the plan before. First as from any guess, for which the plan
+/// before is a good one: on the leaps that takes a quarter of the iterations that a small first
+/// barrier takes. Where it ends worse, tried again with ever smaller ones, which stay close.
 NlpResult solve_finer(const Plan& plan, transcription::NonlinearProgram& finer, const Vector& x,
                       const PlanOptions& options) {
   NlpResult result;
   int before = 0;
-  for (const char* barrier : {"1e-4", "1e-6", "1e-8"}) {
-    result = solve_nlp(finer, {x}, near_options(finer.problem(), options, barrier));
+  for (const char* barrier : {"", "1e-4", "1e-6", "1e-8"}) {
+    const bool near = *barrier != '\0';
+    result = solve_nlp(finer, {x},
+                       near ? near_options(finer.problem(), options, barrier)
+                            : solver_options(finer.problem(), options));
     result.iterations += before;
     before = result.iterations;
     if (!result.converged() || !in_worse_optimum(plan.result, result)) break;
@@ -98,8 +116,7 @@ void refine_mesh(Plan& plan, transcription::Problem problem, const model::Planar
   if (!plan.converged() || problem.refinement.max_rounds == 0) return;
   plan.mesh_rounds.push_back(mesh_round(plan, plan.result.iterations));
   for (int number = 1; number <= problem.refinement.max_rounds; ++number) {
-    const Vector errors = interval_errors(*plan.program, plan.result.x());
-    if (!refine(problem, plan.program->layout(), errors)) return;
+    if (!refine(problem, plan.program->layout(), too_long(plan, problem.refinement))) return;
     const trajectory::Trajectory before =
         transcription::to_trajectory(*plan.program, plan.result.x());
 

@@ -21,8 +21,6 @@ using detail::Motion78;
 using detail::Totals;
 using detail::totals;
 
-constexpr double kRemark = 0.01;  // of a limit's scale: what is said in words
-
 IntervalInput interval_input(const transcription::Layout& layout, const ConstVectorRef& x, int k) {
   const transcription::IntervalBlock& block = layout.intervals[k];
   const transcription::PhaseBlock& phase = layout.phases[block.phase];
@@ -188,6 +186,7 @@ bool integrate(const transcription::NonlinearProgram& program, const ConstVector
 
   r.steps = motion.steps();
   r.limits = monitor.excesses();
+  r.interval_excess = monitor.by_interval();
   if (!whole) return false;
   errors.aggregate();
 
@@ -214,7 +213,7 @@ void fail_over(PlanVerification& r, const std::string& what, double value, doubl
 void judge_limits(const VerifyOptions& options, PlanVerification& r) {
   for (const LimitExcess& e : r.limits) {
     const bool failed = e.of_foot ? !(e.amount <= options.slip) : !(e.scaled <= options.between);
-    if (!failed && e.scaled < kRemark) continue;
+    if (!failed && e.scaled < options.remark) continue;
     const std::string text =
         fmt::format("between nodes {} reaches {:.4g} {} at {:.4f} s ({}); its limit is {:.4g}",
                     e.name, e.value, e.unit, e.time, e.phase, e.limit);

@@ -11,7 +11,8 @@ constexpr double kFootScale = 0.1;  // [m], as the rows that put feet on the gro
 
 }  // namespace
 
-LimitMonitor::LimitMonitor(const transcription::NonlinearProgram& program) : program_(program) {}
+LimitMonitor::LimitMonitor(const transcription::NonlinearProgram& program)
+    : program_(program), by_interval_(Vector::Zero(count_of(program.layout().intervals))) {}
 
 void LimitMonitor::check(const std::string& name, const std::string& unit, double value,
                          const Bounds& bounds, double scale, bool of_foot) {
@@ -19,6 +20,8 @@ void LimitMonitor::check(const std::string& name, const std::string& unit, doubl
   const double limit = above ? bounds.upper : bounds.lower,
                amount = above ? value - limit : limit - value;
   if (amount <= 1e-6 * scale) return;
+  double& here = by_interval_[interval_];
+  if (!of_foot && !(amount / scale <= here)) here = std::isnan(amount) ? kInfinity : amount / scale;
   LimitExcess& worst = worst_[name];
   // a value that is no number stays the worst
   if (amount / scale <= worst.scaled || std::isnan(worst.scaled)) return;
@@ -36,6 +39,7 @@ void LimitMonitor::check_point(int k, double s, double time, const Vector& u,
                                components::EquationsPoint& point) {
   const transcription::Layout& layout = program_.layout();
   const transcription::IntervalBlock& block = layout.intervals[k];
+  interval_ = k;
   phase_ = layout.phases[block.phase].name;
   time_ = time;
   check_terms(k, s, u, point);

@@ -21,6 +21,8 @@ class LimitMonitor {
                    components::EquationsPoint& point);
   /// What was passed by more than 1e-6 of its scale, by falling scaled amount.
   [[nodiscard]] std::vector<LimitExcess> excesses() const;
+  /// Largest scaled amount in each interval, over limits that are none of a foot.
+  [[nodiscard]] const Vector& by_interval() const { return by_interval_; }
 
  private:
   void check(const std::string& name, const std::string& unit, double value, const Bounds& bounds,
@@ -33,6 +35,8 @@ class LimitMonitor {
   const transcription::NonlinearProgram& program_;
   std::map<std::string, LimitExcess> worst_;
   std::vector<Vec2> place_;  ///< of each foot at the phase's start, world [m]
+  Vector by_interval_;
+  int interval_ = 0;
   std::string phase_;
   double time_ = 0.0;
 };

@@ -98,9 +98,10 @@ std::string conditions(const transcription::Problem& problem) {
 
   const transcription::TranscriptionSpec& grid = problem.transcription;
   text +=
-      fmt::format("{} {} {} {} {}\n", fmt::underlying(grid.scheme), fmt::underlying(grid.inputs),
+      fmt::format("{} {} {} {} {} {}\n", fmt::underlying(grid.scheme), fmt::underlying(grid.inputs),
                   grid.check_interval_end, problem.refinement.max_rounds,
-                  problem.refinement.max_rounds > 0 ? problem.refinement.tolerance : 0.0);
+                  problem.refinement.max_rounds > 0 ? problem.refinement.tolerance : 0.0,
+                  problem.refinement.limits);
 
   append(text, "bounds", without_tail(model, problem.position_bounds));
   append(text, "bounds velocity", without_tail(model, problem.velocity_bounds));

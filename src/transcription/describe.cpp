@@ -187,7 +187,8 @@ Json describe_problem(const Problem& problem) {
                     {"seed", problem.solver.seed},
                     {"starts", problem.solver.starts}};
   json["refinement"] = {{"max_rounds", problem.refinement.max_rounds},
-                        {"tolerance", problem.refinement.tolerance}};
+                        {"tolerance", problem.refinement.tolerance},
+                        {"limits", problem.refinement.limits}};
 
   return json;
 }

@@ -51,7 +51,8 @@ std::vector<Key> file_keys() {
       {"transcription", Other{}, "how the plan is cut into intervals", {.words = "see there"}},
       {"guess", Other{}, "where the solver starts", {.words = "see there"}},
       {"solver", Other{}, "tolerance, iterations, starts", {.words = "see there"}},
-      {"refinement", Other{}, "splitting of intervals where the local error is large", kNone},
+      {"refinement", Other{},
+       "splitting of intervals where the local error is large or a limit is passed", kNone},
       {"reference", Other{}, "published figures to print beside the result", kNone},
   };
 }

@@ -72,6 +72,11 @@ const std::vector<Field<RefinementSpec>>& refinement_fields() {
       field("tolerance", &S::tolerance, key::Number{dimension::none, {0.0, 1.0}},
             "of the local error, relative to each state's scale; 0 halves every interval in every "
             "round"),
+      field(
+          "limits", &S::limits, key::Number{dimension::none, {0.0, 1.0}},
+          "by how much a limit may be passed between nodes, over its scale (its own size where it "
+          "has one, the robot's weight for forces of feet): splits intervals where one is, and a "
+          "plan that passes more fails its verification; 0: not asked for"),
   };
   return fields;
 }

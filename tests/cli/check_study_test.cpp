@@ -79,14 +79,15 @@ constexpr Fault kFaults[] = {
      "not found"},
     {"tail_design", "limits: {mass: 120 g", "limits: {mass: 120 m", "bad.yaml:", "limits.mass",
      "kg"},
-    {"leap_tail_length", "problem: leap_tail.yaml", "problem: leap_tial.yaml",
+    {"leap_tail_length", "problem: leap_tail_as_published.yaml", "problem: leap_tial.yaml",
      "bad.yaml:", "leap_tial.yaml", "not found"},
     {"leap_tail_length", "link: tail", "link: tial", "bad.yaml:", "tial", "did you mean 'tail'?"},
 };
 
 TEST(CheckStudy, EveryFaultIsNamedWithItsPlace) {
   const TemporaryFolder folder;
-  for (const char* file : {"leap_tail.yaml", "drag_bench.csv"})  // that studies name
+  for (const char* file :
+       {"leap_tail.yaml", "leap_tail_as_published.yaml", "drag_bench.csv"})  // that studies name
     std::filesystem::copy_file(kProblems + file, folder / file);
   for (const Fault& f : kFaults) {
     SCOPED_TRACE(std::string(f.study) + ": " + f.from + "  ->  " + f.to);

@@ -17,13 +17,14 @@ namespace fs = std::filesystem;
 
 Json json_of(const fs::path& file) { return Json::parse(bytes_of(file)); }
 
-/// A leap with few intervals; `more` is appended.
+/// A leap as published, which stays on its mesh, with few intervals; `more` is appended.
 fs::path coarse_leap(const TemporaryFolder& folder, const std::string& base,
                      const std::string& name, const std::string& more = "", int intervals = 5) {
   const std::string n = std::to_string(intervals);
   return folder.write(
       name + ".yaml",
-      "format: jaculus-problem/1\nextends: " + kProblems + base + ".yaml\nname: " + name +
+      "format: jaculus-problem/1\nextends: " + kProblems + base +
+          "_as_published.yaml\nname: " + name +
           "\nphases:\n  - {name: all_feet, contacts: [front_foot, rear_foot], intervals: " + n +
           ", duration: [1 ms, 500 ms]}\n  - {name: rear_feet, contacts: [rear_foot], "
           "intervals: " +

@@ -15,7 +15,8 @@ namespace jaculus::evaluation {
 namespace {
 
 transcription::Problem tailless() {
-  return transcription::read_problem(source_folder() / "problems" / "leap_tailless.yaml");
+  return transcription::read_problem(source_folder() / "problems" /
+                                     "leap_tailless_as_published.yaml");
 }
 
 effects::EffectValue effect(const std::string& text, const transcription::Problem& problem) {

@@ -12,7 +12,8 @@ namespace jaculus::solver {
 namespace {
 
 transcription::Problem coarse_leap() {
-  transcription::Problem problem = test::on_grid(test::extended_problem("leap_tail", ""), {6, 4});
+  transcription::Problem problem =
+      test::on_grid(test::extended_problem("leap_tail_as_published", ""), {6, 4});
   problem.guess = test::leap_guess();
   return problem;
 }

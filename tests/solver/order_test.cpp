@@ -58,7 +58,7 @@ TEST(Verify, PassesAPlanFromRestToRestAndTellsAPerturbedOne) {
 
 TEST(Verify, LeapAgreesWithItsNodes) {
   transcription::NonlinearProgram program =
-      test::make_program(transcription::read_problem(test::problem_file("leap_tail")));
+      test::make_program(transcription::read_problem(test::problem_file("leap_tail_as_published")));
   const PlanVerification leap = verify_plan(program, solve(program));
   EXPECT_TRUE(leap.passed) << (leap.failures.empty() ? "" : leap.failures.front());
   EXPECT_LT(leap.length_error, 1e-3);

@@ -5,6 +5,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
+#include "jaculus/components/motor.h"
 #include "transcription/example_problems.h"
 
 namespace jaculus::solver {
@@ -16,7 +19,7 @@ Plan solve(const transcription::Problem& problem) {
 }
 
 transcription::Problem coarse_leap(const std::string& lines) {
-  transcription::Problem problem = test::extended_problem("leap_tail", lines);
+  transcription::Problem problem = test::extended_problem("leap_tail_as_published", lines);
   problem.phases[0].intervals = 6;
   problem.phases[0].mesh = {1, 1, 1, 1, 1, 0.6};
   problem.phases[1].intervals = 4;
@@ -65,6 +68,64 @@ TEST(Plan, RefinementKeepsTheWindowOfALimitInTime) {
   // last one, 5/5.6 of the phase. On the finer grid the last point before that is the middle of the
   // tenth interval, 4.75/5.6.
   EXPECT_NEAR(times.back() / first_phase, 4.75 / 5.6, 1e-9);
+}
+
+/// The leap with inputs that are linear, on few intervals.
+transcription::Problem strict_leap(const std::string& lines) {
+  return coarse_leap("transcription: {inputs: linear, check_interval_end: true}\n" + lines);
+}
+
+TEST(Plan, RefinementEndsWhereLimitsHoldBetweenNodes) {
+  const Plan loose = solve(strict_leap("refinement: {max_rounds: 0}"));
+  ASSERT_TRUE(loose.converged());
+  EXPECT_GT(loose.verification->interval_excess.maxCoeff(), 5e-3) << "nothing is left to refine";
+
+  const Plan held = solve(strict_leap("refinement: {max_rounds: 6, tolerance: 1, limits: 0.5 %}"));
+  ASSERT_TRUE(held.converged());
+  EXPECT_TRUE(held.verification->passed);
+  EXPECT_LE(held.verification->interval_excess.maxCoeff(), 5e-3);
+  EXPECT_GT(held.refinements, 0);
+  // only where a limit was passed
+  EXPECT_LT(held.mesh_rounds.back().intervals[0], 6 << held.refinements);
+}
+
+TEST(Plan, LimitsThatAreAskedForAndDontHoldFailTheVerification) {
+  const Plan plan = solve(strict_leap("refinement: {max_rounds: 0, limits: 0.1 %}"));
+  ASSERT_TRUE(plan.converged());
+  EXPECT_FALSE(plan.verification->passed);
+  const std::vector<std::string>& failures = plan.verification->failures;
+  EXPECT_TRUE(std::any_of(failures.begin(), failures.end(), [](const std::string& failure) {
+    return failure.find("between nodes") != std::string::npos;
+  }));
+  const Plan same = solve(strict_leap("refinement: {max_rounds: 0}"));
+  EXPECT_LT(same.verification->failures.size(), failures.size()) << "nothing was asked for";
+}
+
+TEST(Plan, VoltageWithASampleTimeIsThatAtTheEndsOfTheSample) {
+  const transcription::Problem problem =
+      strict_leap("constraints: [{type: voltage, sample_time: 4 ms}]");
+  const Plan plan = solve(problem);
+  ASSERT_TRUE(plan.converged());
+  const components::Equations& equations = plan.program->equations();
+  const model::PlanarModel& model = equations.model();
+  double highest = 0.0;
+  ASSERT_TRUE(plan.program->evaluate_at(plan.result.x()));
+  for (const transcription::Interval& interval : plan.program->intervals()) {
+    for (int point = 0; point < 3; ++point) {
+      const components::EquationsPoint& at = interval.point(point);
+      for (int m = 0; m < count_of(model.motors); ++m) {
+        const auto row = model.joint_map.row(model.motors[m].body);
+        for (const double t : {-2e-3, 2e-3}) {
+          const double rate = row.dot(at.v) + t * row.dot(at.a);
+          const double volts =
+              components::motor_voltage(model.motors[m], interval.input(point)[m], rate).value;
+          highest = std::max(highest, std::abs(volts));
+        }
+      }
+    }
+  }
+  EXPECT_LE(highest, 7.0 * (1.0 + 1e-6));
+  EXPECT_GT(highest, 7.0 * (1.0 - 1e-4)) << "the limit holds nothing back";
 }
 
 TEST(Plan, AFinerSolveThatFailsIsTold) {

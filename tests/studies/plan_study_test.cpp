@@ -38,7 +38,8 @@ std::string small_study(const std::string& factors) {
 }
 
 std::string small_leap() {
-  return "format: jaculus-problem/1\nextends: " + (kProblems / "leap_tail.yaml").string() +
+  return "format: jaculus-problem/1\nextends: " +
+         (kProblems / "leap_tail_as_published.yaml").string() +
          "\nname: small\nphases:\n"
          "  - {name: all_feet, contacts: [front_foot, rear_foot], intervals: 6, mesh: [1, 1, 1, 1, "
          "1, 0.4], duration: "

@@ -26,13 +26,14 @@ inline transcription::Problem extended_problem(
       catalogue);
 }
 
-/// Intervals of the phases, in order.
+/// Intervals of the phases, in order; the mesh stays as it is.
 inline transcription::Problem on_grid(transcription::Problem problem,
                                       const std::vector<int>& intervals) {
   for (std::size_t p = 0; p < problem.phases.size(); ++p) {
     problem.phases[p].intervals = intervals.at(p);
     problem.phases[p].mesh.clear();
   }
+  problem.refinement = {};
   return problem;
 }
 

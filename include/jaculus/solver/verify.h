@@ -31,6 +31,7 @@ struct VerifyOptions {
   double velocity = 0.02;                ///< of any length coordinate's velocity at a node [m/s]
   double rate = 0.2;      ///< of any angular coordinate's rate at a node: 0.02 m/s at 0.1 m [rad/s]
   double between = 0.25;  ///< of any limit between nodes, over its scale [-]
+  double remark = 0.01;   ///< the same: from where on it is said in words [-]
   double slip = 1e-3;     ///< of a foot that stands, or below ground in the air, between nodes [m]
   double balance = 1e-3;  ///< of momentum and energy [-]
   double row = 1e-3;      ///< of any row or variable at the plan's own points, over its scale [-]
@@ -80,6 +81,8 @@ struct PlanVerification {
 
   /// limits passed between nodes, by falling scaled amount; empty where none is
   std::vector<LimitExcess> limits;
+  /// largest scaled amount in each interval, over limits that are none of a foot [-]
+  Vector interval_excess;
   /// row or variable that is worst at the plan's own points; empty where all hold
   std::string worst_row;
   std::string worst_row_unit;

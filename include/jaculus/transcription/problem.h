@@ -83,11 +83,15 @@ struct SolverSpec {
   int starts = 1;  ///< multi-start: the guess first, then starts - 1 smooth random ones
 };
 
-/// Mesh refinement on request: intervals are split where the local error exceeds the tolerance.
+/// Mesh refinement on request: intervals are split where the local error exceeds the tolerance, or
+/// where the motion between nodes passes a limit.
 struct RefinementSpec {
   int max_rounds = 0;  ///< 0: none
   /// of the local error relative to each state's scale [-]; 0: every interval is halved
   double tolerance = 1e-4;
+  /// by how much a limit may be passed between nodes, over its scale [-]; a plan that passes one by
+  /// more fails its verification. 0: not asked for
+  double limits = 0.0;
 };
 
 struct Problem {

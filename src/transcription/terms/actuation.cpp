@@ -13,24 +13,48 @@ bool electrical(const model::PlanarMotor& motor) {
   return motor.resistance > 0.0 || motor.torque_constant > 0.0;
 }
 
-/// Voltage of one motor: R i(tau) + k_t G omega, omega the joint's rate, linear in v.
-PathTerm motor_voltage_term(const model::PlanarModel& model, int m, double limit) {
+/// The instants [s], from the one at hand, at which a motor's voltage is looked at: this one alone,
+/// or the ends of the sample of which it is the middle.
+std::vector<double> instants(double sample_time) {
+  if (sample_time == 0.0) return {0.0};
+  return {-0.5 * sample_time, 0.5 * sample_time};
+}
+
+/// Voltage of one motor: R i(tau) + k_t G (omega + t alpha), omega the joint's rate, alpha its
+/// acceleration, t each of the instants; linear in v and a. A controller that holds torques from
+/// sample to sample plays the mean over a sample, which is the torque in its middle to second
+/// order; between its ends the rate goes on.
+PathTerm motor_voltage_term(const model::PlanarModel& model, int m, double limit,
+                            double sample_time) {
   const model::PlanarMotor motor = model.motors[m];
   const Vector rate = model.joint_map.row(motor.body).transpose();
+  const std::vector<double> when = instants(sample_time);
   PathTerm term;
   term.name = motor.joint + " voltage";
-  term.rows.push_back({term.name, "V", {-limit, limit}, limit});
+  for (const double t : when) {
+    const char* at = t == 0.0 ? "" : t < 0.0 ? " where a sample begins" : " where a sample ends";
+    term.rows.push_back({term.name + at, "V", {-limit, limit}, limit});
+  }
   term.reads.velocity = term.reads.input = true;
-  term.evaluate = [motor, rate, m](const PointView& view, VectorRef values, Matrix* J,
-                                   const ConstVectorRef* multipliers, Matrix* H) {
-    const components::MotorVoltage voltage =
-        components::motor_voltage(motor, view.u[m], rate.dot(view.point.v));
-    values[0] = voltage.value;
-    if (J) {
-      J->row(0).segment(view.v_at(), view.n) += voltage.d_rate * rate.transpose();
-      (*J)(0, view.u_at() + m) += voltage.d_torque;
+  term.reads.acceleration = sample_time > 0.0;
+
+  term.evaluate = [motor, rate, when, m](const PointView& view, VectorRef values, Matrix* J,
+                                         const ConstVectorRef* multipliers, Matrix* H) {
+    for (int i = 0; i < count_of(when); ++i) {
+      const double t = when[i], ahead = t == 0.0 ? 0.0 : t * rate.dot(view.point.a);
+      const components::MotorVoltage voltage =
+          components::motor_voltage(motor, view.u[m], rate.dot(view.point.v) + ahead);
+      values[i] = voltage.value;
+
+      const int u = view.u_at() + m;
+      if (J) {
+        J->row(i).segment(view.v_at(), view.n) += voltage.d_rate * rate.transpose();
+        if (t != 0.0)
+          J->row(i).segment(view.a_at(), view.n) += t * voltage.d_rate * rate.transpose();
+        (*J)(i, u) += voltage.d_torque;
+      }
+      if (H) (*H)(u, u) += (*multipliers)[i] * voltage.d_torque2;
     }
-    if (H) (*H)(view.u_at() + m, view.u_at() + m) += (*multipliers)[0] * voltage.d_torque2;
   };
   term.sensitivity = {"voltage", "V",
                       [](int, double multiplier, const auto*) { return std::abs(multiplier); }};
@@ -42,6 +66,7 @@ void add_voltage(const TermSpec& spec, TermContext& context) {
   std::vector<int> chosen = all_named(spec, "motors", context);
   const auto ideal = [&](int m) { return !electrical(context.model().motors[m]); };
   if (!spec.values.has("motors")) std::erase_if(chosen, ideal);
+  const double sample_time = spec.values.number_or("sample_time", 0.0);
   if (chosen.empty()) throw spec.node.error("voltage: no motor of this robot has electrical data");
 
   for (const int m : chosen) {
@@ -52,7 +77,7 @@ void add_voltage(const TermSpec& spec, TermContext& context) {
           fmt::format("voltage: {} has no electrical data or no voltage; give them in robot.yaml",
                       motor.joint));
     for (int p : all_named(spec, "phases", context))
-      context.path[p].push_back(motor_voltage_term(context.model(), m, limit));
+      context.path[p].push_back(motor_voltage_term(context.model(), m, limit, sample_time));
   }
 }
 
@@ -155,7 +180,13 @@ TermType voltage() {
                     key::Names{key::Of::motor},
                     "list of motors",
                     {.words = "all electric ones"}},
+                   {"sample_time",
+                    key::Number{dimension::time, {0.0, 0.1}},
+                    "of a controller that holds torques from sample to sample, for which voltages "
+                    "hold too; 0: torques as planned",
+                    {.value = "0"}},
                    phases_key()},
+          .example = "sample_time: 2 ms",
           .make = add_voltage};
 }
 
