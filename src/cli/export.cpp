@@ -14,6 +14,7 @@
 #include "cli/command.h"
 #include "jaculus/core/error.h"
 #include "jaculus/core/units.h"
+#include "jaculus/model/robot.h"
 #include "jaculus/trajectory/csv.h"
 
 namespace jaculus::cli {
@@ -28,7 +29,8 @@ struct ExportOptions {
   std::string format;
   std::string rate = "1000";
   std::string side = exporting::name_of(exporting::Side::joint);
-  std::string hold;  ///< empty where not given
+  std::string hold;   ///< empty where not given
+  std::string robot;  ///< empty where not given
   bool even_unsolved = false;
 };
 
@@ -79,6 +81,11 @@ bool report(const ExportOptions& options, const exporting::Source& source,
   if (options.common.quiet) return exceeded;
   if (!source.limits_known)
     fmt::print(stderr, "jaculus: no summary.json beside the plan, limits are not checked\n");
+  if (!plan.file_joints_known) {
+    fmt::print(stderr,
+               "jaculus: joints have the plan's names: nothing says which of the robot's file they "
+               "are (solve again, or --robot with a plan.csv alone)\n");
+  }
   if (!source.converged)
     fmt::print(stderr, "jaculus: this plan is no solution, its solve did not converge\n");
   if (!source.verified) fmt::print(stderr, "jaculus: this plan failed its verification\n");
@@ -96,8 +103,11 @@ int run_export(const ExportOptions& options) {
     throw InputError(fmt::format("--out {}: is a folder; allowed: a file", options.common.out));
   }
 
-  const exporting::Source source =
-      exporting::read_source(options.solution, input_holds().find(options.hold));
+  std::optional<model::Robot> robot;
+  if (!options.robot.empty())
+    robot = model::read_robot(model::find_robot(options.robot, std::filesystem::current_path()));
+  const exporting::Source source = exporting::read_source(
+      options.solution, input_holds().find(options.hold), robot ? &robot->planar : nullptr);
   if (!source.converged && !options.even_unsolved) {
     throw InputError(fmt::format(
         "{}: its solve did not converge; allowed: a converged plan, or any with --even-unsolved",
@@ -125,8 +135,8 @@ int run_export(const ExportOptions& options) {
                          {"limits", exporting::checks_json(plan)}};
     print(result.dump(1) + "\n");
   } else if (!options.common.quiet && !options.common.out.empty()) {
-    print(fmt::format("{}: {} samples at {:g} Hz, {} side, {} motors\n", options.common.out,
-                      plan.time.size(), plan.rate, options.side, plan.motors.size()));
+    print(fmt::format("{}: {} samples at {:g} Hz, {} side, {} joints\n", options.common.out,
+                      plan.time.size(), plan.rate, options.side, played_joints(plan).size()));
   }
   return exceeded || !source.converged ? kNotSolved : kDone;
 }
@@ -159,6 +169,8 @@ void add_export(CLI::App& app, Action& chosen) {
       ->add_option("--hold", options->hold,
                    "held or linear: how torques of a lone plan.csv go on between samples")
       ->check(one_of(input_holds().names()));
+  command->add_option("--robot", options->robot,
+                      "of a lone plan.csv: whose joints are written out, and whose limits count");
   command->add_flag("--even-unsolved", options->even_unsolved,
                     "export a plan whose solve did not converge");
   command->add_option("--out", options->common.out, "file; standard output unless given");

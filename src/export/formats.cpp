@@ -16,6 +16,41 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+/// "left [rad]" and the like of one joint.
+struct Units {
+  const char *position, *velocity, *torque;
+};
+Units units_of(const ExportedMotor& motor) {
+  return motor.slides ? Units{"m", "m/s", "N"} : Units{"rad", "rad/s", "N m"};
+}
+
+std::vector<double> times(double sign, std::vector<double> values) {
+  for (double& value : values) value *= sign;
+  return values;
+}
+
+/// Which joints play what, and which are to be held.
+std::vector<std::string> joint_notes(const Export& plan) {
+  std::vector<std::string> lines;
+  for (const ExportedMotor& motor : plan.motors) {
+    std::vector<std::string> joints;
+    for (const model::FileJoint& joint : motor.file_joints)
+      joints.push_back((joint.sign < 0.0 ? "minus " : "") + joint.name);
+    if (joints.size() > 1 || joints.front() != motor.joint)
+      lines.push_back(fmt::format("{} of the plan is {}", motor.joint, fmt::join(joints, ", ")));
+  }
+  if (!plan.file_joints_known) {
+    lines.emplace_back(
+        "joints are the plan's, not the robot file's: no summary.json of this version, no --robot");
+  }
+
+  for (const model::HeldJoint& joint : plan.held_joints) {
+    lines.push_back(fmt::format("{} stands still at {:.6g}: to be held, its load is not planned",
+                                joint.joint, joint.value));
+  }
+  return lines;
+}
+
 /// What every format says of itself, one line each.
 std::vector<std::string> notes(const Export& plan) {
   std::vector<std::string> lines = {
@@ -24,15 +59,13 @@ std::vector<std::string> notes(const Export& plan) {
       fmt::format("{} side{}; torque of one motor [N m], position [rad], velocity [rad/s]",
                   name_of(plan.side),
                   plan.side == Side::motor ? ", before the gear" : ", behind the gear"),
-      fmt::format("each sample is held until the next; the plan's inputs were {}",
+      "joints, their signs and zeros are those of the robot's file",
+      fmt::format("each sample is held until the next, its torque is the plan's mean over it; the "
+                  "plan's inputs were {}",
                   name_of(plan.plan_hold))};
-  std::vector<std::string> pairs;
-  for (const ExportedMotor& motor : plan.motors) {
-    if (motor.count > 1) pairs.push_back(motor.joint);
-  }
+  if (!plan.file_joints_known) lines.erase(lines.begin() + 2);
+  for (const std::string& line : joint_notes(plan)) lines.push_back(line);
 
-  if (!pairs.empty())
-    lines.push_back(fmt::format("left and right alike: {}", fmt::join(pairs, ", ")));
   if (plan.checks.empty()) lines.emplace_back("limits not known, not checked");
   for (const LimitCheck& check : plan.checks) {
     if (!check.exceeded) continue;
@@ -53,15 +86,30 @@ std::string identifier(const std::string& name) {
 
 std::string c_array(const std::string& name, const std::string& caption, const Export& plan,
                     std::vector<double> ExportedMotor::*field) {
+  const std::vector<PlayedJoint> joints = played_joints(plan);
   std::string text = fmt::format("\n/* {} */\nstatic const float {}[{}][{}] = {{\n", caption, name,
-                                 plan.time.size(), plan.motors.size());
+                                 plan.time.size(), joints.size());
   for (std::size_t k = 0; k < plan.time.size(); ++k) {
     std::vector<std::string> cells;
-    for (const ExportedMotor& motor : plan.motors)
-      cells.push_back(fmt::format("{:.8e}f", (motor.*field)[k]));
+    for (const PlayedJoint& joint : joints)
+      cells.push_back(fmt::format("{:.8e}f", joint.sign * (joint.motor->*field)[k]));
     text += fmt::format("    {{{}}},\n", fmt::join(cells, ", "));
   }
   return text + "};\n";
+}
+
+std::string c_held_joints(const std::string& prefix, const Export& plan) {
+  if (plan.held_joints.empty()) return "";
+  std::vector<std::string> names, positions;
+  for (const model::HeldJoint& joint : plan.held_joints) {
+    names.push_back('"' + joint.joint + '"');
+    positions.push_back(fmt::format("{:.8e}f", joint.value));
+  }
+  const std::size_t count = names.size();
+  return fmt::format(
+      "\n/* to be held */\nstatic const char *const {0}_held_joint[{1}] = {{{2}}};\n"
+      "static const float {0}_held_position[{1}] = {{{3}}};\n",
+      prefix, count, fmt::join(names, ", "), fmt::join(positions, ", "));
 }
 
 }  // namespace
@@ -96,25 +144,35 @@ nlohmann::ordered_json checks_json(const Export& plan) {
 std::string to_csv(const Export& plan) {
   // A CSV has no place for notes but its column names, so these state side and units.
   const std::string at = plan.side == Side::motor ? "_motor" : "";
+  const std::vector<PlayedJoint> joints = played_joints(plan);
   std::string text = "time [s]";
-  for (const ExportedMotor& m : plan.motors) {
-    text += fmt::format(",{0}{1} [rad],{0}{1}_velocity [rad/s],{0}{1}_torque [N m]", m.joint, at);
-    if (!m.current.empty()) text += fmt::format(",{0}_current [A],{0}_voltage [V]", m.joint);
+  for (const PlayedJoint& joint : joints) {
+    const auto [position, velocity, torque] = units_of(*joint.motor);
+    text += fmt::format(",{0}{1} [{2}],{0}{1}_velocity [{3}],{0}{1}_torque [{4}]", joint.name, at,
+                        position, velocity, torque);
+    if (!joint.motor->current.empty())
+      text += fmt::format(",{0}_current [A],{0}_voltage [V]", joint.name);
   }
+  for (const model::HeldJoint& joint : plan.held_joints)
+    text += fmt::format(",{} [{}]", joint.joint, joint.slides ? "m" : "rad");
+
   text += "\n";
   for (std::size_t k = 0; k < plan.time.size(); ++k) {
     text += fmt::format("{}", plan.time[k]);
-    for (const ExportedMotor& m : plan.motors) {
-      text += fmt::format(",{},{},{}", m.position[k], m.velocity[k], m.torque[k]);
-      if (!m.current.empty()) text += fmt::format(",{},{}", m.current[k], m.voltage[k]);
+    for (const auto& [name, sign, m] : joints) {
+      text += fmt::format(",{},{},{}", sign * m->position[k], sign * m->velocity[k],
+                          sign * m->torque[k]);
+      if (!m->current.empty())
+        text += fmt::format(",{},{}", sign * m->current[k], sign * m->voltage[k]);
     }
+    for (const model::HeldJoint& joint : plan.held_joints) text += fmt::format(",{}", joint.value);
     text += "\n";
   }
   return text;
 }
 
 std::string to_json(const Export& plan) {
-  Json json = {{"format", "jaculus-export/1"},
+  Json json = {{"format", "jaculus-export/2"},
                {"version", version()},
                {"plan", plan.name},
                {"rate_hz", plan.rate},
@@ -122,41 +180,56 @@ std::string to_json(const Export& plan) {
                {"side", name_of(plan.side)},
                {"hold", "held"},
                {"plan_hold", name_of(plan.plan_hold)},
+               {"joints_of_robot_file", plan.file_joints_known},
                {"limits_checked", !plan.checks.empty()},
                {"limits", checks_json(plan)},
                {"time_s", plan.time}};
-  json["motors"] = Json::array();
+  json["joints"] = Json::array();
 
-  for (const ExportedMotor& m : plan.motors) {
-    Json motor = {{"name", m.joint},
-                  {"count", m.count},
-                  {"position_rad", m.position},
-                  {"velocity_rad_s", m.velocity},
-                  {"torque_N_m", m.torque}};
-    if (!m.current.empty()) {
-      motor["current_A"] = m.current;
-      motor["voltage_V"] = m.voltage;
+  for (const auto& [name, sign, m] : played_joints(plan)) {
+    const auto [position, velocity, torque] = units_of(*m);
+    Json joint = {{"name", name},
+                  {"motor", m->joint},
+                  {"sign", sign},
+                  {"units", {position, velocity, torque}},
+                  {"position", times(sign, m->position)},
+                  {"velocity", times(sign, m->velocity)},
+                  {"torque", times(sign, m->torque)}};
+    if (!m->current.empty()) {
+      joint["current_A"] = times(sign, m->current);
+      joint["voltage_V"] = times(sign, m->voltage);
     }
-    json["motors"].push_back(motor);
+    json["joints"].push_back(joint);
   }
 
+  json["held_joints"] = Json::array();
+  for (const model::HeldJoint& joint : plan.held_joints)
+    json["held_joints"].push_back(
+        {{"name", joint.joint}, {"unit", joint.slides ? "m" : "rad"}, {"position", joint.value}});
   return json.dump(1) + "\n";
 }
 
 std::string to_joint_trajectory(const Export& plan) {
   std::string text;
   for (const std::string& line : notes(plan)) text += "# " + line + "\n";
+  const std::vector<PlayedJoint> joints = played_joints(plan);
   std::vector<std::string> names;
-  for (const ExportedMotor& m : plan.motors) names.push_back(m.joint);
+  for (const PlayedJoint& joint : joints) names.push_back(joint.name);
+  for (const model::HeldJoint& joint : plan.held_joints) names.push_back(joint.joint);
   text += "header:\n  stamp: {sec: 0, nanosec: 0}\n  frame_id: ''\n";
   text += fmt::format("joint_names: [{}]\npoints:\n", fmt::join(names, ", "));
 
   for (std::size_t k = 0; k < plan.time.size(); ++k) {
     std::vector<double> p, v, tau;
-    for (const ExportedMotor& m : plan.motors) {
-      p.push_back(m.position[k]);
-      v.push_back(m.velocity[k]);
-      tau.push_back(m.torque[k]);
+    for (const auto& [name, sign, m] : joints) {
+      p.push_back(sign * m->position[k]);
+      v.push_back(sign * m->velocity[k]);
+      tau.push_back(sign * m->torque[k]);
+    }
+    for (const model::HeldJoint& joint : plan.held_joints) {
+      p.push_back(joint.value);
+      v.push_back(0.0);
+      tau.push_back(0.0);  // a message has an effort for every joint or for none
     }
     const auto nanoseconds = static_cast<long long>(std::llround(plan.time[k] * 1e9));
     text += fmt::format(
@@ -177,14 +250,16 @@ std::string to_c(const Export& plan) {
   std::string text = "/*\n";
   for (const std::string& line : notes(plan)) text += " * " + line + "\n";
   text += fmt::format(" */\n#ifndef {0}_PLAN_H\n#define {0}_PLAN_H\n\n", guard);
+  const std::vector<PlayedJoint> joints = played_joints(plan);
   text +=
-      fmt::format("#define {0}_SAMPLES {1}\n#define {0}_MOTORS {2}\n#define {0}_RATE_HZ {3:.9e}f\n",
-                  guard, plan.time.size(), plan.motors.size(), plan.rate);
+      fmt::format("#define {0}_SAMPLES {1}\n#define {0}_JOINTS {2}\n#define {0}_RATE_HZ {3:.9e}f\n",
+                  guard, plan.time.size(), joints.size(), plan.rate);
 
   std::vector<std::string> names;
-  for (const ExportedMotor& m : plan.motors) names.push_back('"' + m.joint + '"');
-  text += fmt::format("\nstatic const char *const {}_motor[{}] = {{{}}};\n", prefix,
-                      plan.motors.size(), fmt::join(names, ", "));
+  for (const PlayedJoint& joint : joints) names.push_back('"' + joint.name + '"');
+  text += fmt::format("\nstatic const char *const {}_joint[{}] = {{{}}};\n", prefix, joints.size(),
+                      fmt::join(names, ", "));
+  text += c_held_joints(prefix, plan);
   text += c_array(prefix + "_torque", side + " torque [N m]", plan, &ExportedMotor::torque);
   text += c_array(prefix + "_position", side + " position [rad]", plan, &ExportedMotor::position);
   text += c_array(prefix + "_velocity", side + " velocity [rad/s]", plan, &ExportedMotor::velocity);

@@ -37,10 +37,26 @@ Vec2 cubic(const Values& time, const Values& p, const Values& v, double t) {
   return {p[i] + h * s * (v[i] + s * (c2 + s * c3)), v[i] + s * (2.0 * c2 + 3.0 * s * c3)};
 }
 
-double torque_at(const Values& time, const Values& torque, double t, bool linear) {
-  const Eigen::Index i = row_at(time, t);
+/// Between row i and the next one.
+double torque_within(const Values& time, const Values& torque, Eigen::Index i, double t,
+                     bool linear) {
   if (!linear || i + 1 >= time.size() || time[i + 1] <= time[i]) return torque[i];
   return torque[i] + (t - time[i]) / (time[i + 1] - time[i]) * (torque[i + 1] - torque[i]);
+}
+
+/// Over [from, to]; the torque in force at `from` where that is an instant.
+double mean_torque(const Values& time, const Values& torque, double from, double to, bool linear) {
+  Eigen::Index i = row_at(time, from);
+  if (to <= from) return torque_within(time, torque, i, from, linear);
+
+  double impulse = 0.0;
+  for (double t = from; t < to; ++i) {
+    const bool last = i + 1 >= time.size();
+    const double end = last ? to : std::min(time[i + 1], to);
+    if (end > t) impulse += (end - t) * torque_within(time, torque, i, 0.5 * (t + end), linear);
+    t = end;
+  }
+  return impulse / (to - from);
 }
 
 model::PlanarMotor motor_of(const solver::MotorFigures& f) {
@@ -77,19 +93,21 @@ ExportedMotor sample(const Source& source, const solver::MotorFigures& figures, 
   LimitCheck voltage{figures.joint, Quantity::voltage, "V", 0.0, 0.0, figures.voltage_limit, false};
   ExportedMotor out;
   out.joint = figures.joint;
-  out.count = figures.count;
+  out.slides = figures.slides;
+  out.file_joints = figures.file_joints;
+  if (out.file_joints.empty()) out.file_joints = {{figures.joint, 1.0}};
 
   for (const double t : plan.time) {
     const Vec2 state = cubic(time, p, v, t0 + t);
+    const double end = std::min(t + 1.0 / plan.rate, plan.duration);
     const double held =
-        torque_at(time, tau, t0 + t, source.hold == transcription::InputHold::linear);
+        mean_torque(time, tau, t0 + t, t0 + end, source.hold == transcription::InputHold::linear);
     out.position.push_back(state[0]);
     out.velocity.push_back(state[1]);
     out.torque.push_back(held);
     if (!source.limits_known) continue;
     out.current.push_back(components::motor_current(motor, held));
     out.voltage.push_back(components::motor_voltage(motor, held, state[1]).value);
-    const double end = std::min(t + 1.0 / plan.rate, plan.duration);
     raise(torque, held / (motor.gear * motor.efficiency), t);
     raise(current, out.current.back(), t);
     raise(voltage, out.voltage.back(), t);
@@ -115,6 +133,15 @@ void to_motor_side(ExportedMotor& motor, const solver::MotorFigures& figures) {
 
 }  // namespace
 
+std::vector<PlayedJoint> played_joints(const Export& plan) {
+  std::vector<PlayedJoint> joints;
+  for (const ExportedMotor& motor : plan.motors) {
+    for (const model::FileJoint& joint : motor.file_joints)
+      joints.push_back({joint.name, joint.sign, &motor});
+  }
+  return joints;
+}
+
 Export resample(const Source& source, double rate, Side side) {
   assert(rate > 0.0);
   const auto time = source.table.values.col(source.table.column("time"));
@@ -124,12 +151,14 @@ Export resample(const Source& source, double rate, Side side) {
   plan.duration = time[time.size() - 1] - time[0];
   plan.side = side;
   plan.plan_hold = source.hold;
+  plan.held_joints = source.held_joints;
   constexpr double kRounding = 1e-9;  // a sample that falls on the end but for rounding is one
   const auto samples =
       static_cast<std::size_t>(std::floor(plan.duration * rate * (1.0 + kRounding))) + 1;
   for (std::size_t k = 0; k < samples; ++k) plan.time.push_back(static_cast<double>(k) / rate);
   for (const solver::MotorFigures& figures : source.motors) {
     plan.motors.push_back(sample(source, figures, plan, plan.checks));
+    plan.file_joints_known = plan.file_joints_known && !figures.file_joints.empty();
     if (side == Side::motor) to_motor_side(plan.motors.back(), figures);
   }
   return plan;

@@ -1,6 +1,9 @@
 // Plans to export: as solved, or read back from what a solve wrote.
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
 
 #include "jaculus/core/error.h"
 #include "jaculus/export/export.h"
@@ -52,6 +55,25 @@ std::vector<solver::MotorFigures> motors_of(const trajectory::Table& table, cons
   return motors;
 }
 
+/// Joints and limits of the robot, for the motors that the plan has.
+void take_robot(const model::PlanarModel& robot, const fs::path& file, Source& source) {
+  const std::vector<solver::MotorFigures> known = solver::motor_figures(robot);
+  for (solver::MotorFigures& motor : source.motors) {
+    const auto found = std::find_if(known.begin(), known.end(),
+                                    [&](const auto& m) { return m.joint == motor.joint; });
+    if (found == known.end()) {
+      std::vector<std::string> names;
+      for (const solver::MotorFigures& m : known) names.push_back(m.joint);
+      throw InputError(
+          fmt::format("{}:1: column '{}_torque' is of no motor of this robot; allowed: {}",
+                      file.string(), motor.joint, fmt::join(names, ", ")));
+    }
+    motor = *found;
+  }
+  source.held_joints = robot.held;
+  source.limits_known = true;
+}
+
 void check_columns(const trajectory::Table& table, const std::vector<solver::MotorFigures>& motors,
                    const fs::path& file) {
   std::vector<std::string> needed = {"time"};
@@ -90,13 +112,15 @@ Source source(const solver::SolvedPlan& solved) {
   source.table = solver::plan_tables(solved).plan;
   source.hold = summary.input_hold;
   source.motors = summary.motors;
+  source.held_joints = summary.held_joints;
   source.limits_known = true;
   source.converged = summary.converged();
   source.verified = summary.verification.passed;
   return source;
 }
 
-Source read_source(const fs::path& path, const std::optional<transcription::InputHold>& hold) {
+Source read_source(const fs::path& path, const std::optional<transcription::InputHold>& hold,
+                   const model::PlanarModel* robot) {
   const fs::path file = plan_file(path);
   Source source;
   source.table = trajectory::read_csv(file);
@@ -104,7 +128,14 @@ Source read_source(const fs::path& path, const std::optional<transcription::Inpu
   source.name = summary ? summary->name : file.stem().string();
 
   if (summary) {
+    if (robot != nullptr) {
+      throw InputError(
+          fmt::format("--robot: {} says which joints and limits the plan has; allowed: "
+                      "--robot with a plan.csv alone",
+                      (file.parent_path() / "summary.json").string()));
+    }
     source.motors = summary->motors;
+    source.held_joints = summary->held_joints;
     source.limits_known = true;
     source.converged = summary->converged();
     source.verified = summary->verification.passed;
@@ -117,6 +148,7 @@ Source read_source(const fs::path& path, const std::optional<transcription::Inpu
     }
   } else {
     source.motors = motors_of(source.table, file);
+    if (robot != nullptr) take_robot(*robot, file, source);
     if (!hold) {
       throw InputError(
           fmt::format("{}: no summary.json beside it says how torques go on between samples; give "

@@ -70,6 +70,12 @@ PlanarModel lock(const PlanarModel& model, const std::string& coordinate, double
   const auto stands = [&](int body) {
     return !model.joint_map.row(body).isZero(0.0) && locked.joint_map.row(body).isZero(0.0);
   };
+  for (int b = 1; b < count_of(locked.bodies); ++b) {
+    if (!stands(b)) continue;
+    for (const FileJoint& joint : locked.bodies[b].file_joints)
+      locked.held.push_back({joint.name, joint.sign * locked.joint_offset[b],
+                             locked.bodies[b].kind == JointKind::prismatic});
+  }
   std::erase_if(locked.motors, [&](const PlanarMotor& motor) { return stands(motor.body); });
   std::erase_if(locked.joint_ranges, [&](const JointRange& range) { return stands(range.body); });
   return locked;

@@ -204,6 +204,7 @@ class Reducer {
     const Vec3 axis_B = head.R_BL * joint.axis;
     const double phi = frame_of(parents_.at(body), right ? 1 : 0);
     result.joint = joint.name;
+    result.file_joints = {{joint.name, 1.0}};
     result.parent = parents_.at(body);
     result.origin = unrotate(phi, in_plane(head.p_BL - parent.p_BL));
     result.angle_offset = wrap(frame_of(body, side) - phi);
@@ -266,6 +267,7 @@ class Reducer {
     }
 
     add_side(left, right);
+    left.file_joints.push_back({pair.right, left.sign * right.sign});
     left.joint = pair.name;
     left.name = planar_link_name(left.name, right.name);
     left.count = 2;
@@ -361,6 +363,22 @@ class Reducer {
   Reduction result_;
 };
 
+/// Joints that move in the file and are fixed in `tree`, where they are.
+std::vector<HeldJoint> standing_joints(const SpatialTree& file, const SpatialTree& tree,
+                                       const std::vector<HeldJoint>& held) {
+  std::vector<HeldJoint> standing;
+  for (std::size_t j = 0; j < file.joints.size(); ++j) {
+    const SpatialJoint& joint = file.joints[j];
+    if (joint.kind == SpatialJointKind::fixed || tree.joints[j].kind != SpatialJointKind::fixed)
+      continue;
+    const auto stated = std::find_if(held.begin(), held.end(),
+                                     [&](const HeldJoint& h) { return h.joint == joint.name; });
+    standing.push_back({joint.name, stated == held.end() ? 0.0 : stated->value,
+                        joint.kind == SpatialJointKind::prismatic});
+  }
+  return standing;
+}
+
 }  // namespace
 
 Reduction reduce(const SpatialTree& spatial, const std::vector<PairSpec>& joints,
@@ -371,6 +389,7 @@ Reduction reduce(const SpatialTree& spatial, const std::vector<PairSpec>& joints
   hold_massless(tree, joints, assumptions);
 
   Reduction reduction = Reducer(tree, joints, links, assumptions).run();
+  reduction.held = standing_joints(spatial, tree, held);
   const std::vector<std::string> assumed = assumptions.notes();
   reduction.notes.insert(reduction.notes.end(), assumed.begin(), assumed.end());
   return reduction;

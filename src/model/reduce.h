@@ -29,12 +29,6 @@ struct PairSpec {
   yaml::Node node;  ///< its place in robot.yaml
 };
 
-/// A spatial joint held at a value.
-struct HeldJoint {
-  std::string joint;
-  double value = 0.0;  ///< [rad or m]
-};
-
 /// Where a link sits on its planar body.
 struct LinkPlace {
   int body = 0;
@@ -47,6 +41,7 @@ struct Reduction {
   std::vector<PlanarBody> bodies;
   std::vector<Bounds> ranges;  ///< of each body's joint [rad or m]; infinite for the base
   std::map<std::string, LinkPlace> links;  ///< by spatial name, and by planar name where lumped
+  std::vector<HeldJoint> held;             ///< joints that move in the file and don't in the plane
   std::vector<std::string> notes;
 };
 

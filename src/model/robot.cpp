@@ -110,6 +110,7 @@ Robot read_files(const fs::path& folder, yaml::Node& node, Reading reading) {
   const Reduction reduction = reduce(tree, joints, links, read_held(node, tree, joints), reading);
   robot.notes.insert(robot.notes.end(), reduction.notes.begin(), reduction.notes.end());
   model.bodies = reduction.bodies;
+  model.held = reduction.held;
   read_loops(node, reduction, model);
   read_coordinates(node, reduction, model);
   model.feet = read_points(node, "feet", reduction, model);

@@ -152,7 +152,8 @@ std::vector<HeldJoint> read_held(const yaml::Node& robot, const SpatialTree& tre
     }
 
     const bool slides = joint.kind == SpatialJointKind::prismatic;
-    held.push_back({name, node.number(slides ? dimension::length : dimension::angle, joint.range)});
+    const double value = node.number(slides ? dimension::length : dimension::angle, joint.range);
+    held.push_back({name, value, slides});
   }
   return held;
 }

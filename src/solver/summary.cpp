@@ -154,6 +154,7 @@ std::vector<MotorFigures> motor_figures(const model::PlanarModel& model) {
     MotorFigures f;
     f.joint = m.joint;
     f.count = m.count;
+    f.file_joints = model.bodies[m.body].file_joints;
     f.slides = model.bodies[m.body].kind == model::JointKind::prismatic;
     f.torque_limit = m.torque_limit;
     f.current_limit = m.current_limit;
@@ -187,6 +188,7 @@ Summary summarise(const Plan& plan, const transcription::Problem& problem) {
   s.reference = problem.reference;
   s.problem = transcription::describe_problem(problem);
   s.motors = motor_figures(program.equations().model());
+  s.held_joints = program.equations().model().held;
   for (MotorFigures& f : s.motors) {
     if (problem.torque) f.torque_limit = *problem.torque;
     if (problem.current) f.current_limit = *problem.current;

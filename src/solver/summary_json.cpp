@@ -88,7 +88,10 @@ constexpr MotorKey kMotorKeys[] = {
     {"saturation_cubic_A_N_m3", &MotorFigures::saturation_cubic, kNaN}};
 
 Json motor(const MotorFigures& m) {
-  Json json = {{"motor", m.joint}, {"count", m.count}};
+  Json json = {{"motor", m.joint}, {"count", m.count}, {"slides", m.slides}};
+  json["joints"] = Json::array();
+  for (const model::FileJoint& joint : m.file_joints)
+    json["joints"].push_back({{"joint", joint.name}, {"sign", joint.sign}});
   for (const MotorKey& key : kMotorKeys) json[key.key] = json_number(m.*key.field);
   return json;
 }
@@ -97,6 +100,10 @@ MotorFigures motor_from(const Json& json) {
   MotorFigures m;
   m.joint = json.at("motor").get<std::string>();
   m.count = json.at("count").get<int>();
+  m.slides = json.value("slides", false);  // this and the next are of later versions
+  for (const Json& joint : json.value("joints", Json::array())) {
+    m.file_joints.push_back({joint.at("joint").get<std::string>(), joint.at("sign").get<double>()});
+  }
   for (const MotorKey& key : kMotorKeys) m.*key.field = number_or(json, key.key, key.none);
   return m;
 }
@@ -130,6 +137,10 @@ Summary read(const Json& json) {
   s.average_acceleration_com = number_or(json, "average_acceleration_com_m_s2", kNaN);
   s.tail_momentum_share = number_or(json, "tail_momentum_share", kNaN);
   for (const Json& item : json.at("motors")) s.motors.push_back(motor_from(item));
+  for (const Json& joint : json.value("held_joints", Json::array())) {
+    s.held_joints.push_back({joint.at("joint").get<std::string>(), joint.at("value").get<double>(),
+                             joint.at("slides").get<bool>()});
+  }
   for (const Json& limit : json.at("active_limits")) {
     s.active_limits.push_back({limit.at("name").get<std::string>(),
                                limit.at("phase").get<std::string>(),
@@ -186,6 +197,9 @@ Json to_json(const Summary& s) {
   json["tail_momentum_share"] = json_number(s.tail_momentum_share);
   json["motors"] = Json::array();
   for (const MotorFigures& m : s.motors) json["motors"].push_back(motor(m));
+  json["held_joints"] = Json::array();
+  for (const model::HeldJoint& j : s.held_joints)
+    json["held_joints"].push_back({{"joint", j.joint}, {"value", j.value}, {"slides", j.slides}});
   json["active_limits"] = Json::array();
   for (const PlanLimit& a : s.active_limits) {
     json["active_limits"].push_back({{"name", a.name},

@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "jaculus/core/installation.h"
 #include "jaculus/core/yaml.h"
+#include "jaculus/model/robot.h"
 #include "support/input_error.h"
 #include "support/temporary_folder.h"
 
@@ -60,7 +62,79 @@ TEST(Resample, HonoursTheHoldOfTheInputs) {
   EXPECT_EQ(held.motors[0].torque[3], 1.0);
   EXPECT_EQ(held.motors[0].torque[4], -2.0);
   const Export linear = resample(source(InputHold::linear), 40.0, Side::joint);
-  EXPECT_NEAR(linear.motors[0].torque[2], -0.5, 1e-12);
+  // From 1 to -2 in 0.1 s: in the middle of [0.05, 0.075].
+  EXPECT_NEAR(linear.motors[0].torque[2], 1.0 - 30.0 * 0.0625, 1e-12);
+}
+
+TEST(Resample, ASampleHasTheImpulseOfThePlanWhateverTheRate) {
+  for (const double rate : {7.0, 37.0, 1000.0}) {
+    const Export held = resample(source(InputHold::held), rate, Side::joint);
+    const Export linear = resample(source(InputHold::linear), rate, Side::joint);
+    double impulses[] = {0.0, 0.0};
+    for (std::size_t k = 0; k < held.time.size(); ++k) {
+      const double lasts = std::min(held.time[k] + 1.0 / rate, 0.2) - held.time[k];
+      impulses[0] += lasts * held.motors[0].torque[k];
+      impulses[1] += lasts * linear.motors[0].torque[k];
+    }
+    EXPECT_NEAR(impulses[0], 0.1 * 1.0 - 0.1 * 2.0, 1e-12) << rate;
+    EXPECT_NEAR(impulses[1], 0.1 * -0.5 - 0.1 * 2.0, 1e-12) << rate;
+  }
+}
+
+/// The arm as a left joint and a right one that turns the other way, and a joint that is held.
+Export two_sided() {
+  Source s = source(InputHold::held);
+  s.motors[0].file_joints = {{"left", 1.0}, {"right", -1.0}};
+  s.held_joints = {{"roll", 0.25, false}};
+  return resample(s, 10.0, Side::joint);
+}
+
+TEST(ExportFormats, LeftAndRightAreWrittenOutWithTheirOwnSigns) {
+  const Export plan = two_sided();
+  const auto json = nlohmann::json::parse(to_json(plan));
+  ASSERT_EQ(json["joints"].size(), 2u);
+  EXPECT_EQ(json["joints"][1]["name"], "right");
+  EXPECT_EQ(json["joints"][1]["motor"], "arm");
+  for (const char* key : {"position", "velocity", "torque", "current_A", "voltage_V"})
+    for (std::size_t k = 0; k < 3; ++k)
+      EXPECT_EQ(json["joints"][1][key][k], -json["joints"][0][key][k].get<double>()) << key;
+  EXPECT_EQ(json["joints"][0]["torque"][0], 1.0);
+
+  const test::TemporaryFolder folder;
+  const trajectory::Table table = trajectory::read_csv(folder.write("e.csv", to_csv(plan)));
+  EXPECT_EQ(table.values(2, table.column("left")), -table.values(2, table.column("right")));
+  EXPECT_EQ(table.column("arm"), -1);
+
+  const yaml::Node message = yaml::Node::parse(to_joint_trajectory(plan), "export");
+  EXPECT_EQ(message.at("joint_names").texts(), (std::vector<std::string>{"left", "right", "roll"}));
+  EXPECT_EQ(message.at("points").items()[0].at("effort").numbers(dimension::none),
+            (std::vector<double>{1.0, -1.0, 0.0}));
+  EXPECT_TRUE(holds(to_c(plan), "{\"left\", \"right\"}"));
+  EXPECT_TRUE(holds(to_c(plan), "arm of the plan is left, minus right"));
+}
+
+TEST(ExportFormats, HeldJointsStandInEveryFormat) {
+  const Export plan = two_sided();
+  EXPECT_EQ(nlohmann::json::parse(to_json(plan))["held_joints"][0]["position"], 0.25);
+  EXPECT_TRUE(holds(to_csv(plan), ",roll [rad]"));
+  EXPECT_TRUE(holds(to_c(plan), "held_position[1] = {2.50000000e-01f}"));
+  const yaml::Node message = yaml::Node::parse(to_joint_trajectory(plan), "export");
+  EXPECT_EQ(message.at("points").items()[2].at("positions").numbers(dimension::none)[2], 0.25);
+}
+
+TEST(ExportFormats, WhatSlidesIsInMetresAndNewtons) {
+  Source s = source(InputHold::held);
+  s.motors[0].slides = true;
+  const std::string text = to_csv(resample(s, 10.0, Side::joint));
+  EXPECT_TRUE(holds(text, "arm [m],arm_velocity [m/s],arm_torque [N]")) << text;
+}
+
+TEST(ExportFormats, UnknownJointsAreSaidToBeThePlansOwn) {
+  const Export plan = resample(source(InputHold::held), 10.0, Side::joint);
+  EXPECT_FALSE(plan.file_joints_known);
+  EXPECT_TRUE(holds(to_c(plan), "joints are the plan's"));
+  EXPECT_EQ(nlohmann::json::parse(to_json(plan))["joints_of_robot_file"], false);
+  EXPECT_TRUE(two_sided().file_joints_known);
 }
 
 TEST(Resample, AtTheBorderOfTwoPhasesTheLaterCounts) {
@@ -120,7 +194,7 @@ TEST(ExportFormats, StateSideHoldAndExceededLimits) {
   const auto json = nlohmann::json::parse(to_json(plan));
   EXPECT_EQ(json["side"], "motor");
   EXPECT_EQ(json["plan_hold"], "linear");
-  EXPECT_EQ(json["motors"][0]["torque_N_m"].size(), 3u);
+  EXPECT_EQ(json["joints"][0]["torque"].size(), 3u);
 }
 
 TEST(ExportFormats, CsvReadsBack) {
@@ -158,6 +232,41 @@ TEST(ExportSource, FindsThePlanAndItsHold) {
   folder.write("summary.json", "{");
   EXPECT_TRUE(
       holds(input_error_of([&] { static_cast<void>(read("", std::nullopt)); }), "not JSON"));
+}
+
+TEST(ExportSource, ALonePlanTakesJointsAndLimitsFromARobot) {
+  const model::Robot robot = model::read_robot(source_folder() / "models" / "minitaur_tail");
+  const std::filesystem::path file = source_folder() / "problems" / "leap_tail_plan.csv";
+  const Source source = read_source(file, InputHold::held, &robot.planar);
+  ASSERT_EQ(source.motors.size(), 5u);
+  EXPECT_TRUE(source.limits_known);
+  EXPECT_EQ(source.motors[0].voltage_limit, 16.0);
+  std::vector<std::string> names;
+  const Export plan = resample(source, 100.0, Side::joint);
+  for (const PlayedJoint& joint : played_joints(plan)) names.push_back(joint.name);
+  EXPECT_EQ(names, (std::vector<std::string>{"front_left_a", "front_right_a", "front_left_b",
+                                             "front_right_b", "rear_left_a", "rear_right_a",
+                                             "rear_left_b", "rear_right_b", "tail"}));
+}
+
+TEST(ExportSource, ARobotWithoutThePlansMotorsIsRefused) {
+  const model::Robot robot = model::read_robot(source_folder() / "models" / "minitaur");
+  const std::filesystem::path file = source_folder() / "problems" / "leap_tail_plan.csv";
+  const std::string error =
+      input_error_of([&] { static_cast<void>(read_source(file, InputHold::held, &robot.planar)); });
+  EXPECT_TRUE(holds(error, "tail_torque"));
+  EXPECT_TRUE(holds(error, "allowed: front_a"));
+
+  const test::TemporaryFolder folder;
+  folder.write("plan.csv",
+               "time [s],arm [rad],arm_velocity [rad/s],arm_torque [N m]\n0,0,0,1\n1,1,0,1\n");
+  solver::Summary summary;
+  summary.status = solver::Status::optimal;
+  folder.write("summary.json", solver::to_json(summary).dump());
+  EXPECT_TRUE(holds(input_error_of([&] {
+                      static_cast<void>(read_source(folder.path(), std::nullopt, &robot.planar));
+                    }),
+                    "--robot with a plan.csv alone"));
 }
 
 TEST(ExportSource, RefusesPlansThatCantBePlayed) {

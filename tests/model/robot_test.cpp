@@ -160,6 +160,42 @@ TEST(Robot, TurnedFramesAndHeldJointsKeepTheirPlace) {
                          (Vec2(0.5, 0.0) - com).squaredNorm();
   EXPECT_NEAR(one.inertia, inertia, 1e-12);
   EXPECT_EQ(m.coordinates[0].range.upper, 2.0);
+  ASSERT_EQ(m.held.size(), 1u);
+  EXPECT_EQ(m.held[0].joint, "b");
+  EXPECT_NEAR(m.held[0].value, M_PI / 2, 1e-12);
+  ASSERT_EQ(one.file_joints.size(), 1u);
+  EXPECT_EQ(one.file_joints[0].name, "a");
+}
+
+TEST(Robot, APairKnowsItsJointsInTheFileAndWhichTurnsTheOtherWay) {
+  const testing::Folder folder;
+  const std::string mass =
+      R"(<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/>)"
+      R"(</inertial>)";
+  const auto leg = [](const char* side, const char* y, const char* axis) {
+    return std::string("<joint name=\"") + side +
+           "_hip\" type=\"continuous\"><parent link=\"body\"/>" + "<child link=\"" + side +
+           "_leg\"/><origin xyz=\"0 " + y + " 0\"/><axis xyz=\"0 " + axis + " 0\"/></joint>\n";
+  };
+  folder.write("robot.urdf", "<robot name=\"two\"><link name=\"body\">" + mass +
+                                 "</link>\n<link name=\"l_leg\">" + mass +
+                                 "</link>\n<link name=\"r_leg\">" + mass + "</link>\n" +
+                                 leg("l", "0.1", "1") + leg("r", "-0.1", "-1") + "</robot>\n");
+  folder.write("robot.yaml",
+               "format: jaculus-robot/1\nbase: floating\npairs: {joints: {hip: [l_hip, r_hip]}}\n");
+  const PlanarModel m = read_robot(folder.path()).planar;
+  ASSERT_EQ(m.bodies.size(), 2u);
+  ASSERT_EQ(m.bodies[1].file_joints.size(), 2u);
+  EXPECT_EQ(m.bodies[1].file_joints[0].name, "l_hip");
+  EXPECT_EQ(m.bodies[1].file_joints[0].sign, 1.0);
+  EXPECT_EQ(m.bodies[1].file_joints[1].name, "r_hip");
+  EXPECT_EQ(m.bodies[1].file_joints[1].sign, -1.0);
+
+  const PlanarModel locked = lock(m, "hip", 0.3);
+  ASSERT_EQ(locked.held.size(), 2u);
+  EXPECT_EQ(locked.held[0].value, 0.3);
+  EXPECT_EQ(locked.held[1].joint, "r_hip");
+  EXPECT_EQ(locked.held[1].value, -0.3);
 }
 
 TEST(Robot, BranchIsTakenFromTheZeroWhereItIsClosed) {

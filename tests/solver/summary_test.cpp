@@ -35,6 +35,16 @@ TEST(Summary, ReadsBackToTheSameBytes) {
   EXPECT_EQ(summary_from_json(json, "f").motors[0].torque_limit, kInfinity);
 }
 
+TEST(Summary, OfAnEarlierVersionHasNoJointsOfTheFile) {
+  auto json = to_json(test::sample_summary());
+  json.erase("held_joints");
+  json["motors"][0].erase("joints");
+  json["motors"][0].erase("slides");
+  const Summary summary = summary_from_json(json, "summary.json");
+  EXPECT_TRUE(summary.motors[0].file_joints.empty());
+  EXPECT_TRUE(summary.held_joints.empty());
+}
+
 TEST(Summary, RefusesJsonOfAnotherKind) {
   const std::string message = test::input_error_of([] {
     static_cast<void>(summary_from_json({{"status", "optimal"}}, "some.json"));

@@ -21,10 +21,12 @@ inline solver::Summary sample_summary() {
   s.average_acceleration_com = 1.2 / 0.19;
   solver::MotorFigures motor;
   motor.joint = "tail";
+  motor.file_joints = {{"tail", 1.0}, {"tail_mirror", -1.0}};
   motor.joint_torque = 8.0;
   motor.voltage = 6.99;
   motor.voltage_limit = 7.0;
   s.motors = {motor};
+  s.held_joints = {{"abduction", 0.1, false}};
   s.active_limits = {{"tail voltage", "all_feet", 0.0, 0.1, 12}};
   s.gains = {{"voltage", 0.5, "m/s^2 per V"}};
   s.verification.passed = true;

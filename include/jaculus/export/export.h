@@ -4,9 +4,16 @@
 //
 // Between samples of the plan: positions follow the cubic through positions and velocities at both
 // ends, velocities its derivative. Torques keep the hold that they were planned with: `held` counts
-// from its sample to the next one, `linear` goes straight between them. What is exported is held
-// from sample to sample, so limits are looked at where each sample begins and where it ends, with
-// the torque of that sample.
+// from its sample to the next one, `linear` goes straight between them.
+//
+// What is exported is held from sample to sample. Position and velocity are those where a sample
+// begins; its torque is the mean of the planned one until it ends,
+//   tau_k = rate * integral of tau(t) dt over [k/rate, (k + 1)/rate] (or until the plan's end),
+// which has the plan's impulse, without the lag of half a sample that the torque at its start would
+// have. Limits are looked at where each sample begins and where it ends, with its torque.
+//
+// Joints are those of the robot's file: a planar joint that stands for a left and a right one is
+// written out as both, each with its own sign.
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -29,6 +36,8 @@ struct Source {
   transcription::InputHold hold = transcription::InputHold::held;  ///< of its torques
   /// from summary.json; without it names only, no limits
   std::vector<solver::MotorFigures> motors;
+  /// joints of the robot's file that stand still, for its controller to hold
+  std::vector<model::HeldJoint> held_joints;
   bool limits_known = false;
   bool converged = true;  ///< false where the summary says that the solve did not converge
   bool verified = true;   ///< false where the summary says that the plan failed its check
@@ -38,10 +47,12 @@ struct Source {
 Source source(const solver::SolvedPlan& solved);
 
 /// Reads a plan from the folder of a solve, its plan.csv or its solution.json. summary.json beside
-/// it gives hold and limits; a lone plan.csv needs `hold`. InputError where files are missing or
-/// hold no motor torques, or where `hold` contradicts.
+/// it gives hold, joints and limits; a lone plan.csv needs `hold`, and takes joints and the robot's
+/// own limits from `robot`, where given. InputError where files are missing or hold no motor
+/// torques, or where `hold` or `robot` contradict.
 Source read_source(const std::filesystem::path& path,
-                   const std::optional<transcription::InputHold>& hold);
+                   const std::optional<transcription::InputHold>& hold,
+                   const model::PlanarModel* robot = nullptr);
 
 enum class Side {
   joint,  ///< behind the gear
@@ -52,10 +63,12 @@ enum class Side {
 const NameTable<Side>& sides();
 const char* name_of(Side side);
 
-/// Everything of one motor, one value a sample, on the side that Export states.
+/// Everything of one motor of the plan, one value a sample, on the side that Export states.
 struct ExportedMotor {
-  std::string joint;             ///< that it turns
-  int count = 1;                 ///< left and right: 2, each plays the same
+  std::string joint;    ///< that it turns in the plane
+  bool slides = false;  ///< along a line: m and N, not rad and N m
+  /// joints of the robot's file that play it, each `sign` times it; never empty
+  std::vector<model::FileJoint> file_joints;
   std::vector<double> position;  ///< [rad or m]
   std::vector<double> velocity;  ///< [rad/s or m/s]
   std::vector<double> torque;    ///< [N m or N]
@@ -84,8 +97,20 @@ struct Export {
   transcription::InputHold plan_hold = transcription::InputHold::held;  ///< of the plan's torques
   std::vector<double> time;                                             ///< [s], k / rate
   std::vector<ExportedMotor> motors;
-  std::vector<LimitCheck> checks;  ///< empty where limits are unknown
+  std::vector<model::HeldJoint> held_joints;  ///< of the robot's file, to be held
+  bool file_joints_known = true;              ///< false: joints are the plan's own, by its names
+  std::vector<LimitCheck> checks;             ///< empty where limits are unknown
 };
+
+/// One joint of the robot's file and the motor that it plays, `sign` times.
+struct PlayedJoint {
+  std::string name;
+  double sign = 1.0;
+  const ExportedMotor* motor = nullptr;  ///< never null
+};
+
+/// All joints of the robot's file that move, motor by motor.
+std::vector<PlayedJoint> played_joints(const Export& plan);
 
 /// Resamples at `rate` [Hz], which must be positive.
 Export resample(const Source& source, double rate, Side side);

@@ -21,6 +21,19 @@ namespace jaculus::model {
 
 enum class JointKind { revolute, prismatic };
 
+/// A joint of the robot's file that a planar joint stands for.
+struct FileJoint {
+  std::string name;
+  double sign = 1.0;  ///< its value is `sign` times the planar joint's [-]
+};
+
+/// A joint of the robot's file that stands still in the plane.
+struct HeldJoint {
+  std::string joint;
+  double value = 0.0;   ///< [rad or m]
+  bool slides = false;  ///< along a line
+};
+
 /// One planar body and the joint that carries it. Body 0 is the base; its joint fields are unused.
 struct PlanarBody {
   std::string name;   ///< link name; where lumped, that of its pair or else of the left one
@@ -36,6 +49,8 @@ struct PlanarBody {
   /// pitch inertia about the centre of mass, sum over the lumped parts [kg m^2]
   double inertia = 0.0;
   int count = 1;  ///< how many spatial bodies it stands for
+  /// joints of the file that `joint` stands for, the left one first; empty where the file has none
+  std::vector<FileJoint> file_joints = {};
 };
 
 /// A point fixed to a body: foot, tail tip, clearance point.
@@ -135,6 +150,8 @@ struct PlanarModel {
   std::vector<PlanarMotor> motors;
   std::vector<PlanarDrag> drags;
   std::vector<JointRange> joint_ranges;
+  /// joints of the file that stand still: held by robot.yaml, or locked
+  std::vector<HeldJoint> held;
   double gravity = kGravity;  ///< along -z [m/s^2]
   double friction = 0.0;      ///< Coulomb coefficient of feet on floor as the robot has it [-]
 

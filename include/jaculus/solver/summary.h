@@ -40,8 +40,10 @@ struct PhaseFigures {
 
 /// Largest absolute values of one motor over the plan, and what it may use. Torque before the gear.
 struct MotorFigures {
-  std::string joint;                 ///< that it turns
-  int count = 1;                     ///< left and right: 2; figures are those of one
+  std::string joint;  ///< that it turns
+  int count = 1;      ///< left and right: 2; figures are those of one
+  /// joints of the robot's file that it stands for, left first; empty where they are not known
+  std::vector<model::FileJoint> file_joints = {};
   bool slides = false;               ///< it moves along a line: its torques are forces [N]
   double joint_torque = kNaN;        ///< behind the gear [N m]
   double motor_torque = kNaN;        ///< before the gear [N m]
@@ -102,6 +104,8 @@ struct Summary {
   double average_acceleration_com = kNaN;  ///< centre of mass [m/s^2]
   double tail_momentum_share = kNaN;  ///< impulse of drag over the forward momentum at the end [-]
   std::vector<MotorFigures> motors;
+  /// joints of the robot's file that stand still in the plan
+  std::vector<model::HeldJoint> held_joints;
   std::vector<PlanLimit> active_limits;  ///< that hold the plan back, and when
   std::vector<LimitGain> gains;          ///< what a unit more of a limit would gain
   VerificationFigures verification;

@@ -131,6 +131,11 @@ void note_held(Draft& draft) {
                                       reason, fmt::join(joints, ", ")));
 }
 
+HeldJoint held_joint(const SpatialJoint& joint, const ProposeOptions& options) {
+  const double value = held_value(joint, options);
+  return {joint.name, value, joint.kind == SpatialJointKind::prismatic};
+}
+
 }  // namespace
 
 std::vector<HeldJoint> held_of(const Draft& draft) {
@@ -147,7 +152,7 @@ void find_held(const ProposeOptions& options, Draft& draft) {
     if (joint.kind == SpatialJointKind::fixed) continue;
     const std::string reason = why_held(tree, joint);
     if (reason.empty()) continue;
-    draft.held.push_back({{joint.name, held_value(joint, options)}, reason});
+    draft.held.push_back({held_joint(joint, options), reason});
     tree = hold_joints(tree, {draft.held.back().held});
   }
 }
@@ -164,8 +169,8 @@ void find_pairs(const ProposeOptions& options, Draft& draft) {
          a = carrier(tree, tree.joints[a].parent))
       below = below || mates[a] >= 0;
     if (!below) continue;
-    draft.held.push_back({{tree.joints[j].name, held_value(tree.joints[j], options)},
-                          "hangs on one side and has no mirror image"});
+    draft.held.push_back(
+        {held_joint(tree.joints[j], options), "hangs on one side and has no mirror image"});
   }
 
   const yaml::Node place = yaml::Node::parse("{}", "the proposal");
