@@ -8,22 +8,15 @@
 // had to assume are given to MuJoCo too, and counted; MuJoCo's own kinematics and everything else
 // are its own.
 
-#include <fmt/format.h>
-#include <mujoco/mujoco.h>
-
 #include <Eigen/Dense>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
-#include <memory>
 #include <set>
 
-#include "core/text_file.h"
-#include "jaculus/core/error.h"
-#include "jaculus/model/mjcf.h"
 #include "jaculus/model/robot.h"
-#include "model/urdf_check.h"
+#include "long/mujoco_file.h"
 
 namespace {
 
@@ -31,7 +24,7 @@ namespace fs = std::filesystem;
 using namespace jaculus;
 using model::Mat3;
 using model::Vec3;
-using Model = std::unique_ptr<mjModel, void (*)(mjModel*)>;
+using Model = test::MujocoModel;
 
 /// Mass [kg], place of its centre [m] and inertia about it [kg m^2], in the plane.
 struct Lump {
@@ -47,40 +40,6 @@ void add(Lump& sum, const Lump& part) {
   sum.inertia += part.inertia + sum.mass * part.mass / mass * apart.squaredNorm();
   sum.com += part.mass / mass * apart;
   sum.mass = mass;
-}
-
-/// MuJoCo has a body of this name already.
-const std::string kWorld = "\"world\"";
-const std::string kOtherWorld = "\"jaculus_world\"";
-
-/// A URDF file as MuJoCo takes it: without what jaculus skips, and the root a body of its own.
-std::string urdf_for_mujoco(const fs::path& file) {
-  model::Assumptions assumptions(file, false);
-  std::string text =
-      model::check_urdf_text(read_text_file(file, "a URDF file"), file, assumptions).text;
-  for (std::size_t at = text.find(kWorld); at != std::string::npos; at = text.find(kWorld, at))
-    text.replace(at, kWorld.size(), kOtherWorld);
-  const std::size_t head = text.find('>', text.find("<robot")) + 1;
-  text.insert(head,
-              "<mujoco><compiler fusestatic=\"false\" balanceinertia=\"true\" boundmass=\"1e-12\" "
-              "boundinertia=\"1e-14\"/></mujoco>");
-  return text;
-}
-
-Model load(const fs::path& file) {
-  std::array<char, 1000> error{};
-  if (model::is_mjcf(file)) {
-    return {mj_loadXML(file.c_str(), nullptr, error.data(), 1000), mj_deleteModel};
-  }
-  const std::string text = urdf_for_mujoco(file);
-  mjVFS files;
-  mj_defaultVFS(&files);
-  mj_makeEmptyFileVFS(&files, "robot.urdf", static_cast<int>(text.size()));
-  std::copy(text.begin(), text.end(), static_cast<char*>(files.filedata[0]));
-  Model result{mj_loadXML("robot.urdf", &files, error.data(), 1000), mj_deleteModel};
-  mj_deleteVFS(&files);
-  if (!result) throw InputError(fmt::format("MuJoCo refuses it: {}", error.data()));
-  return result;
 }
 
 /// Gives MuJoCo the bodies whose mass or inertia jaculus had to assume; how many.
@@ -188,7 +147,7 @@ class Comparison {
       : files_(read_files(folder)),
         robot_(model::read_robot(folder)),
         tree_(model::read_urdf(folder / "robot.urdf")),
-        model_(load(file)) {
+        model_(test::load_mujoco(file)) {
     patched_ = patch(*model_, tree_, file);
     data_ = mj_makeData(model_.get());
   }
