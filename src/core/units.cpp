@@ -129,7 +129,8 @@ Value product(const Value& a, const Value& b) {
 /// alone.
 class UnitParser {
  public:
-  explicit UnitParser(std::string_view text) : text_(text) {}
+  explicit UnitParser(std::string_view text, const OwnUnits* own = nullptr)
+      : text_(text), own_(own) {}
 
   Value parse() {
     const Value value = expression(0);
@@ -189,16 +190,22 @@ class UnitParser {
 
     std::vector<std::string> known;
     for (const Unit& unit : kUnits) known.emplace_back(unit.symbol);
+    if (own_ != nullptr && *own_) {
+      for (const OwnUnit& unit : (*own_)()) {
+        if (unit.symbol == name) return {unit.factor, unit.dimension};
+        known.push_back(unit.symbol);
+      }
+    }
     const std::optional<std::string> near = yaml::nearest_name(name, known);
     fail(fmt::format("unknown unit '{}'{}", name,
                      near ? fmt::format(", did you mean '{}'?", *near) : ""));
   }
 
-  /// Letters, and the bytes of UTF-8 symbols other than superscript digits and the middle dot.
+  /// Letters, _, and the bytes of UTF-8 symbols other than superscript digits and the middle dot.
   [[nodiscard]] bool is_symbol_byte() const {
     if (starts_with("\u00b2") || starts_with("\u00b3") || starts_with("\u00b7")) return false;
     const auto c = static_cast<unsigned char>(text_[at_]);
-    return std::isalpha(c) != 0 || c >= 0x80;
+    return std::isalpha(c) != 0 || c == '_' || c >= 0x80;
   }
 
   int exponent() {
@@ -229,6 +236,7 @@ class UnitParser {
   [[noreturn]] static void fail(const std::string& what) { throw InputError(what); }
 
   std::string_view text_;
+  const OwnUnits* own_;
   std::size_t at_ = 0;
 };
 
@@ -248,7 +256,7 @@ std::string allowed(const Dimension& expected) {
 
 }  // namespace
 
-double parse_quantity(std::string_view text, const Dimension& expected) {
+double parse_quantity(std::string_view text, const Dimension& expected, const OwnUnits* own) {
   const std::string shown(text.substr(0, 60));
   std::string_view rest = text;
   while (!rest.empty() && rest.front() == ' ') rest.remove_prefix(1);
@@ -275,7 +283,7 @@ double parse_quantity(std::string_view text, const Dimension& expected) {
 
   Value value;
   try {
-    value = UnitParser(unit).parse();
+    value = UnitParser(unit, own).parse();
   } catch (const InputError& e) {
     throw InputError(fmt::format("'{}': {}; {}", shown, e.what(), allowed(expected)));
   }

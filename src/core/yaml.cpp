@@ -19,6 +19,7 @@ struct Node::Impl {
   std::shared_ptr<const Tree> tree;
   std::filesystem::path file;
   std::string path;
+  std::shared_ptr<const OwnUnits> units{};
 };
 
 namespace {
@@ -97,6 +98,12 @@ Node Node::parse(const std::string& text, const std::string& name) {
   return Node(std::make_shared<const Impl>(Impl{parse_tree(text, name), name, {}}));
 }
 
+Node Node::with_units(std::shared_ptr<const OwnUnits> units) const {
+  Impl impl = *impl_;
+  impl.units = std::move(units);
+  return Node(std::make_shared<const Impl>(std::move(impl)));
+}
+
 bool Node::is_map() const { return impl_->tree->kind == Kind::map; }
 bool Node::is_list() const { return impl_->tree->kind == Kind::list; }
 bool Node::is_scalar() const { return impl_->tree->kind == Kind::scalar; }
@@ -132,7 +139,7 @@ std::optional<Node> Node::find(std::string_view key) const {
   for (const Tree::Entry& entry : impl_->tree->entries) {
     if (entry.key != key) continue;
     const std::string path = impl_->path.empty() ? entry.key : impl_->path + "." + entry.key;
-    return Node(std::make_shared<const Impl>(Impl{entry.value, impl_->file, path}));
+    return Node(std::make_shared<const Impl>(Impl{entry.value, impl_->file, path, impl_->units}));
   }
   return std::nullopt;
 }
@@ -144,7 +151,7 @@ std::vector<Node> Node::items() const {
   nodes.reserve(impl_->tree->items.size());
   for (const auto& item : impl_->tree->items) {
     nodes.push_back(Node(std::make_shared<const Impl>(
-        Impl{item, impl_->file, fmt::format("{}[{}]", impl_->path, nodes.size())})));
+        Impl{item, impl_->file, fmt::format("{}[{}]", impl_->path, nodes.size()), impl_->units})));
   }
   return nodes;
 }
@@ -165,7 +172,8 @@ double Node::number(const Dimension& dimension, const Bounds& allowed) const {
   double value = 0.0;
   try {
     // Plain numbers are SI whatever the dimension; everything else states its unit.
-    value = parse_quantity(s, is_plain_number(tree) ? dimension::none : dimension);
+    value =
+        parse_quantity(s, is_plain_number(tree) ? dimension::none : dimension, impl_->units.get());
   } catch (const InputError& e) {
     throw error(e.what());
   }

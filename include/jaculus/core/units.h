@@ -1,8 +1,10 @@
 #pragma once
 // Physical dimensions and the units in which users may write them.
 
+#include <functional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace jaculus {
 
@@ -44,10 +46,21 @@ inline constexpr Dimension angular_stiffness{2, 1, -2, 0, -1};  // N m/rad
 inline constexpr Dimension angular_damping{2, 1, -1, 0, -1};    // N m s/rad
 }  // namespace dimension
 
+/// A unit beside the physical ones, as of one robot: its leg's length.
+struct OwnUnit {
+  std::string symbol;   ///< letters and _
+  double factor = 1.0;  ///< to SI
+  Dimension dimension;
+};
+/// Gives them when a text has a symbol that is no physical unit; may read files and throw
+/// InputError.
+using OwnUnits = std::function<const std::vector<OwnUnit>&()>;
+
 /// Parses "16 V", "15 deg", "4 ms", "0.0954 N m/A": a number, then unit symbols with powers (m^2,
 /// s^-1) joined by spaces, '*' or '/'. Returns the value in SI. A unit of another dimension, or
-/// none, throws InputError (without location).
-double parse_quantity(std::string_view text, const Dimension& expected);
+/// none, throws InputError (without location). `own`: further units; may be null.
+double parse_quantity(std::string_view text, const Dimension& expected,
+                      const OwnUnits* own = nullptr);
 
 /// Dimension of a unit in the same notation: "N m/A". InputError (without location) where it is
 /// none.

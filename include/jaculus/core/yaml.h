@@ -30,6 +30,9 @@ class Node {
   /// The same from text; `name` stands for the file in messages.
   static Node parse(const std::string& text, const std::string& name);
 
+  /// The same node; numbers of it and of all below may be in these units too.
+  [[nodiscard]] Node with_units(std::shared_ptr<const OwnUnits> units) const;
+
   [[nodiscard]] bool is_map() const;
   [[nodiscard]] bool is_list() const;
   [[nodiscard]] bool is_scalar() const;
