@@ -83,6 +83,7 @@ bool Equations::evaluate(const Eigen::Ref<const Vector>& q, const Eigen::Ref<con
   add_drag(p);
   assemble(tree_, p);
   p.rhs0.head(tree_.n) += tree_.input_map.lazyProduct(u);
+  add_friction(p);
   if (!solve_system(p)) return false;
   p.A_feet = p.A;
   return true;
@@ -199,6 +200,7 @@ void Equations::differentiate(EquationsPoint& p) const {
   p.Nw += p.M.lazyProduct(p.Gamma);
   p.rhs.topRows(n) = -p.motion.G.transpose().lazyProduct(p.Nw);
   if (!p.impact) p.rhs.topRows(n).rightCols(inputs()) += tree_.input_map;
+  if (!p.impact) add_friction_derivatives(p);
   if (m > 0) {
     chain_to_state(p, p.F_Y, p.F_V, p.rhs.bottomRows(m));
     p.rhs.bottomRows(m) += p.J_f.lazyProduct(p.Gamma);
@@ -391,6 +393,7 @@ void Equations::add_hessian(const Eigen::Ref<const Vector>& mu, EquationsPoint& 
   }
 
   subtract_chained(tree_, p, H);
+  if (!p.impact) add_friction_hessian(p, H);
 }
 
 }  // namespace jaculus::components

@@ -26,6 +26,18 @@ MotorVoltage motor_voltage(const model::PlanarMotor& motor, double joint_torque,
   return {r * i.value + back_emf * joint_rate, r * i.d_torque, back_emf, r * i.d_torque2};
 }
 
+bool rubs(const model::PlanarMotor& motor) {
+  return motor.viscous_friction != 0.0 || motor.dry_friction != 0.0;
+}
+
+MotorFriction motor_friction(const model::PlanarMotor& motor, double joint_rate) {
+  constexpr double kSmoothing = 0.1;  // s [rad/s]
+  const double t = std::tanh(joint_rate / kSmoothing);
+  const double slope = motor.dry_friction / kSmoothing * (1.0 - t * t);
+  return {-(motor.viscous_friction * joint_rate + motor.dry_friction * t),
+          -(motor.viscous_friction + slope), 2.0 * slope * t / kSmoothing};
+}
+
 MotorPower motor_power(const model::PlanarMotor& motor, double joint_torque, double joint_rate) {
   const MotorCurrent i = motor_current_derivatives(motor, joint_torque);
   const MotorVoltage v = motor_voltage(motor, joint_torque, joint_rate);

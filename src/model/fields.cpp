@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "jaculus/model/values.h"
@@ -13,6 +14,7 @@ namespace {
 constexpr double kTiny = 1e-12;
 constexpr Bounds kPositive{kTiny, kInfinity};
 constexpr Bounds kNotNegative{0.0, kInfinity};
+const std::string kNone = ".inf";  ///< of a limit, as YAML has infinity
 
 }  // namespace
 
@@ -47,8 +49,22 @@ const std::vector<Key<PlanarMotor>>& motor_keys() {
        true},
       {"rotor_inertia", &M::rotor_inertia, d::inertia, kNotNegative,
        "before the gear; 0 where the link's inertia holds it", true},
+      {"speed_limit", &M::speed_limit, d::angular_velocity, kPositive,
+       "before the gear, which plans with motor_limits keep below; may be absent: none (m/s for a "
+       "sliding joint)"},
+      {"viscous_friction", &M::viscous_friction, d::angular_damping, kNotNegative,
+       "of motor, gear and bearing at the joint, in proportion to its speed; may be absent: 0 (N "
+       "s/m for a sliding joint)"},
+      {"dry_friction", &M::dry_friction, d::torque, kNotNegative,
+       "the same, whatever the speed; may be absent: 0 (N for a sliding joint)"},
   };
 
+  return keys;
+}
+
+const std::vector<std::string_view>& ideal_motor_keys() {
+  static const std::vector<std::string_view> keys = {"torque_limit", "speed_limit",
+                                                     "viscous_friction", "dry_friction"};
   return keys;
 }
 
@@ -91,16 +107,25 @@ Field field_of(S& section, const std::string& prefix, const Key<S>& key) {
   return field;
 }
 
+/// The dimension of a motor's figure where its joint slides.
+Dimension sliding(const Dimension& turning) {
+  constexpr Dimension kForceRate{0, 1, -1, 0, 0};  // N s/m
+  if (turning == dimension::torque) return dimension::force;
+  if (turning == dimension::angular_velocity) return dimension::velocity;
+  return turning == dimension::angular_damping ? kForceRate : turning;
+}
+
 }  // namespace
 
 std::vector<Field> motor_fields(PlanarMotor& motor, bool prismatic) {
+  const std::vector<std::string_view>& of_ideal = ideal_motor_keys();
   std::vector<Field> fields;
   for (const Key<PlanarMotor>& key : motor_keys()) {
-    const bool effort = key.name == "torque_limit";
+    const bool ideal = std::find(of_ideal.begin(), of_ideal.end(), key.name) != of_ideal.end();
     const bool rotor = key.name == "rotor_inertia" && motor.rotor_inertia > 0.0;
-    if (motor.ideal() && !effort && !rotor) continue;
+    if (motor.ideal() && !ideal && !rotor) continue;
     fields.push_back(field_of(motor, "motors." + motor.joint + ".", key));
-    if (effort && prismatic) fields.back().dimension = dimension::force;
+    if (prismatic) fields.back().dimension = sliding(key.dimension);
   }
   return fields;
 }
@@ -169,8 +194,10 @@ std::vector<ModelValue> model_values(const PlanarModel& model) {
 }
 
 void Field::read(const yaml::Node& node) const {
-  if (auto* const* number = std::get_if<double*>(&target))
-    **number = node.number(dimension, allowed);
+  if (auto* const* number = std::get_if<double*>(&target)) {
+    const bool none = std::isinf(allowed.upper) && node.is_scalar() && node.dump() == kNone;
+    **number = none ? kInfinity : node.number(dimension, allowed);
+  }
   if (auto* const* vector = std::get_if<Vec2*>(&target)) **vector = node.vec2(dimension);
   if (auto* const* bounds = std::get_if<Bounds*>(&target)) **bounds = node.bounds(dimension);
   if (auto* const* kind = std::get_if<DragKind*>(&target)) {
@@ -184,7 +211,7 @@ void Field::read(const yaml::Node& node) const {
 std::string Field::shown() const {
   const std::string unit = " [" + unit_name(dimension) + "]";
   if (const auto* number = std::get_if<double*>(&target))
-    return fmt::format("{}{}", **number, unit);
+    return (std::isinf(**number) ? kNone : fmt::format("{}", **number)) + unit;
   if (const auto* vector = std::get_if<Vec2*>(&target))
     return fmt::format("[{}, {}]{}", (*vector)->x(), (*vector)->y(), unit);
   if (const auto* bounds = std::get_if<Bounds*>(&target)) {

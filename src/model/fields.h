@@ -42,9 +42,9 @@ struct Key {
   std::string_view meaning;
   bool required = false;
 };
-/// An ideal motor has torque_limit, a force where its joint slides, and rotor_inertia where it
-/// turns.
+/// An ideal motor has those of ideal_motor_keys(), forces where its joint slides.
 const std::vector<Key<PlanarMotor>>& motor_keys();
+const std::vector<std::string_view>& ideal_motor_keys();
 const std::vector<Key<PlanarDrag>>& drag_keys();
 
 std::vector<Field> motor_fields(PlanarMotor& motor, bool prismatic);

@@ -177,42 +177,6 @@ std::vector<PlanarPoint> read_points(const yaml::Node& robot, const std::string&
   return points;
 }
 
-void read_motors(const yaml::Node& robot, PlanarModel& model) {
-  const std::optional<yaml::Node> section = robot.find("motors");
-  if (!section) return;
-  for (const auto& [name, node] : section->entries()) {
-    PlanarMotor motor;
-    motor.joint = name;
-    motor.body = joint_body(node, name, model);
-    const PlanarBody& body = model.bodies[motor.body];
-    motor.count = body.count;
-    const bool slides = body.kind == JointKind::prismatic;
-    if (std::find(model.dependent.begin(), model.dependent.end(), motor.body) !=
-        model.dependent.end()) {
-      throw node.error(fmt::format(
-          "joint '{}' follows from a loop; allowed: motors at independent joints", name));
-    }
-
-    const bool ideal = node.at("kind").choice({"electric", "ideal"}) == "ideal";
-    if (!ideal && slides)
-      throw node.error(fmt::format("joint '{}' slides; allowed: kind: ideal, a force", name));
-    // tells motor_fields which keys there are; read below where electric
-    motor.resistance = ideal ? 0.0 : 1.0;
-    motor.voltage = kInfinity;
-
-    std::vector<std::string> keys = {"kind"};
-    for (const Field& field : motor_fields(motor, slides)) keys.push_back(field.key());
-    if (ideal && !slides) keys.emplace_back("rotor_inertia");
-    node.only(keys);
-    if (const auto rotor = node.find("rotor_inertia"); rotor && ideal)
-      motor.rotor_inertia = rotor->number(dimension::inertia, {0.0, kInfinity});
-    for (const Field& field : motor_fields(motor, slides))
-      if (field.required || node.has(field.key())) field.read(node.at(field.key()));
-
-    model.motors.push_back(motor);
-  }
-}
-
 std::map<std::string, double> read_rest_pose(const yaml::Node& robot, const PlanarModel& model) {
   std::map<std::string, double> pose;
   const std::optional<yaml::Node> section = robot.find("rest_pose");
@@ -221,8 +185,10 @@ std::map<std::string, double> read_rest_pose(const yaml::Node& robot, const Plan
   std::vector<std::string> known;
   for (const PlanarMotor& motor : model.motors) known.push_back(motor.joint);
 
+  const auto attached = robot.find("attach");
   for (const auto& [name, node] : section->entries()) {
     const int motor = model.motor_index(name);
+    if (motor < 0 && attached && attached->has(name)) continue;  // of kind none
     if (motor < 0) throw unknown_name(node, "joint with a motor", name, known);
 
     const int body = model.motors[motor].body;
@@ -264,7 +230,9 @@ void read_drags(const yaml::Node& robot, const Reduction& reduction, PlanarModel
 
 void check_drags(const yaml::Node& robot, const PlanarModel& model) {
   for (const PlanarDrag& drag : model.drags) {
-    const yaml::Node node = robot.at("drag").at(drag.name);
+    const auto drags = robot.find("drag");
+    const bool own = drags && drags->has(drag.name);
+    const yaml::Node node = (own ? *drags : robot.at("attach")).at(drag.name);
     const auto refuse = [&](const std::string& key, const std::string& what) {
       return node.error(fmt::format("{}.drag.{}: {}", drag.name, key, what));
     };

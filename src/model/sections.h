@@ -17,6 +17,9 @@ namespace jaculus::model {
 SpatialTree read_placement(const yaml::Node& robot, const SpatialTree& tree,
                            std::vector<std::string>& notes);
 
+/// axes alone: file axes to the robot's, rows forward, left and up in the file's frame.
+Mat3 read_axes(const yaml::Node& robot);
+
 /// base: floating | fixed | {free: [...], pose: {...}}
 void read_base(const yaml::Node& robot, PlanarModel& model);
 
@@ -40,6 +43,8 @@ std::vector<PlanarPoint> read_points(const yaml::Node& robot, const std::string&
 
 /// motors: {joint: {...}}
 void read_motors(const yaml::Node& robot, PlanarModel& model);
+/// One of them, at a joint of the model.
+PlanarMotor read_motor(const std::string& joint, const yaml::Node& node, const PlanarModel& model);
 
 /// rest_pose: {joint: value}, of joints with a motor, where they are while the robot is carried
 /// [rad or m]

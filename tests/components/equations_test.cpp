@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <random>
 
 #include "support/sample_models.h"
@@ -111,6 +112,52 @@ TEST(EquationsImpact, StopsTheFeetAndLosesEnergy) {
   EXPECT_LT((p.J_f * p.motion.G * after).norm(), 1e-12);
   EXPECT_LT(after.dot(M * after), s.v.dot(M * s.v));
   EXPECT_NEAR(after.dot(M * p.a), 0.0, 1e-10);  // the impulses do no work on the motion after
+}
+
+/// The same robots with friction at every motor; slow, so that dry friction is curved there.
+TEST_P(EquationsDerivatives, HoldWithFrictionOfTheMotors) {
+  model::PlanarModel model = GetParam().model;
+  if (model.motors.empty()) GTEST_SKIP() << "no motor";
+  for (model::PlanarMotor& motor : model.motors) {
+    motor.viscous_friction = 0.05;
+    motor.dry_friction = 0.3;
+  }
+  const Equations eq(model, 0.5);
+  std::mt19937 rng(11);
+  std::vector<int> feet;
+  for (int f = 0; f < count_of(model.feet); ++f) feet.push_back(f);
+  EquationsPoint p(eq, feet), other(eq, feet);
+  for (int trial = 0; trial < 3; ++trial) {
+    Sample s = random_sample(model, eq.inputs(), rng);
+    s.v *= 0.03;
+    Vector w(2 * eq.size() + eq.inputs());
+    w << s.q, s.v, s.u;
+    check_derivatives(eq, w, solve, p, other);
+    check_derivatives(eq, w, jump, p, other);
+  }
+}
+
+/// Friction is a torque beside the motor's: the same motion follows from a motor that makes both.
+TEST_P(EquationsDerivatives, FrictionIsATorqueBesideTheMotors) {
+  const model::PlanarModel& smooth = GetParam().model;
+  if (smooth.motors.empty()) GTEST_SKIP() << "no motor";
+  model::PlanarModel rubbing = smooth;
+  for (model::PlanarMotor& motor : rubbing.motors) {
+    motor.viscous_friction = 0.05;
+    motor.dry_friction = 0.3;
+  }
+  const Equations with(rubbing), without(smooth);
+  std::mt19937 rng(5);
+  EquationsPoint p(with, {}), other(without, {});
+  const Sample s = random_sample(smooth, with.inputs(), rng);
+  Vector u = s.u;
+  for (int m = 0; m < with.inputs(); ++m) {
+    const double rate = smooth.joint_map.row(smooth.motors[m].body).dot(s.v);
+    u[m] -= 0.05 * rate + 0.3 * std::tanh(rate / 0.1);
+  }
+  ASSERT_TRUE(with.evaluate(s.q, s.v, s.u, p));
+  ASSERT_TRUE(without.evaluate(s.q, s.v, u, other));
+  EXPECT_LT((p.a - other.a).norm(), 1e-12 * (1.0 + p.a.norm()));
 }
 
 INSTANTIATE_TEST_SUITE_P(Models, EquationsDerivatives,

@@ -70,6 +70,30 @@ TEST(Motor, DerivativesAgreeWithDifferences) {
   }
 }
 
+TEST(Motor, FrictionOpposesTheRateAndItsDerivativesAgreeWithDifferences) {
+  model::PlanarMotor m = tail_motor();
+  EXPECT_FALSE(rubs(m));
+  m.viscous_friction = 0.03;
+  m.dry_friction = 0.2;
+  EXPECT_TRUE(rubs(m));
+  // far above 0.1 rad/s dry friction is whole
+  EXPECT_NEAR(motor_friction(m, 10.0).value, -(0.2 + 0.3), 1e-12);
+  EXPECT_NEAR(motor_friction(m, -10.0).value, 0.2 + 0.3, 1e-12);
+  EXPECT_EQ(motor_friction(m, 0.0).value, 0.0);
+
+  const double h = 1e-4;
+  for (const double w : {-2.0, -0.13, -0.02, 0.0, 0.05, 0.31, 4.0}) {
+    const MotorFriction f = motor_friction(m, w);
+    const auto value = [&](double x) { return motor_friction(m, x).value; };
+    const auto slope = [&](double x) { return motor_friction(m, x).d_rate; };
+    EXPECT_NEAR(f.d_rate, central(value, w, h), 1e-9) << w;
+    EXPECT_NEAR(f.d_rate2, central(slope, w, h), 1e-7) << w;
+    // d/dw tanh = (1 - tanh^2)/s: the slope follows from the value
+    const double dry = -(f.value + 0.03 * w) / 0.2;
+    EXPECT_NEAR(f.d_rate, -(0.03 + 0.2 * (1.0 - dry * dry) / 0.1), 1e-12) << w;
+  }
+}
+
 TEST(Motor, SaturationIsInvertedToTheLastDigits) {
   for (double cubic : {0.0, 1e-12, 1e-3, 0.539, 80.0}) {
     for (double t : {-30.0, -3.0, -1e-6, 0.0, 1e-9, 0.4, 7.0}) {

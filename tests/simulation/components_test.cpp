@@ -186,6 +186,24 @@ Controller constant(Quantity quantity, double value) {
   return c;
 }
 
+TEST(Components, FrictionOfTheMotorsSlowsAFreeArmInClosedForm) {
+  // Two of them at one arm, no stop, no command. Viscous: w = w_0 exp(-2 b t/I); dry, fast: a
+  // steady 2 c/I.
+  Plant plant = stalled_arm();
+  plant.stops.clear();
+  plant.model.motors[0].viscous_friction = 0.05;
+  const auto rate_after = [&](double duration) {
+    const Simulation s =
+        simulate(plant, no_controller(), start_at({0}, {10.0}), options_for(duration, 2));
+    return s.v(0, 1);
+  };
+  EXPECT_NEAR(rate_after(0.1), 10.0 * std::exp(-2.0 * 0.05 * 0.1 / 0.02), 1e-6);
+
+  plant.model.motors[0].viscous_friction = 0.0;
+  plant.model.motors[0].dry_friction = 0.3;
+  EXPECT_NEAR(rate_after(0.2), 10.0 - 2.0 * 0.3 * 0.2 / 0.02, 1e-6);
+}
+
 TEST(Components, BatterySagsByItsResistance) {
   // Two stalled motors at duty d: i = d V/R, the bus carries 2 d i, so V = V0/(1 + 2 d^2 R_b/R).
   Plant plant = stalled_arm();

@@ -9,7 +9,8 @@
 // and the system, G^T C^T = 0 having removed l, is
 //     [ M  -J^T ] [a]   [ B u - G^T r(A = gamma, f = l = 0) ]        M = G^T M_abs G + armature,
 //     [ J    0  ] [f] = [ -(J_f gamma + V^T d2p V)          ]        J = J_f G.
-// u (n_u) is one motor's torque at the joint; B counts left and right.
+// u (n_u) is one motor's torque at the joint; B counts left and right. Friction of the motors
+// (motor.h) stands beside it: u + tau_f(omega), omega = W v the rates of their joints.
 //
 // First derivatives differentiate the whole system, loop forces and dependent joints included;
 // second derivatives use the adjoint
@@ -67,6 +68,9 @@ class Equations {
 
  private:
   bool solve_system(EquationsPoint& p) const;
+  void add_friction(EquationsPoint& p) const;
+  void add_friction_derivatives(EquationsPoint& p) const;
+  void add_friction_hessian(const EquationsPoint& p, Matrix& H) const;
   void add_drag(EquationsPoint& p) const;
   void add_drag_derivatives(EquationsPoint& p) const;
   void add_drag_hessian(EquationsPoint& p) const;
@@ -76,6 +80,7 @@ class Equations {
   model::PlanarModel model_;
   dynamics::AbsoluteTree tree_;
   double smoothing_;
+  std::vector<int> rubbing_;  ///< motors with friction
 };
 
 struct EquationsPoint {

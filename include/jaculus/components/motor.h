@@ -11,8 +11,13 @@
 // battery's). The gear's efficiency eta is not in these equations; it is the loss that a plan
 // allows for.
 //
-// Limits of validity: winding inductance, rotor inertia (part of the joint's inertia) and friction
-// are not here. Efficiency is applied as tau_m = tau / (G eta) in both directions of power flow,
+// Friction of motor, gear and bearing at the joint, of one of a pair:
+//   tau_f = -(b omega + c tanh(omega/s))                  b: viscous_friction, c: dry_friction,
+// s = 0.1 rad/s, as the friction of simulation/plant.h has it: dry friction as far as one can
+// differentiate it. Below s a joint creeps that a real one would hold.
+//
+// Limits of validity: winding inductance, rotor inertia (part of the joint's inertia) are not
+// here. Efficiency is applied as tau_m = tau / (G eta) in both directions of power flow,
 // which is how limits are usually set: where the joint drives the motor a real gear would give
 // tau_m = tau eta / G instead, so braking currents are overstated by up to 1/eta^2. With eta = 1
 // there is no difference.
@@ -46,6 +51,13 @@ struct MotorPower {
   double d_torque_rate = 0.0;  ///< [W s/(N m rad)]
 };
 
+/// Torque [N m] of friction at the joint with its derivatives by the joint's rate.
+struct MotorFriction {
+  double value = 0.0;    ///< [N m]
+  double d_rate = 0.0;   ///< [N m s/rad]
+  double d_rate2 = 0.0;  ///< [N m s^2/rad^2]
+};
+
 /// Which limit holds a torque back.
 enum class MotorLimit { none, current, torque };
 
@@ -61,6 +73,11 @@ MotorCurrent motor_current_derivatives(const model::PlanarMotor& motor, double j
 
 /// Voltage [V] of one motor at a joint torque [N m] and joint rate [rad/s].
 MotorVoltage motor_voltage(const model::PlanarMotor& motor, double joint_torque, double joint_rate);
+
+/// Friction at a joint rate [rad/s] of one motor.
+MotorFriction motor_friction(const model::PlanarMotor& motor, double joint_rate);
+/// Whether it has any.
+bool rubs(const model::PlanarMotor& motor);
 
 /// Electric power [W] of one motor at a joint torque [N m] and joint rate [rad/s].
 MotorPower motor_power(const model::PlanarMotor& motor, double joint_torque, double joint_rate);

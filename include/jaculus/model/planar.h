@@ -99,6 +99,9 @@ struct PlanarMotor {
   double efficiency = 1.0;           ///< motor torque = joint torque / (G * efficiency) [-]
   /// adds G^2 times it at the joint; zero where the link's inertia holds it [kg m^2]
   double rotor_inertia = 0.0;
+  double speed_limit = kInfinity;  ///< plans keep below, before the gear [rad/s]
+  double viscous_friction = 0.0;   ///< of motor, gear and bearing at the joint [N m s/rad]
+  double dry_friction = 0.0;       ///< the same, whatever the speed [N m]
 
   [[nodiscard]] bool ideal() const { return resistance == 0.0; }
 };

@@ -1,7 +1,7 @@
 #pragma once
-// The plant: a robot as a value that can be simulated. `nominal_plant` believes robot.yaml (rigid,
-// frictionless joints, Coulomb feet on rigid floor, ideal battery, no delay); effects
-// (effects/effect.h) edit the value, nothing else knows of them.
+// The plant: a robot as a value that can be simulated. `nominal_plant` believes robot.yaml (rigid
+// joints without other friction than the motors have there, Coulomb feet on rigid floor, ideal
+// battery, no delay); effects (effects/effect.h) edit the value, nothing else knows of them.
 //
 // Every component parameter below has a nominal value at which the plant does bit for bit what it
 // does without the component.
@@ -14,7 +14,7 @@
 
 namespace jaculus::simulation {
 
-/// Friction torque at a joint, opposing its rate w [rad/s]:
+/// Friction torque at a joint beside what its motor has in the model, opposing its rate w [rad/s]:
 ///   tau = -s(w) [coulomb + load |tau_motor| + (stribeck) exp(-(w/stribeck_rate)^2)
 ///                + load_stribeck |tau_motor| exp(-(w/load_stribeck_rate)^2)
 ///                + positive (1 + s(w))/2 + negative (1 - s(w))/2] - viscous w,

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "jaculus/components/motor.h"
 #include "jaculus/components/tail_drag.h"
 #include "jaculus/core/error.h"
 
@@ -42,6 +43,9 @@ PassiveForces::PassiveForces(const Plant& plant) : plant_(plant) {
         {&f, body, motor, motor < 0 ? model.bodies[body].count : model.motors[motor].count});
   }
 
+  for (int m = 0; m < count_of(model.motors); ++m)
+    if (components::rubs(model.motors[m])) rubbing_.push_back({m, model.motors[m]});
+
   for (const auto& [joint, torque] : plant.actuation.torque_offset) {
     const int motor = model.motor_index(joint);
     if (motor < 0)
@@ -61,12 +65,22 @@ void PassiveForces::add(const Mechanism& mechanism, const Inertia& inertia,
                         const std::vector<MotorState>& motors, const double* q, const double* v,
                         double* force) {
   if (!friction_.empty()) add_friction(mechanism, motors, q, v, force);
+  if (!rubbing_.empty()) add_motor_friction(mechanism, v, force);
   for (const Offset& offset : offsets_)
     for (int i = 0; i < mechanism.n; ++i)
       force[i] += offset.torque * mechanism.motor_row[offset.motor][i];
   if (!springs_.empty()) add_springs(mechanism, inertia, q, v, force);
   add_drag(mechanism, force);
   if (!plant_.model.loops.empty()) add_loop_ends(mechanism, force);
+}
+
+void PassiveForces::add_motor_friction(const Mechanism& mechanism, const double* v,
+                                       double* force) const {
+  for (const MotorRub& rub : rubbing_) {
+    const double rate = mechanism.motor_rate(rub.motor, v);
+    const double torque = rub.data.count * components::motor_friction(rub.data, rate).value;
+    for (int i = 0; i < mechanism.n; ++i) force[i] += torque * mechanism.motor_row[rub.motor][i];
+  }
 }
 
 void PassiveForces::add_friction(const Mechanism& mechanism, const std::vector<MotorState>& motors,

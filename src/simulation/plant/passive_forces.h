@@ -1,5 +1,6 @@
 #pragma once
-// Forces that no one commands: friction of joints, torque beside the commanded one, hinges of
+// Forces that no one commands: friction of joints, what the motors themselves have of it
+// (components/motor.h), torque beside the commanded one, hinges of
 // compliant transmissions, drag, ends of loops. The laws of all but the last are those of plant.h
 // and of components/tail_drag.h.
 //
@@ -51,10 +52,15 @@ class PassiveForces {
     /// [N m s/rad]; negative until the first state, whose inertia it goes by
     double damping = -1.0;
   };
+  struct MotorRub {
+    int motor;  ///< index
+    model::PlanarMotor data;
+  };
   struct Offset {
     int motor;      ///< index
     double torque;  ///< of left and right together [N m]
   };
+  void add_motor_friction(const Mechanism& mechanism, const double* v, double* force) const;
   void add_friction(const Mechanism& mechanism, const std::vector<MotorState>& motors,
                     const double* q, const double* v, double* force) const;
   void add_springs(const Mechanism& mechanism, const Inertia& inertia, const double* q,
@@ -64,6 +70,7 @@ class PassiveForces {
 
   const Plant& plant_;
   std::vector<Friction> friction_;
+  std::vector<MotorRub> rubbing_;
   std::vector<Offset> offsets_;
   std::vector<Spring> springs_;  ///< one a hinge of the mechanism
 };
