@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "jaculus/model/robot.h"
+#include "model/attach.h"
 #include "model/fields.h"
 
 namespace jaculus::model {
@@ -56,6 +57,16 @@ std::string section(const std::string& head, const std::vector<Key<S>>& keys) {
   return text;
 }
 
+std::string attach_section() {
+  std::string text =
+      "  attach          name: what is put on the robot: a tail, its link, joint, motor and drag "
+      "of "
+      "this\n                  name, overridden by the path attach.name.key\n";
+  for (const AttachKey& key : attach_keys())
+    text += fmt::format("    {:<18} {}\n", key.name, key.meaning);
+  return text;
+}
+
 std::string tolerance_section() {
   std::string text =
       "  tolerances      what a careful builder can't know: standard deviations; nothing is off by "
@@ -73,9 +84,17 @@ std::string explain_robot() {
   return kText +
          section(
              "  motors          joint: one motor of its pair\n"
-             "    kind               electric, or ideal (a torque, a force where the joint slides; "
-             "takes torque_limit "
-             "and, where\n                       it turns, rotor_inertia)\n",
+             "    kind               electric, envelope (a torque-speed curve, of which k_t, R and "
+             "saturation\n                       follow) or ideal (a torque, a force where the "
+             "joint "
+             "slides; takes torque_limit,\n                       speed_limit, frictions and, "
+             "where "
+             "it turns, rotor_inertia)\n"
+             "    knee_speed         of envelope: up to it there is torque_limit, before the gear "
+             "[rad/s]\n"
+             "    no_load_speed      of envelope: from the knee torque falls in a line to none "
+             "here, "
+             "at `voltage`,\n                       before the gear [rad/s]\n",
              motor_keys()) +
          section(
              "  drag            name: aerodynamic drag of a tail, overridden by the path "
@@ -83,7 +102,7 @@ std::string explain_robot() {
              "    link               the link that carries it; its joint is the pivot\n"
              "    direction          [x, z] along the tail, in the link's frame; any length\n",
              drag_keys()) +
-         tolerance_section();
+         attach_section() + tolerance_section();
 }
 
 }  // namespace jaculus::model

@@ -18,7 +18,8 @@ Vec3 direction(const yaml::Node& node) {
   return v;
 }
 
-/// File axes to the robot's: rows are forward, left and up in the file's frame.
+}  // namespace
+
 Mat3 read_axes(const yaml::Node& robot) {
   const auto axes = robot.find("axes");
   if (!axes) return Mat3::Identity();
@@ -34,8 +35,6 @@ Mat3 read_axes(const yaml::Node& robot) {
   R.row(2) = up;
   return R;
 }
-
-}  // namespace
 
 SpatialTree read_placement(const yaml::Node& robot, const SpatialTree& tree,
                            std::vector<std::string>& notes) {

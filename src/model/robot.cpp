@@ -9,6 +9,7 @@
 
 #include "jaculus/core/installation.h"
 #include "jaculus/model/urdf.h"
+#include "model/attach.h"
 #include "model/fields.h"
 #include "model/sections.h"
 
@@ -66,7 +67,7 @@ void check_format(const yaml::Node& node) {
   yaml::refuse_other_kind(node, kFormat);
   node.only({"format", "urdf", "axes", "base_link", "base", "gravity", "friction", "pairs",
              "fixed_joints", "loops", "coordinates", "ranges", "rest_pose", "feet", "points",
-             "motors", "drag", "tolerances"});
+             "motors", "drag", "attach", "tolerances"});
   (void)node.at("format").choice({kFormat});
 }
 
@@ -83,8 +84,49 @@ void check_base(const yaml::Node& node, const PlanarModel& model) {
         "nothing of this robot can move; allowed: a free base or a joint that moves");
 }
 
-/// The model as the files give it, before overrides.
-Robot read_files(const fs::path& folder, yaml::Node& node, Reading reading) {
+bool concerns_attached(const Override& o) { return o.path.starts_with("attach."); }
+
+double mass_of(const SpatialTree& tree) {
+  double mass = 0.0;
+  for (const SpatialLink& link : tree.links) mass += link.mass;
+  return mass;
+}
+
+/// What robot.yaml attaches to a tree, put there.
+std::vector<Attachment> put_attached(const yaml::Node& node, const std::vector<Override>& overrides,
+                                     double robot_mass, Reading reading, SpatialTree& tree) {
+  std::vector<AttachOverride> inputs;
+  for (const Override& o : overrides)
+    if (concerns_attached(o)) inputs.push_back({o.path, o.value});
+  std::vector<Attachment> attachments = read_attachments(node, inputs, robot_mass);
+  attach(attachments, reading, tree);
+  return attachments;
+}
+
+/// The bodies that move, and how robot.yaml names what they carry.
+void read_bodies(const yaml::Node& node, const SpatialTree& tree, Reading reading,
+                 const std::vector<Attachment>& attachments, Robot& robot) {
+  PlanarModel& model = robot.planar;
+  const std::vector<PairSpec> joints = read_pairs(node, "joints", tree);
+  const std::vector<PairSpec> links = read_pairs(node, "links", tree);
+  check_carriers(attachments, joints, tree);
+  const Reduction reduction = reduce(tree, joints, links, read_held(node, tree, joints), reading);
+  robot.notes.insert(robot.notes.end(), reduction.notes.begin(), reduction.notes.end());
+  model.bodies = reduction.bodies;
+  model.held = reduction.held;
+  read_loops(node, reduction, model);
+  read_coordinates(node, reduction, model);
+  model.feet = read_points(node, "feet", reduction, model);
+  model.points = read_points(node, "points", reduction, model);
+  read_motors(node, model);
+  read_drags(node, reduction, model);
+  add_attached_parts(attachments, model);
+  robot.rest_pose = read_rest_pose(node, model);
+}
+
+/// The model as the files give it, before overrides of its values.
+Robot read_files(const fs::path& folder, yaml::Node& node, const std::vector<Override>& overrides,
+                 Reading reading) {
   std::error_code code;
   const bool described = fs::exists(folder / "robot.yaml", code);
   if (!described && !fs::exists(folder / "robot.urdf", code)) {
@@ -96,7 +138,10 @@ Robot read_files(const fs::path& folder, yaml::Node& node, Reading reading) {
   const auto urdf = node.find("urdf");
   Robot robot;
   const SpatialTree file = read_urdf(folder / (urdf ? urdf->text() : "robot.urdf"), reading);
-  const SpatialTree tree = read_placement(node, file, robot.notes);
+  SpatialTree tree = read_placement(node, file, robot.notes);
+  const std::vector<Attachment> attachments =
+      put_attached(node, overrides, mass_of(tree), reading, tree);
+  for (const Attachment& a : attachments) robot.notes.push_back(attached_note(a));
   robot.name = tree.name;
   robot.folder = folder;
   if (!described)
@@ -105,19 +150,8 @@ Robot read_files(const fs::path& folder, yaml::Node& node, Reading reading) {
   robot.notes.insert(robot.notes.end(), tree.notes.begin(), tree.notes.end());
   PlanarModel& model = robot.planar;
   read_base(node, model);
-  const std::vector<PairSpec> joints = read_pairs(node, "joints", tree);
-  const std::vector<PairSpec> links = read_pairs(node, "links", tree);
-  const Reduction reduction = reduce(tree, joints, links, read_held(node, tree, joints), reading);
-  robot.notes.insert(robot.notes.end(), reduction.notes.begin(), reduction.notes.end());
-  model.bodies = reduction.bodies;
-  model.held = reduction.held;
-  read_loops(node, reduction, model);
-  read_coordinates(node, reduction, model);
-  model.feet = read_points(node, "feet", reduction, model);
-  model.points = read_points(node, "points", reduction, model);
-  read_motors(node, model);
-  (void)read_rest_pose(node, model);  // of those who carry the robot; here it is checked alone
-  read_drags(node, reduction, model);
+  read_bodies(node, tree, reading, attachments, robot);
+
   const Bounds not_negative{0.0, kInfinity};
   if (const auto gravity = node.find("gravity"))
     model.gravity = gravity->number(dimension::acceleration, not_negative);
@@ -151,17 +185,37 @@ fs::path find_robot(const std::string& name, const fs::path& relative_to) {
 
 Robot read_robot(const fs::path& folder, const std::vector<Override>& overrides, Reading reading) {
   yaml::Node node;
-  Robot robot = read_files(folder, node, reading);
+  Robot robot = read_files(folder, node, overrides, reading);
   std::vector<OverrideInput> inputs;
-  for (const Override& o : overrides) inputs.push_back({o.path, o.value});
+  for (const Override& o : overrides)
+    if (!concerns_attached(o)) inputs.push_back({o.path, o.value});
   apply_overrides(robot.planar, inputs);
   check_drags(node, robot.planar);
   return robot;
 }
 
+SpatialTree read_tree(const fs::path& folder) {
+  const yaml::Node node = yaml::Node::load(folder / "robot.yaml");
+  const auto urdf = node.find("urdf");
+  SpatialTree tree = read_urdf(folder / (urdf ? urdf->text() : "robot.urdf"));
+  std::vector<std::string> notes;
+  const double mass = mass_of(read_placement(node, tree, notes));
+
+  // what is attached stands upright in the robot's axes
+  tree.links[tree.root].R_BL = read_axes(node);
+  place_links(tree);
+  (void)put_attached(node, {}, mass, Reading::lenient, tree);
+  tree.links[tree.root].R_BL = Mat3::Identity();
+  place_links(tree);
+  return tree;
+}
+
 std::vector<std::string> override_paths(const fs::path& folder) {
   Robot robot = read_robot(folder);
-  std::vector<std::string> lines;
+  std::error_code code;
+  const bool described = fs::exists(folder / "robot.yaml", code);
+  std::vector<std::string> lines = described ? attach_paths(yaml::Node::load(folder / "robot.yaml"))
+                                             : std::vector<std::string>{};
   for (const Field& field : model_fields(robot.planar))
     lines.push_back(field.path + " = " + field.shown());
   return lines;

@@ -175,8 +175,7 @@ RobotFiles read_robot_files(const std::filesystem::path& folder) {
           "{}; allowed on the testbed: a URDF whose root is the base, x forward, z up", key));
   }
 
-  const auto urdf = node.find("urdf");
-  files.tree = model::read_urdf(folder / (urdf ? urdf->text() : "robot.urdf"));
+  files.tree = model::read_tree(folder);
   check_axes(files.tree);
   const auto& free = robot.planar.base_free;
   files.floating = free[0] && free[1] && free[2];
@@ -196,15 +195,23 @@ RobotFiles read_robot_files(const std::filesystem::path& folder) {
   read_pins(node, joints, links, robot.planar, files);
   read_toes(node, links, files);
   for (const model::PlanarMotor& motor : robot.planar.motors) {
+    if (motor.viscous_friction != 0.0 || motor.dry_friction != 0.0) {
+      throw node.error(fmt::format(
+          "motor of '{}': friction stated; allowed on the testbed: none, its bearings have their "
+          "own",
+          motor.joint));
+    }
     files.planar_motors.push_back(motor.joint);
     for (const std::string& joint : sides_of(joints, motor.joint))
       files.drives.push_back({joint, motor.joint, motor});
   }
 
-  if (const auto section = node.find("drag")) {
-    files.drags = robot.planar.drags;
-    for (const auto& [name, drag] : section->entries())
-      files.drag_links.push_back(drag.at("link").text());
+  files.drags = robot.planar.drags;
+  const auto section = node.find("drag");
+  for (const model::PlanarDrag& drag : files.drags) {
+    const bool own = section && section->has(drag.name);
+    // an attached tail's link bears its name
+    files.drag_links.push_back(own ? section->at(drag.name).at("link").text() : drag.name);
   }
   files.rest = read_rest(node, robot.planar);
   set_limbs(node, files);

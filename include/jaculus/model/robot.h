@@ -3,6 +3,7 @@
 // to the sagittal plane.
 
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,8 @@ struct Robot {
   std::string name;
   std::filesystem::path folder;
   PlanarModel planar;
+  /// where joints with a motor are while it is carried or stands: rest_pose [rad or m]
+  std::map<std::string, double> rest_pose;
   Tolerances tolerances;  ///< how far the real one may be from all this
   /// what was merged, dropped or assumed on the way, one sentence each
   std::vector<std::string> notes;
@@ -25,7 +28,8 @@ struct Robot {
 
 /// One override of a model value by its path, as in `override: {tail.drag.coefficient: 2.0}`. "*"
 /// in a path stands for any one part between dots (a path in full wins over it); a value "=path"
-/// copies another model value.
+/// copies another model value. "attach.tail.kind" and its like replace what robot.yaml attaches,
+/// before anything else is built from it.
 struct Override {
   std::string path;  ///< "tail.drag.coefficient", "motors.tail.resistance", "bodies.base.mass", ...
   yaml::Node value;  ///< read with the dimension of what it replaces
@@ -41,6 +45,10 @@ std::filesystem::path find_robot(const std::string& name, const std::filesystem:
 /// unless `reading` is strict.
 Robot read_robot(const std::filesystem::path& folder, const std::vector<Override>& overrides = {},
                  Reading reading = Reading::lenient);
+
+/// The bodies in space: those of the URDF and what robot.yaml attaches to them. Lies as the file
+/// does, `axes` and `base_link` not applied.
+SpatialTree read_tree(const std::filesystem::path& folder);
 
 /// Every path that an override may name, with its present value and unit ("tail.drag.coefficient =
 /// 2 [-]").
