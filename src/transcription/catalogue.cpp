@@ -18,6 +18,7 @@ TermType force_at_end();
 TermType swing_clearance();
 // actuation.cpp
 TermType voltage();
+TermType motor_limits();
 TermType joint_range();
 TermType torque_squared();
 TermType electrical_energy();
@@ -38,6 +39,7 @@ const TermCatalogue& term_catalogue() {
       terms::force_at_end(),
       terms::swing_clearance(),
       terms::voltage(),
+      terms::motor_limits(),
       terms::joint_range(),
       terms::touchdown_pitch(),
 

@@ -41,7 +41,12 @@ std::string explain_problem(const TermCatalogue& catalogue) {
       "A problem file (format jaculus-problem/1). Plain numbers are SI (rad, not degrees); a value "
       "may instead carry its\n"
       "unit: 7 V, 15 deg, 4 ms. Unknown keys, units of another dimension and values out of range "
-      "are errors.\n";
+      "are errors.\n"
+      "Numbers may also be in units of the robot (as its files give it, overrides aside): "
+      "leg_length [m], the longest leg\n"
+      "stretched; standing_height [m], of the base over the feet in rest_pose; body_weight [N]; "
+      "leg_time [s], sqrt(leg_length/g);\n"
+      "floor_friction [-]. 0.5 leg_length/leg_time, 0.25 body_weight leg_length.\n";
 
   for (const problem_keys::Section& section : problem_keys::sections(catalogue)) {
     text += fmt::format("\n{}\n", section.name.empty() ? "the file" : section.name);

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "jaculus/transcription/problem.h"
+#include "transcription/problem_read.h"
 
 namespace jaculus::transcription {
 namespace {
@@ -111,7 +112,7 @@ void check_ranges(const Problem& problem, const model::PlanarModel& model) {
       if (i < 0) continue;
       const Bounds& range = model.coordinates[i].range;
       if (bounds.lower <= range.upper && bounds.upper >= range.lower) continue;
-      throw problem.places.at(prefix + name)
+      throw problem_read::place_of(problem, prefix + name)
           .error(fmt::format(
               "[{:g}, {:g}] lies outside the robot's own range; allowed: within [{:g}, {:g}]",
               bounds.lower, bounds.upper, range.lower, range.upper));

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cctype>
 
+#include "jaculus/core/installation.h"
+#include "jaculus/transcription/robot_size.h"
 #include "transcription/problem_keys.h"
 #include "transcription/problem_read.h"
 
@@ -52,17 +54,55 @@ std::string checked_name(const Node& node) {
   return name;
 }
 
-Problem read_file(const Node& node, std::vector<Step>& steps);
+/// The file that `extends` names: beside this one, or among the problems that come with jaculus.
+std::filesystem::path base_file(const Node& extends) {
+  namespace fs = std::filesystem;
+  const fs::path given = extends.text();
+  const fs::path beside =
+      (given.is_relative() ? extends.file().parent_path() / given : given).lexically_normal();
+  if (fs::is_regular_file(beside)) return beside;
+  for (const fs::path& folder : {source_folder(), share_folder()}) {
+    const fs::path shipped = folder / "problems" / given;
+    if (given.is_relative() && fs::is_regular_file(shipped)) return shipped.lexically_normal();
+  }
+  throw extends.error(
+      fmt::format("file '{}' not found; allowed: a problem file, relative to this one, or one that "
+                  "comes with jaculus, as leap_template.yaml",
+                  beside.string()));
+}
 
-Problem base_of(const Node& node, std::vector<Step>& steps) {
+/// The robot that a file, or the nearest one that it extends, names; empty where none does.
+std::filesystem::path robot_of(Node node) {
+  constexpr int kMost = 100;  // files; a chain that leads back is told by base_of()
+  for (int k = 0; k < kMost; ++k) {
+    if (const auto robot = node.find("robot"))
+      return model::find_robot(robot->text(), robot->file());
+    const auto extends = node.find("extends");
+    if (!extends) break;
+    node = Node::load(base_file(*extends));
+  }
+  return {};
+}
+
+/// Units of the robot's size, read when one is asked for. The robot is that of the outermost file.
+std::shared_ptr<const OwnUnits> units_of_robot(const Node& outermost) {
+  const auto units = std::make_shared<std::vector<OwnUnit>>();
+  return std::make_shared<const OwnUnits>([outermost, units]() -> const std::vector<OwnUnit>& {
+    if (!units->empty()) return *units;
+    const std::filesystem::path folder = robot_of(outermost);
+    if (!folder.empty()) *units = robot_units(robot_size(model::read_robot(folder)));
+    return *units;
+  });
+}
+
+Problem read_file(const Node& node, std::vector<Step>& steps,
+                  const std::shared_ptr<const OwnUnits>& units);
+
+Problem base_of(const Node& node, std::vector<Step>& steps,
+                const std::shared_ptr<const OwnUnits>& units) {
   const auto extends = node.find("extends");
   if (!extends) return {};
-  std::filesystem::path file = extends->text();
-  if (file.is_relative()) file = extends->file().parent_path() / file;
-  file = file.lexically_normal();
-  if (!std::filesystem::is_regular_file(file))
-    throw extends->error(fmt::format(
-        "file '{}' not found; allowed: a problem file, relative to this one", file.string()));
+  const std::filesystem::path file = base_file(*extends);
 
   steps.push_back({std::filesystem::weakly_canonical(node.file()), *extends});
   const auto canonical = std::filesystem::weakly_canonical(file);
@@ -74,17 +114,19 @@ Problem base_of(const Node& node, std::vector<Step>& steps) {
         file.string(), step.extends.text(), step.extends.file().string(), step.extends.line()));
   }
 
-  return read_file(Node::load(file), steps);
+  return read_file(Node::load(file), steps, units);
 }
 
 /// One file over what it extends. Requirements that a base may leave open are checked by finish().
-Problem read_file(const Node& node, std::vector<Step>& steps) {
+Problem read_file(const Node& plain, std::vector<Step>& steps,
+                  const std::shared_ptr<const OwnUnits>& units) {
+  const Node node = plain.with_units(units);
   if (!node.is_map())
     throw node.error("not a map; allowed: a problem file, `format: jaculus-problem/1` first");
   yaml::refuse_other_kind(node, "jaculus-problem/1");
   node.only(problem_keys::names(problem_keys::of("")));
   static_cast<void>(node.at("format").choice({"jaculus-problem/1"}));
-  Problem problem = base_of(node, steps);
+  Problem problem = base_of(node, steps, units);
   problem.name = checked_name(node.at("name"));
   const auto caption = node.find("caption");
   problem.caption = caption ? caption->text() : "";
@@ -107,8 +149,7 @@ void apply_lock(std::map<std::string, Bounds>& values, const Problem& problem,
   if (found == values.end()) return;
   constexpr double kRounding = 1e-9;
   if (!Bounds{found->second.lower - kRounding, found->second.upper + kRounding}.contains(locked)) {
-    const auto place = problem.places.find(prefix + name);
-    throw(place == problem.places.end() ? problem.node : place->second)
+    throw problem_read::place_of(problem, prefix + name)
         .error(fmt::format("{0} contradicts lock.{1}; allowed: {2:g}, where the lock holds it",
                            show(found->second), name, locked));
   }
@@ -136,7 +177,7 @@ void check_ends(const Problem& problem, const std::map<std::string, Bounds>& val
     const auto all = whole.find(name);
     if (all == whole.end()) continue;
     if (bounds.lower <= all->second.upper && bounds.upper >= all->second.lower) continue;
-    throw problem.places.at(prefix + name)
+    throw problem_read::place_of(problem, prefix + name)
         .error(fmt::format("{} lies outside bounds.{}.{}; allowed: within {}", show(bounds), where,
                            name, show(all->second)));
   }
@@ -146,7 +187,7 @@ void check_rest(const Problem& problem, const BoundarySpec& spec, const std::str
   if (!spec.at_rest) return;
   for (const auto& [name, bounds] : spec.velocity) {
     if (bounds.contains(0.0)) continue;
-    throw problem.places.at(prefix + name)
+    throw problem_read::place_of(problem, prefix + name)
         .error(fmt::format("{} contradicts at_rest: true; allowed: 0", show(bounds)));
   }
 }
@@ -185,6 +226,7 @@ void finish(Problem& problem, const TermCatalogue& catalogue) {
   if (problem.phases.empty()) static_cast<void>(problem.node.at("phases"));
   if (problem.objective.empty()) static_cast<void>(problem.node.at("objective"));
 
+  problem_read::apply_robot_words(problem);
   apply_locks(problem);
   const auto &positions = problem.position_bounds, &velocities = problem.velocity_bounds;
   check_ends(problem, problem.initial.position, positions, "initial.position.", "position");
@@ -203,7 +245,7 @@ void finish(Problem& problem, const TermCatalogue& catalogue) {
 
 Problem read_problem(const yaml::Node& node, const TermCatalogue& catalogue) {
   std::vector<Step> steps;
-  Problem problem = read_file(node, steps);
+  Problem problem = read_file(node, steps, units_of_robot(node));
   finish(problem, catalogue);
   return problem;
 }

@@ -22,7 +22,8 @@ std::vector<Key> file_keys() {
   return {
       {"format", Other{}, "jaculus-problem/1"},
       {"extends", Other{},
-       "a problem file (relative to this one) to start from: maps are merged key by key, a null "
+       "a problem file (relative to this one, or one of jaculus's) to start from: maps are merged "
+       "key by key, a null "
        "(~) drops a key, constraints and costs replace those of the same name, other lists "
        "replace the base's",
        kNone},
@@ -59,6 +60,16 @@ std::vector<Key> file_keys() {
 
 std::vector<Section> plan_sections() {
   const Key at_rest = {"at_rest", key::Flag{}, "all velocities zero", {.value = "false"}};
+  const Key pose = {
+      "pose", Other{},
+      "rest (rest_pose of robot.yaml) or stretched (feet below their legs, these at 92 "
+      "%): values of coordinates that `position` doesn't name",
+      kNone};
+  const Key legs = {
+      "legs_at_rest", Other{},
+      "feet whose legs don't move against the body: zero rates of the coordinates that "
+      "move them",
+      kNone};
   return {
       {"bounds",
        {{"position", Other{"rad or m"}, "[lower, upper] by coordinate", kRobots},
@@ -73,12 +84,16 @@ std::vector<Section> plan_sections() {
 
       {"initial",
        {at_rest,
+        pose,
+        legs,
         {"position", Other{"rad or m"}, "by coordinate or joint: a number, or [lower, upper]",
          kFree},
         {"velocity", Other{"rad/s or m/s"}, "by coordinate or joint: a number, or [lower, upper]",
          kFree}}},
       {"final",
        {at_rest,
+        pose,
+        legs,
         {"position", Other{"rad or m"}, "as for initial", kFree},
         {"velocity", Other{"rad/s or m/s"}, "as for initial", kFree}}},
       {"objective",
@@ -101,7 +116,8 @@ Section guess_section() {
             {.words = "required for file"}},
            {"poses",
             Other{"rad or m"},
-            "two or more poses, {coordinate or joint: value}, along the plan",
+            "two or more poses, {coordinate or joint: value}, along the plan; `pose: rest` or "
+            "`pose: stretched` among them as for initial",
             {.words = "required for line"}},
            {"pose", Other{"rad or m"}, "values of a static posture", kMiddle},
            {"durations", Other{"s"}, "of the phases, one each", kMiddle}}};

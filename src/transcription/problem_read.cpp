@@ -14,6 +14,14 @@ using yaml::Node;
 
 bool is_null(const Node& node) { return !node.is_map() && !node.is_list() && !node.is_scalar(); }
 
+const Node& place_of(const Problem& problem, const std::string& name) {
+  const auto found = problem.places.find(name);
+  if (found != problem.places.end()) return found->second;
+  return name.starts_with("initial.") ? problem.initial.node
+         : name.starts_with("final.") ? problem.final.node
+                                      : problem.node;
+}
+
 namespace {
 
 /// Whether a number in `node` carries a unit that only the dimension `d` has.
@@ -81,9 +89,16 @@ void named_bounds(std::map<std::string, Bounds>& values, Problem& problem, const
   }
 }
 
+/// `pose: rest` or `pose: stretched` of a map, empty where it says none.
+std::string legs_of(const Node& node) {
+  const auto word = node.find("pose");
+  return word ? word->choice({"rest", "stretched"}) : "";
+}
+
 std::map<std::string, double> pose(Problem& problem, const Node& node, const std::string& prefix) {
   std::map<std::string, double> values;
   for (const auto& [name, value] : node.entries()) {
+    if (name == "pose") continue;  // legs_of() reads it
     values[name] = by_name(name, value, false,
                            [&value = value](const Dimension& d) { return value.number(d); });
     problem.places[prefix + name] = value;
@@ -94,8 +109,10 @@ std::map<std::string, double> pose(Problem& problem, const Node& node, const std
 /// The poses of a guess along lines.
 void read_poses(Problem& problem, const Node& node) {
   std::vector<std::map<std::string, double>>& poses = problem.guess.poses;
-  for (const Node& item : node.items())
+  for (const Node& item : node.items()) {
     poses.push_back(pose(problem, item, fmt::format("guess.poses[{}].", poses.size())));
+    problem.guess.legs_of_poses.push_back(legs_of(item));
+  }
   if (poses.size() < 2)
     throw node.error(fmt::format("{} given; allowed: two poses or more", poses.size()));
 }
@@ -149,6 +166,10 @@ void boundary(BoundarySpec& spec, Problem& problem, const Node& node, const std:
   node.only(problem_keys::names(problem_keys::of(section)));
   spec.node = node;
   if (const auto at_rest = node.find("at_rest")) spec.at_rest = at_rest->boolean();
+  if (const auto pose = node.find("pose"))
+    spec.pose = is_null(*pose) ? "" : pose->choice({"rest", "stretched"});
+  if (const auto feet = node.find("legs_at_rest"))
+    spec.legs_at_rest = is_null(*feet) ? std::vector<std::string>{} : feet->texts();
   if (const auto position = node.find("position")) {
     named_bounds(spec.position, problem, *position, section + ".position.", false);
   }
@@ -246,7 +267,10 @@ void guess(Problem& problem, const Node& node) {
 
   if (spec.kind == "file") spec.file = earlier_plan(node.at("file"));
   if (spec.kind == "line") read_poses(problem, node.at("poses"));
-  if (const auto values = node.find("pose")) spec.pose = pose(problem, *values, "guess.pose.");
+  if (const auto values = node.find("pose")) {
+    spec.pose = pose(problem, *values, "guess.pose.");
+    spec.legs_of_pose = legs_of(*values);
+  }
   if (const auto durations = node.find("durations"))
     spec.durations = durations->numbers(dimension::time);
 }

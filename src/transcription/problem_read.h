@@ -8,6 +8,9 @@ namespace jaculus::transcription::problem_read {
 
 bool is_null(const yaml::Node& node);
 
+/// Where a named value stands ("initial.position.x"); of one that a pose gave, its section.
+const yaml::Node& place_of(const Problem& problem, const std::string& name);
+
 void robot(Problem& problem, const yaml::Node& node);
 void overrides(Problem& problem, const yaml::Node& node);
 void locks(Problem& problem, const yaml::Node& node);
@@ -23,6 +26,9 @@ void guess(Problem& problem, const yaml::Node& node);
 void solver(Problem& problem, const yaml::Node& node);
 void refinement(Problem& problem, const yaml::Node& node);
 void reference(Problem& problem, const yaml::Node& node);
+
+/// Writes out poses and legs at rest as values of coordinates; what is named wins.
+void apply_robot_words(Problem& problem);
 
 /// Finds the types of all terms in the catalogue and reads their keys. Unknown types, unknown keys
 /// and bad values: InputError.

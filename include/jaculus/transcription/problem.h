@@ -32,6 +32,11 @@ struct BoundarySpec {
   std::map<std::string, Bounds> position;
   std::map<std::string, Bounds> velocity;
   bool at_rest = false;  ///< all velocities zero
+  /// "rest" or "stretched" (robot_size.h): values of joints that `position` doesn't name; may be
+  /// empty
+  std::string pose;
+  /// feet whose legs have come to rest: zero rates of the coordinates that move them, base aside
+  std::vector<std::string> legs_at_rest;
   yaml::Node node;
 };
 
@@ -71,6 +76,10 @@ struct GuessSpec {
   std::vector<std::map<std::string, double>> poses;
   /// values that replace the middle of the bounds in a static posture
   std::map<std::string, double> pose;
+  /// "rest" or "stretched" for each of `poses`, and for `pose`: values of joints that it doesn't
+  /// name; may be empty
+  std::vector<std::string> legs_of_poses;
+  std::string legs_of_pose;
   std::vector<double> durations;  ///< of the phases [s]; empty: the middle of their bounds
   yaml::Node node;
 };

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "jaculus/components/motor.h"
 #include "transcription/terms/common.h"
 
@@ -81,6 +83,46 @@ void add_voltage(const TermSpec& spec, TermContext& context) {
   }
 }
 
+/// Speed of one motor before its gear, G omega: linear in v.
+PathTerm motor_speed_term(const model::PlanarModel& model, int m) {
+  const model::PlanarMotor& motor = model.motors[m];
+  const bool slides = model.bodies[motor.body].kind == model::JointKind::prismatic;
+  const Vector rate = motor.gear * model.joint_map.row(motor.body).transpose();
+  const double limit = motor.speed_limit;
+  PathTerm term;
+  term.name = motor.joint + " speed";
+  term.rows.push_back({term.name, slides ? "m/s" : "rad/s", {-limit, limit}, limit});
+  term.reads.velocity = true;
+  term.evaluate = [rate](const PointView& view, VectorRef values, Matrix* J, const ConstVectorRef*,
+                         Matrix*) {
+    values[0] = rate.dot(view.point.v);
+    if (J) J->row(0).segment(view.v_at(), view.n) += rate.transpose();
+  };
+  term.sensitivity = {"motor speed", slides ? "m/s" : "rad/s",
+                      [](int, double multiplier, const auto*) { return std::abs(multiplier); }};
+
+  return term;
+}
+
+void add_motor_limits(const TermSpec& spec, TermContext& context) {
+  const model::PlanarModel& model = context.model();
+  bool any = false;
+  for (int m = 0; m < count_of(model.motors); ++m) {
+    const model::PlanarMotor& motor = model.motors[m];
+    const double volts = context.problem.voltage.value_or(motor.voltage);
+    for (int p : all_named(spec, "phases", context)) {
+      if (electrical(motor) && std::isfinite(volts))
+        context.path[p].push_back(motor_voltage_term(model, m, volts));
+      if (std::isfinite(motor.speed_limit)) context.path[p].push_back(motor_speed_term(model, m));
+    }
+    any = any || electrical(motor) || std::isfinite(motor.speed_limit);
+  }
+
+  if (!any)
+    context.notes.push_back(
+        "motor_limits adds no rows: no motor of this robot has electrical data or a speed_limit");
+}
+
 void add_joint_range(const TermSpec& spec, TermContext& context) {
   bool any = false;
   for (const model::JointRange& range : context.model().joint_ranges) {
@@ -111,14 +153,20 @@ void add_joint_range(const TermSpec& spec, TermContext& context) {
 
 void add_torque_squared(const TermSpec& spec, TermContext& context) {
   PathTerm term;
+  const bool at_joint = spec.values.choice("at") == "joint";
+  const double per = spec.values.number("per");
   term.name = "torque squared";
-  term.rows.push_back({"sum of squared motor torques, before the gear", "N^2 m^2", {}, 1.0});
+  term.rows.push_back({at_joint ? "sum of squared motor torques at the joint"
+                                : "sum of squared motor torques, before the gear",
+                       "N^2 m^2",
+                       {},
+                       1.0});
   term.reads.input = true;
 
   Vector factor(context.layout.n_u);
   for (int m = 0; m < context.layout.n_u; ++m) {
     const model::PlanarMotor& motor = context.model().motors[m];
-    const double ratio = motor.gear * motor.efficiency;
+    const double ratio = per * (at_joint ? 1.0 : motor.gear * motor.efficiency);
     factor[m] = motor.count / (ratio * ratio);
   }
 
@@ -190,6 +238,15 @@ TermType voltage() {
           .make = add_voltage};
 }
 
+TermType motor_limits() {
+  return {.name = "motor_limits",
+          .meaning =
+              "every motor within its voltage (limits.voltage) and speed_limit, where it has "
+              "them; torque and current always are",
+          .keys = {phases_key()},
+          .make = add_motor_limits};
+}
+
 TermType joint_range() {
   return {.name = "joint_range",
           .meaning = "joints that are no coordinates within their ranges",
@@ -199,9 +256,17 @@ TermType joint_range() {
 
 TermType torque_squared() {
   return {.name = "torque_squared",
-          .meaning = "integral of the squared motor torques before the gear, summed over motors",
+          .meaning = "integral of the squared motor torques, summed over motors",
           .cost = true,
           .unit = "N^2 m^2 s",
+          .keys = {{"at",
+                    key::Choice{{"motor", "joint"}},
+                    "whether torques count before the gear or at the joint",
+                    {.value = "motor"}},
+                   {"per",
+                    key::Number{dimension::torque, {1e-12, kInfinity}},
+                    "torque that counts as one",
+                    {.value = "1"}}},
           .make = add_torque_squared};
 }
 
