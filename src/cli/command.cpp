@@ -50,9 +50,42 @@ void add_common(CLI::App& command, Common& common, const std::string& out_help) 
                    "machine-readable result on standard output, nothing else there");
 }
 
-Loaded load(const std::filesystem::path& file, const Common& common) {
+namespace {
+
+std::string in_quotes(const std::string& text) {
+  std::string out = "\"";
+  for (const char c : text) out.append(c == '"' || c == '\\' ? "\\" : "").push_back(c);
+  return out + "\"";
+}
+
+/// A problem that extends the file by what the command line says.
+yaml::Node changed(const std::filesystem::path& file, const ProblemChanges& changes) {
+  const std::string name = yaml::Node::load(file).at("name").text();
+  std::string text =
+      fmt::format("format: jaculus-problem/1\nextends: {}\nname: {}\n",
+                  in_quotes(std::filesystem::absolute(file).string()), in_quotes(name));
+  if (!changes.robot.empty()) text += "robot: " + in_quotes(changes.robot) + "\n";
+  if (!changes.overrides.empty()) text += "override:\n";
+  for (const std::string& change : changes.overrides) {
+    const std::size_t equals = change.find('=');
+    if (equals == 0 || equals == std::string::npos || equals + 1 == change.size()) {
+      throw InputError(fmt::format(
+          "--override: '{}' given; allowed: PATH=VALUE, as in attach.tail.kind=none", change));
+    }
+    text +=
+        fmt::format("  {}: {}\n", in_quotes(change.substr(0, equals)), change.substr(equals + 1));
+  }
+  return yaml::Node::parse(text, "command line");
+}
+
+}  // namespace
+
+Loaded load(const std::filesystem::path& file, const Common& common,
+            const ProblemChanges& changes) {
   Loaded loaded;
-  loaded.problem = transcription::read_problem(file);
+  const bool as_it_is = changes.robot.empty() && changes.overrides.empty();
+  loaded.problem = as_it_is ? transcription::read_problem(file)
+                            : transcription::read_problem(changed(file, changes));
   if (common.seed) loaded.problem.solver.seed = *common.seed;
   loaded.robot = model::read_robot(loaded.problem.robot_folder, loaded.problem.overrides);
   transcription::check_problem(loaded.problem, loaded.robot.planar);

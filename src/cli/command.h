@@ -54,7 +54,13 @@ struct Loaded {
   transcription::Problem problem;
   model::Robot robot;  ///< overrides applied, nothing locked
 };
-Loaded load(const std::filesystem::path& file, const Common& common);
+/// What the command line changes of a problem.
+struct ProblemChanges {
+  std::string robot;                   ///< instead of the file's, relative to where one is
+  std::vector<std::string> overrides;  ///< "PATH=VALUE", over the file's
+};
+Loaded load(const std::filesystem::path& file, const Common& common,
+            const ProblemChanges& changes = {});
 
 /// Makes the folder and proves that files can be written into it; InputError otherwise.
 void prepare_folder(const std::filesystem::path& folder);

@@ -9,6 +9,7 @@
 
 #include "cli/command.h"
 #include "cli/robot_leap.h"
+#include "cli/robot_tail.h"
 #include "cli/robot_trial.h"
 #include "jaculus/core/error.h"
 #include "jaculus/model/mjcf.h"
@@ -24,6 +25,7 @@ using Json = nlohmann::ordered_json;
 struct RobotOptions {
   Common common;
   std::string file, base, forward, up;
+  std::string tail;  ///< its mass, "10 %"; empty: none
   std::vector<std::string> pose;
   bool strict = false, apart = false, open = false, replace = false;
 };
@@ -192,6 +194,11 @@ int run_robot_import(const RobotOptions& options) {
   write_urdf_file(w.source, options.file, out / "robot.urdf");
   trajectory::write_file(out / "robot.yaml", w.proposal.yaml);
   w.robot = model::read_robot(out, {}, reading);
+  if (!options.tail.empty()) {
+    w.proposal.yaml += tail_section(w.robot, options.tail);
+    trajectory::write_file(out / "robot.yaml", w.proposal.yaml);
+    w.robot = model::read_robot(out, {}, reading);
+  }
   w.trial = write_first_trial(w.robot, w.proposal.rest, out);
   w.leap = write_first_leap(w.robot, w.proposal, out);
 
@@ -203,11 +210,38 @@ int run_robot_import(const RobotOptions& options) {
   return kDone;
 }
 
+struct UrdfOptions {
+  Common common;
+  std::string robot;
+};
+
+int run_robot_urdf(const UrdfOptions& options) {
+  if (options.common.out.empty())
+    throw InputError("--out: missing; allowed: the URDF file to write");
+  const fs::path folder = model::find_robot(options.robot, "");
+  (void)model::read_robot(folder);  // faults of robot.yaml are told before anything is written
+  trajectory::write_file(options.common.out, model::write_urdf(model::read_tree(folder)));
+  if (!options.common.quiet) print(fmt::format("written to {}\n", options.common.out));
+  return kDone;
+}
+
+void add_robot_urdf(CLI::App& robot, Action& chosen) {
+  auto options = std::make_shared<UrdfOptions>();
+  CLI::App* urdf = robot.add_subcommand(
+      "urdf", "Writes one URDF of a robot and what its robot.yaml attaches, for other programs.");
+  urdf->footer("Example:\n  jaculus robot urdf my_a1 --out a1_with_tail.urdf");
+  urdf->add_option("robot", options->robot, "a robot's folder or name")->required();
+  urdf->add_option("--out", options->common.out, "file");
+  urdf->add_flag("--quiet", options->common.quiet, "print nothing but errors");
+  urdf->callback([options, &chosen] { chosen = [options] { return run_robot_urdf(*options); }; });
+}
+
 }  // namespace
 
 void add_robot(CLI::App& app, Action& chosen) {
   CLI::App* robot = app.add_subcommand("robot", "Robots from files of other people's.");
   robot->require_subcommand(1);
+  add_robot_urdf(*robot, chosen);
   auto options = std::make_shared<RobotOptions>();
   CLI::App* import = robot->add_subcommand(
       "import",
@@ -224,6 +258,8 @@ void add_robot(CLI::App& app, Action& chosen) {
       ->check(one_of(axes));
   import->add_option("--up", options->up, "axis of the file; default: told by joints")
       ->check(one_of(axes));
+  import->add_option("--tail", options->tail,
+                     "adds a tail of this mass (1.2 kg, or 10 % of the robot's) to robot.yaml");
   import->add_flag("--apart", options->apart, "left and right are joints of their own, no pairs");
   import->add_flag("--open", options->open, "two chains from one hip stay apart, no five-bars");
   import->add_flag("--strict", options->strict, "refuse what would be assumed");

@@ -9,10 +9,9 @@
 
 namespace jaculus::cli {
 
-/// Writes leap.yaml, a problem for `jaculus solve`, where the robot has front_foot and rear_foot
-/// and motors that turn; returns its name, else nothing. With L the leg's length and W the weight:
-/// from rest to sqrt(g L) / 2 forward, phases scaled by sqrt(L / g), largest torques as robot.yaml
-/// has them or W L / 4 where none is known.
+/// Writes leap.yaml, which extends problems/leap_template.yaml, where the robot has front_foot and
+/// rear_foot and motors that turn; returns its name, else nothing. It says what the template can't
+/// know: a largest torque of W L / 4 and ranges of 3 rad where the file states none.
 std::string write_first_leap(const model::Robot& robot, const model::Proposal& proposal,
                              const std::filesystem::path& folder);
 

@@ -15,11 +15,12 @@ struct SolveOptions {
   Common common;
   std::string problem;
   std::optional<int> starts;  ///< replaces the problem's
+  ProblemChanges changes;
 };
 
 int run_solve(const SolveOptions& options) {
   const Common& common = options.common;
-  Loaded loaded = load(options.problem, common);
+  Loaded loaded = load(options.problem, common, options.changes);
   check_figures(common);
   if (options.starts) loaded.problem.solver.starts = *options.starts;
   if (!common.out.empty()) prepare_folder(common.out);
@@ -58,6 +59,11 @@ void add_solve(CLI::App& app, Action& chosen) {
                    "starts, instead of the problem's: its guess, then smooth random ones; --jobs "
                    "run at a time")
       ->check(whole_number(1, 10000));
+  command->add_option("--robot", options->changes.robot,
+                      "a robot's folder or name, instead of the problem's");
+  command->add_option("--override", options->changes.overrides,
+                      "PATH=VALUE of a model value, over the problem's: attach.tail.kind=none; "
+                      "`jaculus check ROBOT` lists the paths");
   add_common(*command, options->common, "folder for the results; nothing is written unless given");
   add_figures(*command, options->common);
   command->callback([options, &chosen] { chosen = [options] { return run_solve(*options); }; });

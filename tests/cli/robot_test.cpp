@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/program.h"
+#include "jaculus/core/installation.h"
 #include "jaculus/trajectory/dataset.h"
 #include "support/input_error.h"
 #include "support/robot_texts.h"
@@ -66,6 +67,59 @@ TEST(RobotImport, TheLeapThatItProposesIsSolvedVerifiedAndExported) {
   const Outcome exported = run_program(
       {"export", folder / "leap", "--as", "csv", "--rate", "1000", "--out", folder / "t.csv"});
   EXPECT_EQ(exported.exit_code, 0) << exported.err;
+}
+
+TEST(RobotImport, ATailIsProposedSolvedAndSwitchedFromTheCommandLine) {
+  const TemporaryFolder folder;
+  write(folder / "hound.urdf", test::quadruped_urdf());
+  const std::string out = folder / "hound";
+  const Outcome import =
+      run_program({"robot", "import", folder / "hound.urdf", "--out", out, "--tail", "10 %"});
+  ASSERT_EQ(import.exit_code, 0) << import.err;
+  EXPECT_TRUE(holds(import.out, "hound: 6 planar bodies, 13.2 kg, 8 coordinates, 5 motors"));
+  EXPECT_TRUE(holds(run_program({"check", out}).out, "'tail' is attached to 'trunk': 1.2 kg"));
+
+  const auto mass_of = [&](const std::string& kind) {
+    const Outcome solve =
+        run_program({"solve", out + "/leap.yaml", "--override", "attach.tail.kind=" + kind,
+                     "--json", "--out", folder / kind});
+    EXPECT_EQ(solve.exit_code, 0) << solve.err;
+    const json told = json::parse(solve.out);
+    EXPECT_TRUE(told["verification"]["passed"].get<bool>()) << kind;
+    std::vector<std::string> motors;
+    for (const json& motor : told["motors"]) motors.push_back(motor["joint"]);
+    return std::pair(told["tail_momentum_share"].get<double>(), motors.size());
+  };
+  const auto [drag_share, with] = mass_of("drag");
+  EXPECT_NE(drag_share, 0.0);
+  EXPECT_EQ(with, 5u);
+  EXPECT_EQ(mass_of("none"), std::pair(0.0, std::size_t{4}));
+
+  const Outcome whole = run_program({"robot", "urdf", out, "--out", folder / "whole.urdf"});
+  ASSERT_EQ(whole.exit_code, 0) << whole.err;
+  const Outcome again =
+      run_program({"robot", "import", folder / "whole.urdf", "--out", folder / "again"});
+  ASSERT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_TRUE(holds(again.out, "hound: 6 planar bodies, 13.2 kg, 8 coordinates"));
+
+  const Outcome bad = run_program({"solve", out + "/leap.yaml", "--override", "attach.tail.kind"});
+  expect_refusal(bad);
+  EXPECT_TRUE(holds(bad.err, "--override: 'attach.tail.kind' given; allowed: PATH=VALUE"));
+  const Outcome wing =
+      run_program({"solve", out + "/leap.yaml", "--override", "attach.tail.kind=wing"});
+  expect_refusal(wing);
+  EXPECT_TRUE(holds(wing.err, "'wing' given; allowed: none, inertial, drag"));
+}
+
+TEST(SolveRobot, TheTemplateIsSolvedForARobotOfTheCommandLine) {
+  const TemporaryFolder folder;
+  const std::string file = (source_folder() / "problems" / "leap_template.yaml").string();
+  const Outcome solve = run_program({"solve", file, "--robot", "minitaur", "--json"});
+  ASSERT_EQ(solve.exit_code, 0) << solve.err;
+  EXPECT_TRUE(json::parse(solve.out)["verification"]["passed"].get<bool>());
+  const Outcome unknown = run_program({"solve", file, "--robot", "minitor"});
+  expect_refusal(unknown);
+  EXPECT_TRUE(holds(unknown.err, "unknown robot 'minitor', did you mean 'minitaur'?"));
 }
 
 TEST(RobotImport, JsonHoldsWhatWasAssumedDecidedAndDropped) {

@@ -45,10 +45,6 @@ struct Proposal {
   std::vector<std::string> missing;  ///< what the file doesn't say, with the lines to fill in
   Dropped dropped;
   std::map<std::string, double> rest;  ///< by planar joint: the pose at rest [rad or m]
-  /// the same with legs stretched to 92 %, as at the end of a leap; where it has feet
-  std::map<std::string, double> stretched;
-  /// by planar joint: fastest that the file states [rad/s or m/s]; where it does
-  std::map<std::string, double> speed;
 };
 
 /// `tree` as read_urdf gives it.

@@ -1,6 +1,7 @@
 #pragma once
 // What a proposal is made of, filled in by one step after the other.
 
+#include <cmath>
 #include <map>
 #include <string>
 #include <vector>
@@ -10,6 +11,9 @@
 #include "model/reduce.h"
 
 namespace jaculus::model {
+
+/// What counts as along an axis, as the reduction has it.
+inline const double kAlong = std::cos(10.0 * M_PI / 180.0);
 
 struct HeldBecause {
   HeldJoint held;
@@ -45,7 +49,7 @@ struct Draft {
   std::vector<DraftFoot> feet;
   std::map<std::string, double> armature;  ///< by joint of the file [kg m^2]
   std::vector<DraftLoop> loops;
-  std::map<std::string, double> rest, stretched;  ///< by planar joint [rad or m]
+  std::map<std::string, double> rest;  ///< by planar joint [rad or m]
   std::vector<std::string> notes, missing;
 };
 

@@ -12,9 +12,6 @@
 namespace jaculus::model {
 namespace {
 
-/// What counts as along an axis, as the reduction has it.
-const double kAlong = std::cos(10.0 * M_PI / 180.0);
-
 std::string axis_name(const Vec3& v) {
   int i = 0;
   v.cwiseAbs().maxCoeff(&i);

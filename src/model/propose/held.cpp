@@ -13,7 +13,6 @@
 namespace jaculus::model {
 namespace {
 
-const double kAlong = std::cos(10.0 * M_PI / 180.0);
 /// Left and right must lie within this of one another in the plane; sides.cpp has the same [m].
 constexpr double kPlace = 2e-3;
 /// A joint nearer to the plane is in its middle [m].

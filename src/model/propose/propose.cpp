@@ -119,11 +119,6 @@ Proposal propose_robot(const SpatialTree& tree, const ProposeOptions& options) {
   proposal.notes = draft.notes;
   proposal.missing = draft.missing;
   proposal.rest = draft.rest;
-  proposal.stretched = draft.stretched;
-  for (const DraftJoint& joint : joints_of(draft)) {
-    const double speed = draft.tree.joints[joint.spatial.front()].velocity;
-    if (std::isfinite(speed)) proposal.speed[joint.name] = speed;
-  }
   return proposal;
 }
 

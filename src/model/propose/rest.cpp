@@ -13,8 +13,6 @@ namespace {
 /// Share of a leg's length at which it stands: knees bent by about 80 degrees, as quadrupeds are
 /// carried by their controllers [-].
 constexpr double kDrawnIn = 0.75;
-/// The same where a leap ends: well before the knee is straight, where a leg can't push [-].
-constexpr double kStretched = 0.92;
 
 /// A leg's joints, what they may do, and its foot.
 struct Leg {
@@ -122,14 +120,13 @@ void drop_open_loops(Draft& draft) {
   draft.loops = closed;
 }
 
-/// The pose with all feet at the height of the leg that reaches least far at this share of its
-/// length.
-void stand(const Draft& draft, double share, std::map<std::string, double>& pose) {
+/// The pose with all feet at the height of the leg that reaches least far.
+void stand(const Draft& draft, std::map<std::string, double>& pose) {
   std::vector<Leg> legs;
   double height = -kInfinity;
   for (const DraftFoot& foot : draft.feet) {
     legs.push_back(leg_of(draft, foot));
-    height = std::max(height, legs.back().hip.y() - share * legs.back().length);
+    height = std::max(height, legs.back().hip.y() - kDrawnIn * legs.back().length);
   }
 
   // of a five-bar one knee points forward, the other back
@@ -167,9 +164,7 @@ void find_rest(const ProposeOptions& options, Draft& draft) {
             : std::clamp(0.0, draft.reduction.ranges[b].lower, draft.reduction.ranges[b].upper);
   }
 
-  draft.stretched = draft.rest;
-  stand(draft, kDrawnIn, draft.rest);
-  stand(draft, kStretched, draft.stretched);
+  stand(draft, draft.rest);
   drop_open_loops(draft);
   for (DraftLoop& loop : draft.loops) loop.branch = branch_at_rest(draft, loop);
 

@@ -115,8 +115,7 @@ std::string motors(Draft& draft) {
     const SpatialJoint& first = draft.tree.joints[joint.spatial.front()];
     const bool slides = first.kind == SpatialJointKind::prismatic;
     const std::string fast = std::isfinite(first.velocity)
-                                 ? fmt::format("   # the file: at most {} {}",
-                                               number(first.velocity), slides ? "m/s" : "rad/s")
+                                 ? fmt::format(", speed_limit: {}", number(first.velocity))
                                  : "";
     const auto armature = draft.armature.find(first.name);
     const std::string rotor = armature == draft.armature.end() || slides
@@ -124,16 +123,17 @@ std::string motors(Draft& draft) {
                                   : fmt::format(", rotor_inertia: {}", number(armature->second));
     const std::string name = quoted(joint.name);
     if (std::isfinite(effort(joint))) {
-      text += fmt::format("  {}: {{kind: ideal, torque_limit: {}{}}}{}\n", name,
-                          number(effort(joint)), rotor, fast);
+      text += fmt::format("  {}: {{kind: ideal, torque_limit: {}{}{}}}\n", name,
+                          number(effort(joint)), fast, rotor);
       continue;
     }
     unknown += (unknown.empty() ? "" : ", ") + joint.name;
     text += any ? fmt::format(
                       "  # fill in if a motor drives it: {}: {{kind: ideal, torque_limit: "
-                      "...{}}}\n",
-                      name, rotor)
-                : fmt::format("  {}: {{kind: ideal{}}}   # fill in torque_limit\n", name, rotor);
+                      "...{}{}}}\n",
+                      name, fast, rotor)
+                : fmt::format("  {}: {{kind: ideal{}{}}}   # fill in torque_limit\n", name, fast,
+                              rotor);
   }
   if (!unknown.empty())
     draft.missing.push_back(fmt::format("motors: the file states no largest torque of {}{}",

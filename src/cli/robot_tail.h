@@ -1,0 +1,15 @@
+#pragma once
+// A tail proposed for an imported robot.
+
+#include <string>
+
+#include "jaculus/model/robot.h"
+
+namespace jaculus::cli {
+
+/// `attach` of robot.yaml: Minitaur's tail (Norby et al. 2021) in proportion to this robot's legs,
+/// at the hips of its rear ones, turned by a motor like theirs. `mass`: as the key `mass` takes it.
+/// InputError where the robot has no rear_foot or no motor in that leg.
+std::string tail_section(const model::Robot& robot, const std::string& mass);
+
+}  // namespace jaculus::cli
