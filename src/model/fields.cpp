@@ -103,6 +103,7 @@ namespace {
 template <class S>
 Field field_of(S& section, const std::string& prefix, const Key<S>& key) {
   Field field{prefix + std::string(key.name), "", {}, key.dimension, key.allowed, key.required};
+  field.limit = key.name.ends_with("_limit");
   std::visit([&](auto member) { field.target = &(section.*member); }, key.member);
   return field;
 }
@@ -195,7 +196,7 @@ std::vector<ModelValue> model_values(const PlanarModel& model) {
 
 void Field::read(const yaml::Node& node) const {
   if (auto* const* number = std::get_if<double*>(&target)) {
-    const bool none = std::isinf(allowed.upper) && node.is_scalar() && node.dump() == kNone;
+    const bool none = limit && node.is_scalar() && node.dump() == kNone;
     **number = none ? kInfinity : node.number(dimension, allowed);
   }
   if (auto* const* vector = std::get_if<Vec2*>(&target)) **vector = node.vec2(dimension);

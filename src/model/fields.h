@@ -22,6 +22,7 @@ struct Field {
   Dimension dimension;
   Bounds allowed;         ///< of a number
   bool required = false;  ///< robot.yaml must give it
+  bool limit = false;     ///< may be .inf: none
 
   /// The last part of its path, which is its key in robot.yaml.
   [[nodiscard]] std::string key() const { return path.substr(path.rfind('.') + 1); }

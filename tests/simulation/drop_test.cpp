@@ -65,7 +65,7 @@ TEST(Drop, FreeBodyFallsAndTurnsAsThePinnedOne) {
   // A pivot at the centre of mass of a body that falls free: gravity changes nothing but the fall
   // where the tail has no mass.
   model::PlanarModel model = model::read_robot(model::find_robot("self_righting", "")).planar;
-  const Simulation pinned = drop({"", "", model, {}, {}}, 0.1);
+  const Simulation pinned = drop({"", "", model, {}, {}, {}}, 0.1);
   model::PlanarModel free = model;
   free.base_free = {true, true, true};
   free.gravity = kGravity;

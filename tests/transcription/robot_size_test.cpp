@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "jaculus/dynamics/loop_closure.h"
+#include "jaculus/transcription/derivative_check.h"
 #include "support/input_error.h"
 #include "transcription/example_problems.h"
 
@@ -141,6 +142,52 @@ TEST(MotorLimits, HoldVoltageAndSpeedWhereAMotorHasThem) {
   const auto [both, speed] = rows_of(limits + "override: {motors.tail.speed_limit: 100 rad/s}");
   EXPECT_EQ(both, 2 * voltage);
   EXPECT_EQ(speed, voltage / 5);  // one motor of five
+}
+
+/// Speed rows, torques at the joint and friction of the motors, in one small leap.
+TEST(MotorLimits, DerivativesAreExactWithSpeedFrictionAndTorquesAtTheJoint) {
+  Problem problem = extended_problem(
+      "leap_tail",
+      "override: {motors.*.speed_limit: 100 rad/s, motors.*.viscous_friction: 0.02}\n"
+      "constraints: [{type: motor_limits}]\n"
+      "objective: {maximise: [{type: mean_acceleration}], minimise: [{type: torque_squared, at: "
+      "joint, per: 2 N m}]}\n");
+  problem = test::on_grid(problem, {3, 2});
+  NonlinearProgram program(problem, test::model_of(problem));
+  const Vector x = random_point(program, initial_guess(program, problem.guess, 0), 0.03, 1);
+  const DerivativeReport report = check_derivatives(program, x);
+  ASSERT_TRUE(report.defined);
+  // as for the terms of the catalogue
+  EXPECT_LT(report.gradient.error, 1e-6) << report.gradient.column;
+  EXPECT_LT(report.jacobian.error, 1e-6) << report.jacobian.row << report.jacobian.column;
+  EXPECT_LT(report.hessian.error, 1e-6) << report.hessian.row << report.hessian.column;
+}
+
+/// The tail's gear of 4 at an efficiency of 0.8: its torque counts 1 / (3.2)^2 before the gear.
+TEST(MotorLimits, TorquesCountBeforeTheGearOrAtTheJoint) {
+  const auto cost_of = [](const std::string& keys) {
+    Problem problem =
+        extended_problem("leap_tail",
+                         "objective: {maximise: [{type: mean_acceleration}], minimise: [{type: "
+                         "torque_squared" +
+                             keys + "}]}");
+    problem = test::on_grid(problem, {3, 2});
+    NonlinearProgram program(problem, test::model_of(problem));
+    Vector x = initial_guess(program, problem.guess, 0);
+    const Layout& layout = program.layout();
+    double values[2];
+    for (const double torque : {0.0, 3.2}) {  // of the tail alone
+      for (const IntervalBlock& interval : layout.intervals) {
+        x.segment(interval.u_first, layout.n_u).setZero();
+        x[interval.u_first + layout.n_u - 1] = torque;
+      }
+      EXPECT_TRUE(program.objective(x, values[torque > 0.0 ? 1 : 0]));
+    }
+    return values[1] - values[0];
+  };
+  const double before = cost_of(""), at_joint = cost_of(", at: joint");
+  EXPECT_NEAR(at_joint, before * 3.2 * 3.2, 1e-9 * at_joint);
+  EXPECT_NEAR(cost_of(", at: joint, per: 2 N m"), at_joint / 4.0, 1e-9 * at_joint);
 }
 
 }  // namespace

@@ -21,6 +21,10 @@ std::string number(double value) {
   return fmt::format("{:.6g}", std::abs(value) < 1e-9 ? 0.0 : value);
 }
 
+/// Of motors whose speed nobody stated, for plans; those of the quadrupeds that state one turn their
+/// joints at 20 to 50 rad/s.
+constexpr double kAssumedSpeed = 30.0;
+
 std::string head(const Draft& draft, const Dropped& d) {
   std::string text = fmt::format(
       "# Proposed by `jaculus robot import` from {}. Lines that begin with `# fill in` are what "
@@ -100,44 +104,66 @@ bool is_dependent(const Draft& draft, const DraftJoint& joint) {
   return false;
 }
 
+/// What a file says of the motor at a joint.
+struct StatedMotor {
+  std::string name;           ///< quoted
+  std::string keys;           ///< speed_limit and rotor_inertia
+  double effort = kInfinity;  ///< [N m or N]
+  bool fast_known = true;     ///< or slides, where no speed is assumed
+};
+
+StatedMotor stated_motor(const Draft& draft, const DraftJoint& joint) {
+  const SpatialJoint& first = draft.tree.joints[joint.spatial.front()];
+  const bool slides = first.kind == SpatialJointKind::prismatic;
+  StatedMotor motor{quoted(joint.name), "", first.effort, std::isfinite(first.velocity) || slides};
+  if (std::isfinite(first.velocity)) {
+    motor.keys = fmt::format(", speed_limit: {}", number(first.velocity));
+  } else if (!slides) {
+    motor.keys = fmt::format(", speed_limit: {}", number(kAssumedSpeed));
+  }
+  const auto armature = draft.armature.find(first.name);
+  if (armature != draft.armature.end() && !slides)
+    motor.keys += fmt::format(", rotor_inertia: {}", number(armature->second));
+  return motor;
+}
+
 /// Files state an effort for joints that motors drive; where some have one, the others are passive.
 std::string motors(Draft& draft) {
   bool any = false;
   const std::vector<DraftJoint> joints = joints_of(draft);
-  const auto effort = [&](const DraftJoint& joint) {
-    return draft.tree.joints[joint.spatial.front()].effort;
-  };
-  for (const DraftJoint& joint : joints) any = any || std::isfinite(effort(joint));
+  for (const DraftJoint& joint : joints)
+    any = any || std::isfinite(stated_motor(draft, joint).effort);
 
-  std::string text, unknown;
+  std::string text, unknown, unknown_speed;
+  const auto list = [](std::string& names, const std::string& name) {
+    names += (names.empty() ? "" : ", ") + name;
+  };
   for (const DraftJoint& joint : joints) {
     if (is_dependent(draft, joint)) continue;
-    const SpatialJoint& first = draft.tree.joints[joint.spatial.front()];
-    const bool slides = first.kind == SpatialJointKind::prismatic;
-    const std::string fast = std::isfinite(first.velocity)
-                                 ? fmt::format(", speed_limit: {}", number(first.velocity))
-                                 : "";
-    const auto armature = draft.armature.find(first.name);
-    const std::string rotor = armature == draft.armature.end() || slides
-                                  ? ""
-                                  : fmt::format(", rotor_inertia: {}", number(armature->second));
-    const std::string name = quoted(joint.name);
-    if (std::isfinite(effort(joint))) {
-      text += fmt::format("  {}: {{kind: ideal, torque_limit: {}{}{}}}\n", name,
-                          number(effort(joint)), fast, rotor);
-      continue;
-    }
-    unknown += (unknown.empty() ? "" : ", ") + joint.name;
-    text += any ? fmt::format(
-                      "  # fill in if a motor drives it: {}: {{kind: ideal, torque_limit: "
-                      "...{}{}}}\n",
-                      name, fast, rotor)
-                : fmt::format("  {}: {{kind: ideal{}{}}}   # fill in torque_limit\n", name, fast,
-                              rotor);
+    const StatedMotor motor = stated_motor(draft, joint);
+    const bool known = std::isfinite(motor.effort);
+    if (!known) list(unknown, joint.name);
+    if (!motor.fast_known && known == any) list(unknown_speed, joint.name);
+
+    const std::string fill =
+        known ? (motor.fast_known ? "" : "   # fill in speed_limit")
+              : fmt::format("   # fill in torque_limit{}", motor.fast_known ? "" : ", speed_limit");
+    text += known ? fmt::format("  {}: {{kind: ideal, torque_limit: {}{}}}{}\n", motor.name,
+                                number(motor.effort), motor.keys, fill)
+            : any ? fmt::format(
+                        "  # fill in if a motor drives it: {}: {{kind: ideal, torque_limit: "
+                        "...{}}}\n",
+                        motor.name, motor.keys)
+                  : fmt::format("  {}: {{kind: ideal{}}}{}\n", motor.name, motor.keys, fill);
   }
+
   if (!unknown.empty())
     draft.missing.push_back(fmt::format("motors: the file states no largest torque of {}{}",
                                         unknown, any ? "; no motor is assumed there" : ""));
+  if (!unknown_speed.empty())
+    draft.missing.push_back(fmt::format(
+        "motors: the file states no speed of {}; plans with motor_limits keep below {:.4g} rad/s",
+        unknown_speed, kAssumedSpeed));
   const bool none = text.find("\n  \"") == std::string::npos && !text.starts_with("  \"");
   return text.empty()
              ? ""
