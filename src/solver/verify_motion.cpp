@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "jaculus/components/motor.h"
 #include "jaculus/dynamics/rigid_body.h"
 
 namespace jaculus::solver::detail {
@@ -10,6 +11,17 @@ namespace jaculus::solver::detail {
 namespace {
 constexpr int kLedger = 6;          // feet x, z; drag x, z; motors' work; drag's work
 constexpr int kMostSteps = 200000;  // of one call; a plan takes hundreds
+
+/// Power of the motors' own friction at these rates, left and right [W].
+double friction_power(const model::PlanarModel& model, const ConstVectorRef& v) {
+  double power = 0.0;
+  for (const model::PlanarMotor& motor : model.motors) {
+    const double rate = model.joint_map.row(motor.body).dot(v);
+    power += motor.count * components::motor_friction(motor, rate).value * rate;
+  }
+  return power;
+}
+
 }  // namespace
 
 Motion78::Motion78(const components::Equations& equations, double tolerance)
@@ -57,7 +69,7 @@ void Motion78::rates(const IntervalInput& input, const State& x, State& dx, doub
   for (int k = 0; k < p.force.size(); k += 2) feet += p.force.segment<2>(k);
   out.segment<2>(2 * n_) = feet;
   out.segment<2>(2 * n_ + 2) = equations_.drag_force(p);
-  out[2 * n_ + 4] = v.dot(equations_.tree().input_map * u);
+  out[2 * n_ + 4] = v.dot(equations_.tree().input_map * u) + friction_power(equations_.model(), v);
   out[2 * n_ + 5] = equations_.drag_power(p);
 }
 

@@ -25,7 +25,7 @@ struct IntervalInput {
 struct Ledger {
   Vec2 feet = Vec2::Zero();  ///< [N s]
   Vec2 drag = Vec2::Zero();  ///< [N s]
-  double motor_work = 0.0;   ///< [J]
+  double motor_work = 0.0;   ///< less the motors' own friction [J]
   double drag_work = 0.0;    ///< [J]
   double impact_work = 0.0;  ///< [J]
 };

@@ -166,6 +166,18 @@ TEST(Plan, ActiveLimitsNameBoundsInputsAndDurations) {
   EXPECT_EQ(duration->phase, "rear_feet");
 }
 
+TEST(Plan, EnergyBalancesWithTheFrictionOfTheMotors) {
+  // Work at the joint is the potential energy gained, 2 x 9.81 J; the motor itself makes more.
+  const Plan plan = solve(test::extended_problem(
+      "pendulum_swing_up", "override: {motors.swing.viscous_friction: 0.05}"));
+  ASSERT_TRUE(plan.converged());
+  ASSERT_TRUE(plan.verification.has_value());
+  const PlanVerification& v = *plan.verification;
+  EXPECT_TRUE(v.passed);
+  EXPECT_LT(v.motion_energy_balance, 1e-8);
+  EXPECT_NEAR(v.motor_work, 2.0 * 9.81, 0.02);
+}
+
 TEST(Plan, VerificationFailsWhatIsNoNumberAndWhatIsFarBeyondALimit) {
   transcription::NonlinearProgram program = test::make_program(coarse_leap(""));
   const Plan plan = solve(coarse_leap(""));
