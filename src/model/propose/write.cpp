@@ -21,8 +21,8 @@ std::string number(double value) {
   return fmt::format("{:.6g}", std::abs(value) < 1e-9 ? 0.0 : value);
 }
 
-/// Of motors whose speed nobody stated, for plans; those of the quadrupeds that state one turn their
-/// joints at 20 to 50 rad/s.
+/// Of motors whose speed nobody stated, for plans; quadrupeds that state one turn their joints at
+/// 20 to 50 rad/s.
 constexpr double kAssumedSpeed = 30.0;
 
 std::string head(const Draft& draft, const Dropped& d) {
