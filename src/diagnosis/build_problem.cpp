@@ -199,11 +199,13 @@ Prepared prepare(BuiltProblem built, const ProblemBuilder& rebuild) {
 
 Comparison first_comparison(const Problem& problem, NoiseModel noise) {
   Comparison comparison = comparison_about(problem, with_random_effects(problem, std::move(noise)));
-  if (problem.hypotheses.nuisances.empty()) return comparison;
+  const std::vector<int>& gains = problem.hypotheses.gains;
+  if (gains.empty()) return comparison;
 
   for (int round = 0; round < 2; ++round) {
-    const Fit none = fit_model(problem, comparison.whitening, problem.hypotheses.nuisances,
-                               {comparison.noise.p});
+    FitOptions options;
+    options.rounds = 1;  // what noise is about needs no more
+    const Fit none = fit_model(problem, comparison.whitening, gains, {comparison.noise.p}, options);
     if (!none.valid) break;
     NoiseModel again = estimate_noise(problem, none.p, comparison.noise.alignments);
     if (!again.valid()) break;
@@ -212,19 +214,29 @@ Comparison first_comparison(const Problem& problem, NoiseModel noise) {
   return comparison;
 }
 
-Fit fit_members(const Problem& problem, const Whitening& whitening, const Vector& p,
-                const std::vector<int>& members) {
-  Fit model = fit_model(problem, whitening, problem.hypotheses.nuisances, {p});
+Fit fit_members_by_slopes(const Problem& problem, const Whitening& whitening,
+                          const LinearTolerances& linear, const std::vector<int>& members) {
+  FitOptions options;
+  if (linear.slopes.cols() > 0) options.by_slopes = &linear;
+  Fit model = fit_model(problem, whitening, problem.hypotheses.nuisances(), {linear.p}, options);
   for (int k = 0; k < count_of(members) && model.valid; ++k) {
     const Standing standing = standing_of(problem, whitening, model);
     const Probe probe =
         probe_candidate(problem, whitening, model, standing, members[k], Screening::line_search);
     const std::vector<int> joined(members.begin(), members.begin() + k + 1);
     model = fit_model(problem, whitening, problem.hypotheses.freed_by(joined),
-                      fit_starts(problem, model.p, members[k], probe));
-    if (k == 0) model = fit_around(problem, whitening, model);
+                      fit_starts(problem, model.p, members[k], probe), options);
+    if (k == 0) model = fit_around(problem, whitening, model, options);
   }
   return model;
+}
+
+Fit fit_members(const Problem& problem, const Whitening& whitening, const Vector& p,
+                const std::vector<int>& members) {
+  const LinearTolerances linear = linear_tolerances(problem, whitening, p);
+  Fit model = fit_members_by_slopes(problem, whitening, linear, members);
+  if (!model.valid || linear.slopes.cols() == 0) return model;
+  return fit_model(problem, whitening, model.free, {model.p, model.simulated});
 }
 
 }  // namespace jaculus::diagnosis

@@ -42,11 +42,15 @@ struct Prepared {
 };
 Prepared prepare(BuiltProblem built, const ProblemBuilder& rebuild);
 
-/// The space in which models are compared first: nuisances of whole datasets are fitted, and
-/// everything is about them.
+/// The space in which models are compared first: gains are fitted, and everything is about them and
+/// the files' values.
 Comparison first_comparison(const Problem& problem, NoiseModel noise);
 
-/// All of some candidates fitted, one joining the others after another; p: where the rest stays.
+/// All of some candidates fitted, one joining the others after another, with tolerances by their
+/// slopes; linear.p: where the rest stays.
+Fit fit_members_by_slopes(const Problem& problem, const Whitening& whitening,
+                          const LinearTolerances& linear, const std::vector<int>& members);
+/// The same and then with tolerances simulated.
 Fit fit_members(const Problem& problem, const Whitening& whitening, const Vector& p,
                 const std::vector<int>& members);
 

@@ -59,6 +59,7 @@ Diagnosis answered(const Prepared& prepared, const Selection& selection,
   out.lacking_probability = statement.lacking_probability;
   out.lacking = statement.lacking;
   out.rivals = statement.rivals;
+  out.stated = statement.stated;
   out.none = statement.none;
   out.model = statement.model;
   out.predictions = selection.search.predictions;
@@ -105,9 +106,9 @@ Diagnosis run_pipeline(BuiltProblem built, const ProblemBuilder& rebuild,
   if (!prepared.built.forward || present == nullptr) return out;
 
   tell(options, "where the gap lies");
-  out.where =
-      localise(problem, *prepared.built.forward, selection, statement.posterior, statement.verdict);
-  out.where->postures = postures_of(problem, *prepared.built.forward, *out.noise, out.none.p,
+  out.where = localise(problem, *prepared.built.forward, selection, statement.stated.p,
+                       statement.posterior, statement.verdict);
+  out.where->postures = postures_of(problem, *prepared.built.forward, *out.noise, out.stated.p,
                                     out.model.p, out.where->departure);
   if (out.rivals.size() == 2) {
     tell(options, "what to do next");
@@ -224,11 +225,15 @@ HeldOut held_out_with(const std::vector<trajectory::Dataset>& datasets,
   if (!model.valid) return {};
 
   const Relinearised about = relinearise(problem, std::move(comparison), model);
-  const Fit none = fit_model(problem, about.comparison.whitening, problem.hypotheses.nuisances,
+  const Fit none = fit_model(problem, about.comparison.whitening, problem.hypotheses.nuisances(),
                              {problem.hypotheses.nominal()});
-  if (!none.valid) return {};
-  return held_out(problem, about.comparison, none, about.fit,
-                  tolerance_variances(problem, about.comparison));
+  const Fit stated = as_stated(problem, about.comparison.whitening);
+  if (!none.valid || !stated.valid) return {};
+  const Folds folds = folds_of(problem.observations, problem.settings);
+  const auto judged = [&](const Fit& fit) {
+    return judge_fit(problem, about.comparison, folds, fit);
+  };
+  return held_out(problem, folds, judged(stated), judged(none), judged(about.fit));
 }
 
 }  // namespace jaculus::diagnosis

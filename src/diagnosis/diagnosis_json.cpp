@@ -164,8 +164,7 @@ Json gap_json(const Diagnosis& d) {
       {"before", json_number(d.gap.before)},
       {"after", json_number(d.gap.after)},
       {"noise_floor", 1.0},
-      {"beyond_tolerances",
-       {{"before", json_number(d.gap.beyond_before)}, {"after", json_number(d.gap.beyond_after)}}},
+      {"within_tolerances", json_number(d.gap.adjusted)},
       {"energy_explained", d.gap.valid ? json_number(1.0 - (d.gap.after * d.gap.after - 1.0) /
                                                                (d.gap.before * d.gap.before - 1.0))
                                        : Json(nullptr)},

@@ -23,9 +23,9 @@ std::optional<BaselineProblem> baseline_problem(const std::vector<trajectory::Da
 
   BaselineProblem ready{built.problem, *built.forward, std::move(noise), {}, {}};
   ready.whitening = diagnosis::whitening_of(problem, ready.noise);
-  ready.base = fit_model(problem, ready.whitening, problem.hypotheses.nuisances, {nominal});
+  ready.base = fit_model(problem, ready.whitening, problem.hypotheses.gains, {nominal});
   if (!ready.base.valid || ready.whitening.rows == 0) return {};
-  if (!problem.hypotheses.nuisances.empty()) {
+  if (!problem.hypotheses.gains.empty()) {
     diagnosis::NoiseModel again =
         diagnosis::estimate_noise(problem, ready.base.p, ready.noise.alignments);
     if (again.valid()) ready.noise = std::move(again);

@@ -195,7 +195,7 @@ PredictedRows predicted(const diagnosis::Diagnosis& diagnosis) {
     const diagnosis::PredictionSet set = diagnosis::predict_all(problem, p);
     return set.valid ? diagnosis::rows_of(problem, alignments, set) : nothing;
   };
-  rows.nominal = predict(diagnosis.none.p);
+  rows.nominal = predict(diagnosis.stated.p);
   rows.best = predict(diagnosis.model.p);
   return rows;
 }

@@ -30,7 +30,8 @@ struct Fitted {
     }
   }
   [[nodiscard]] HeldOutGaps gaps(const Posterior& posterior) const {
-    return {*problem, comparison, posterior, search.models.front().fit};
+    const Fit& none = search.models.front().fit;
+    return {*problem, comparison, posterior, none, none};
   }
 
   std::shared_ptr<Problem> problem;

@@ -23,12 +23,10 @@ Matrix normal_matrix(Eigen::Index rows, Eigen::Index cols, unsigned seed) {
                              [&](Eigen::Index, Eigen::Index) { return normal(generator); });
 }
 
-/// Two blocks of rows, two groups of columns that change places between them, two tolerances.
+/// Two blocks of rows, two groups of columns that change places between them.
 RandomEffects small_effects(int rows_each, int columns) {
   RandomEffects effects;
   effects.groups = {{"a", 0}, {"b", 1}};
-  effects.tolerances = normal_matrix(2 * rows_each, 2, 7);
-  effects.tolerance_gram = effects.tolerances.transpose() * effects.tolerances;
   for (int b = 0; b < 2; ++b) {
     RandomBlock block;
     block.first = b * rows_each;
@@ -36,17 +34,15 @@ RandomEffects small_effects(int rows_each, int columns) {
     block.columns = normal_matrix(rows_each, columns, 11 + b);
     for (int k = 0; k < columns; ++k) block.group.push_back((k + b) % 2);
     block.gram = block.columns.transpose() * block.columns;
-    block.with_tolerances =
-        block.columns.transpose() * effects.tolerances.middleRows(block.first, block.count);
     effects.blocks.push_back(block);
   }
   return effects;
 }
 
-/// I + G S^2 G^T + C C^T.
+/// I + G S^2 G^T.
 Matrix covariance(const RandomEffects& effects, const Vector& scales) {
-  const Eigen::Index n = effects.tolerances.rows();
-  Matrix V = Matrix::Identity(n, n) + effects.tolerances * effects.tolerances.transpose();
+  const Eigen::Index n = effects.blocks.back().first + effects.blocks.back().count;
+  Matrix V = Matrix::Identity(n, n);
   for (const RandomBlock& block : effects.blocks)
     for (int k = 0; k < count_of(block.group); ++k)
       V.block(block.first, block.first, block.count, block.count) +=
@@ -87,40 +83,19 @@ TEST(RandomEffects, WeightsAreTheInverseOfTheCovariance) {
   }
 }
 
-TEST(RandomEffects, ToleranceStandsBesideColumnsAsIfItHadBeenPutTogetherSo) {
-  const RandomEffects effects = small_effects(12, 4);
-  const Matrix Y = normal_matrix(24, 3, 8);
-  const RandomEffects beside = beside_columns(effects, Y);
-  EXPECT_LT((Y.transpose() * beside.tolerances).norm(), 1e-10);
-  EXPECT_LT((beside.tolerance_gram - beside.tolerances.transpose() * beside.tolerances).norm(),
-            1e-10);
-  for (const RandomBlock& block : beside.blocks) {
-    const Matrix expected =
-        block.columns.transpose() * beside.tolerances.middleRows(block.first, block.count);
-    EXPECT_LT((block.with_tolerances - expected).norm(), 1e-10);
-  }
-}
-
 TEST(Widening, IsOneOnTheMeanWhereTheCovarianceIsTrue) {
-  // Forty windows that tolerances couple; residuals drawn by their covariance.
+  // Forty windows; residuals drawn by their covariance.
   RandomEffects effects = small_effects(6, 2);
-  effects.tolerances = normal_matrix(240, 3, 31);
-  effects.tolerance_gram = effects.tolerances.transpose() * effects.tolerances;
   const RandomBlock like = effects.blocks.front();
   effects.blocks.assign(40, like);
-  for (int w = 0; w < 40; ++w) {
-    effects.blocks[w].first = 6 * w;
-    effects.blocks[w].with_tolerances =
-        like.columns.transpose() * effects.tolerances.middleRows(6 * w, 6);
-  }
+  for (int w = 0; w < 40; ++w) effects.blocks[w].first = 6 * w;
   Whitening whitening;
   whitening.rows = 240;
   whitening.random = effects;
   Fit fit;
   fit.scales = Vector{{0.7, 0.4}};
   fit.jacobian = Matrix(normal_matrix(240, 1, 32).array() + 0.5);
-  const RandomEffects beside = beside_columns(effects, fit.jacobian);
-  const Eigen::LLT<Matrix> V(covariance(beside, fit.scales));
+  const Eigen::LLT<Matrix> V(covariance(effects, fit.scales));
   const Matrix H = fit.jacobian.transpose() * V.solve(fit.jacobian) + Matrix::Identity(1, 1);
   fit.covariance = H.inverse();
 
@@ -146,7 +121,6 @@ TEST(Columns, SideBySideAndMovedHaveTheProductsOfTheWhole) {
   for (const Columns& built : {side_by_side(a, b), first_moved(a, moved)}) {
     const Products whole = products_of(effects, built.X);
     EXPECT_LT((built.products.gram - whole.gram).norm(), 1e-10);
-    EXPECT_LT((built.products.tolerances - whole.tolerances).norm(), 1e-10);
     for (std::size_t i = 0; i < whole.blocks.size(); ++i)
       EXPECT_LT((built.products.blocks[i] - whole.blocks[i]).norm(), 1e-10);
   }
@@ -210,9 +184,7 @@ TEST(RandomEffects, MoreSamplesOfTheSameForceAddLittleEvidence) {
     const int rows = i == 0 ? 10 : 1000;
     RandomEffects effects;
     effects.groups = {{"force", 0}};
-    effects.tolerances.resize(rows, 0);
-    effects.tolerance_gram.resize(0, 0);
-    RandomBlock block{0, rows, Matrix::Constant(rows, 1, 10.0), {0}, {}, Matrix(1, 0)};
+    RandomBlock block{0, rows, Matrix::Constant(rows, 1, 10.0), {0}, {}};
     block.gram = block.columns.transpose() * block.columns;
     effects.blocks = {block};
     const Products products = products_of(effects, 3.0 * block.columns);

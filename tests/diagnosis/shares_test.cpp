@@ -22,7 +22,7 @@ struct Fitted {
       : problem(toy_problem(truth)),
         comparison(comparison_about(*problem, estimate_noise(*problem, Vector::Zero(4)))),
         none(fit_model(*problem, comparison.whitening, {}, {Vector::Zero(4)})),
-        gaps(*problem, comparison, posterior, none) {
+        gaps(*problem, comparison, posterior, none, none) {
     model.candidates = members;
     Vector start = Vector::Zero(4);  // what is not freed stays
     for (const int i : members) start[i] = 0.1;

@@ -69,7 +69,7 @@ TEST(UnknownGains, LeaveTheScaleOfADutyOpenToo) {
 TEST(UnknownGains, AreSharedByDatasetsThatStateTheSameController) {
   const ObservedDataset one = leap(Quantity::duty);
   ObservedDataset other = one;
-  EXPECT_EQ(hypotheses_of({one, other}).nuisances.size(), 3U);
+  EXPECT_EQ(hypotheses_of({one, other}).gains.size(), 3U);
   EXPECT_TRUE(same_controller(one.dataset.controller, other.dataset.controller));
   other.dataset.controller.kp["*"].range.upper = 1.3;
   EXPECT_FALSE(same_controller(one.dataset.controller, other.dataset.controller));

@@ -17,7 +17,7 @@ VerdictEvidence plain() {
   e.naming = Naming::sure;
   e.effects = 1;
   e.gap.valid = true;
-  e.gap.before = e.gap.beyond_before = 10.0;
+  e.gap.before = e.gap.adjusted = 10.0;
   e.gap.after = 1.1;
   e.gap.log_gain = 100.0;
   e.gap.shrink = 0.99;
@@ -44,7 +44,7 @@ TEST(VerdictRules, NoneWhereItIsProbable) {
 
 TEST(VerdictRules, NoneWhereASmallGapIsHardlyPredictedBetter) {
   VerdictEvidence e = plain();
-  e.gap.before = e.gap.beyond_before = 1.2;
+  e.gap.before = e.gap.adjusted = 1.2;
   e.gap.after = 1.17;  // 2.5 % of a small gap
   e.gap.shrink.reset();
   EXPECT_EQ(rule_of(e), "small gap");
@@ -52,7 +52,7 @@ TEST(VerdictRules, NoneWhereASmallGapIsHardlyPredictedBetter) {
   e.unexplained = 0.9;
   EXPECT_EQ(decide(e, {}).verdict, Verdict::none);
   e = plain();
-  e.gap.before = e.gap.beyond_before = 1.4;
+  e.gap.before = e.gap.adjusted = 1.4;
   e.gap.after = 1.0;
   e.gap.log_gain = 19.0;
   EXPECT_EQ(rule_of(e), "small gap");
@@ -64,9 +64,9 @@ TEST(VerdictRules, NoneWhereTheGapIsWithinTheBuildersTolerances) {
   VerdictEvidence e = plain();
   e.naming = Naming::nothing;
   e.unexplained = 0.9;
-  e.gap.beyond_before = 1.2;
+  e.gap.adjusted = 1.2;
   EXPECT_EQ(rule_of(e), "small gap");
-  e.gap.beyond_before = 3.0;
+  e.gap.adjusted = 3.0;
   EXPECT_EQ(rule_of(e), "unknown structure");
 }
 
@@ -80,7 +80,7 @@ TEST(VerdictRules, UnexplainedWhereStructureIsUnknown) {
 
 TEST(VerdictRules, UnexplainedWhereHeldOutDataAreNotPredictedBetter) {
   VerdictEvidence e = plain();
-  e.gap.before = e.gap.beyond_before = 4.0;
+  e.gap.before = e.gap.adjusted = 4.0;
   e.gap.after = 3.9;
   EXPECT_EQ(rule_of(e), "no better prediction");
   e = plain();
@@ -90,7 +90,7 @@ TEST(VerdictRules, UnexplainedWhereHeldOutDataAreNotPredictedBetter) {
 
 TEST(VerdictRules, PartialWhereForcesRemainThatAreWorthStating) {
   VerdictEvidence e = plain();
-  e.gap.before = e.gap.beyond_before = 20.0;
+  e.gap.before = e.gap.adjusted = 20.0;
   e.gap.after = 3.5;  // 3 % of the energy
   EXPECT_EQ(rule_of(e), "one effect");
   e.lacking = 0.9;
@@ -102,7 +102,7 @@ TEST(VerdictRules, PartialWhereForcesRemainThatAreWorthStating) {
 
 TEST(VerdictRules, WhatIsEstablishedIsNotClearedBecauseMoreRemains) {
   VerdictEvidence e = plain();
-  e.gap.before = e.gap.beyond_before = 50.0;
+  e.gap.before = e.gap.adjusted = 50.0;
   e.gap.after = 30.0;  // 36 % of the energy
   e.lacking = 1.0;
   EXPECT_TRUE(names_effects(decide(e, {}).verdict));
@@ -110,7 +110,7 @@ TEST(VerdictRules, WhatIsEstablishedIsNotClearedBecauseMoreRemains) {
 
 TEST(VerdictRules, UnexplainedWhereMoreIsLeftThanExplained) {
   VerdictEvidence e = plain();
-  e.gap.before = e.gap.beyond_before = 50.0;
+  e.gap.before = e.gap.adjusted = 50.0;
   e.gap.after = 40.0;  // 64 % of the energy
   e.lacking = 1.0;
   EXPECT_EQ(rule_of(e), "less than is left");
@@ -164,7 +164,7 @@ Stated stated(const std::vector<std::string>& effects) {
   Stated out;
   for (const std::string& name : effects) out.effects.push_back({name, "", 1.0, {}, {}});
   out.gap.valid = true;
-  out.gap.before = out.gap.beyond_before = 4.0;
+  out.gap.before = out.gap.adjusted = 4.0;
   out.gap.after = 1.0;
   out.ranking = {{"a + b", 50.0, 1.0, 0.9, {"a", "b"}},
                  {"a", 45.0, 1.0, 0.1, {"a"}},
@@ -205,7 +205,7 @@ TEST(Calibration, HasLowConfidenceInAnEffectThatHeldOutDataDoNotSetApart) {
   Stated rivalled = clear, small = clear, left = clear, unjudged = clear;
   unjudged.gap.valid = false;
   rivalled.ranking[2].held_out_error = 1.05;  // c leaves hardly more
-  small.gap.before = small.gap.beyond_before = 1.4;
+  small.gap.before = small.gap.adjusted = 1.4;
   left.gap.after = 1.8;
   EXPECT_TRUE(doubts(Verdict::effect, clear.gap, clear.effects, clear.ranking, {}).empty());
   EXPECT_GT(

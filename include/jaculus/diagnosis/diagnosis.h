@@ -95,7 +95,7 @@ struct Diagnosis {
   std::vector<FoundEffect> effects;  ///< most probable first; empty where the verdict names none
   std::vector<Ranked> ranking;
   std::vector<OneOff> disturbances;
-  HeldOut gap;                    ///< of `model` against `none`
+  HeldOut gap;                    ///< of `model` against `stated` and `none`
   Tolerances tolerances;          ///< that the user named
   std::optional<double> horizon;  ///< by which they are judged [s]; nothing: the whole motion
   Agreement agreement;            ///< of `model` with every dataset
@@ -106,7 +106,8 @@ struct Diagnosis {
   std::optional<Localisation> where;
   std::optional<NextExperiment> next;
   std::vector<FittedModel> rivals;  ///< of an ambiguous verdict: its two most probable models
-  FittedModel none;                 ///< nominal, nuisances of whole datasets fitted
+  FittedModel stated;               ///< as files have it, unknown gains fitted
+  FittedModel none;                 ///< the same with the builder's tolerances fitted
   FittedModel model;  ///< whose gap is stated: what the verdict names, else the most evident one
   long predictions = 0;
   Settings settings;

@@ -14,7 +14,7 @@ namespace jaculus::diagnosis {
 struct HorizonGap {
   double horizon = kInfinity;          ///< since the start; infinite: the whole motion [s]
   double reach = kNaN;                 ///< of the last sample judged, since the start [s]
-  double before = kNaN, after = kNaN;  ///< of the nominal and of the augmented model [unit]
+  double before = kNaN, after = kNaN;  ///< of the model as stated and of the fitted one [unit]
   double floor = kNaN;  ///< expected of a perfect model: noise, and what starts leave open [unit]
 };
 
@@ -41,10 +41,10 @@ struct HeldOut {
   bool valid = false;
   std::string over;  ///< "conditions" (datasets), "trials", "time"
   int folds = 0;
-  double before = kNaN, after = kNaN;  ///< [noise floors]
-  /// The same in floors to which the builder's tolerances add.
-  double beyond_before = kNaN, beyond_after = kNaN;
-  double log_gain = kNaN;  ///< log density of all judged rows together, after less before
+  double before = kNaN;    ///< of the model as its files state it [noise floors]
+  double adjusted = kNaN;  ///< of that with tolerances fitted and no effect [noise floors]
+  double after = kNaN;     ///< of the fitted model, effects and tolerances [noise floors]
+  double log_gain = kNaN;  ///< log density of all judged rows together, after less adjusted
   std::optional<double> shrink;
   Bounds ci95{kNaN, kNaN};                        ///< of shrink
   std::vector<FoldGap> by_fold;                   ///< NaN where a fold could not be judged

@@ -38,13 +38,20 @@ Vector Hypotheses::unscaled(const std::vector<int>& free, const Vector& u, Vecto
   return p;
 }
 
+std::vector<int> Hypotheses::nuisances() const {
+  std::vector<int> all = gains;
+  all.insert(all.end(), tolerances.begin(), tolerances.end());
+  return all;
+}
+
 std::vector<int> Hypotheses::freed_by(const std::vector<int>& members) const {
   std::vector<int> free;
   for (const int c : members) {
     const std::vector<int>& own = candidates[c].parameters;
     free.insert(free.end(), own.begin(), own.end());
   }
-  free.insert(free.end(), nuisances.begin(), nuisances.end());
+  const std::vector<int> fitted = nuisances();
+  free.insert(free.end(), fitted.begin(), fitted.end());
   return free;
 }
 

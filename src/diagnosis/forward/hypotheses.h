@@ -2,12 +2,13 @@
 // The parameters that a diagnosis may move, as a flat vector, and the candidates that free some of
 // them. The statistics know nothing of robots: they see this list and a forward model (forward.h).
 //
-//   p = [effects' parameters | dataset-wide nuisances (unknown gains, feed-forward scale) |
-//        start offsets | builder's tolerances | forces that the plant lacks]
-// Effects' parameters are zero-cost at nominal. Nuisances with wide priors are fitted along with
-// every candidate. Start offsets are free in every segment; tolerances and forces are random
-// effects of a dataset (noise/random_effects.h). These three enter through their sensitivities
-// alone.
+//   p = [effects' parameters | unknown gains and feed-forward scales | start offsets |
+//        builder's tolerances | forces that the plant lacks]
+// Effects' parameters are zero-cost at nominal. Unknown gains, with wide priors, and tolerances, by
+// what the builder vouches for, are nuisances: every model fits its own. A tolerance alone may move
+// a robot so far (a landing, two seconds of free swing) that slopes at the files' own values say
+// nothing of it. Start offsets are free in every segment, forces are random effects of a dataset
+// (noise/random_effects.h): these two enter through their sensitivities alone.
 
 #include <cmath>
 #include <memory>
@@ -20,7 +21,7 @@
 namespace jaculus::diagnosis {
 
 struct FreeParameter {
-  std::string owner;  ///< effect, or "nuisance", "start"
+  std::string owner;  ///< effect, or "nuisance", "start", "tolerance", "force"
   std::string name;
   std::string unit;
   double nominal = 0.0;
@@ -57,9 +58,9 @@ struct Hypotheses {
   std::shared_ptr<const std::vector<effects::Effect>> effects;
   std::vector<FreeParameter> parameters;
   std::vector<Candidate> candidates;
-  std::vector<int> nuisances;   ///< indices
+  std::vector<int> gains;       ///< indices, of factors that files don't state
   std::vector<int> starts;      ///< indices; free in every segment
-  std::vector<int> tolerances;  ///< indices
+  std::vector<int> tolerances;  ///< indices, in deviations that the builder vouches for
   std::vector<ForceGroup> forces;
 
   [[nodiscard]] Vector nominal() const;
@@ -67,6 +68,8 @@ struct Hypotheses {
   [[nodiscard]] Vector scaled(const std::vector<int>& free, const Vector& p) const;
   /// p with the parameters `free` set from u, within their bounds.
   [[nodiscard]] Vector unscaled(const std::vector<int>& free, const Vector& u, Vector p) const;
+  /// Unknown gains, then tolerances: what every model fits.
+  [[nodiscard]] std::vector<int> nuisances() const;
   /// Indices of the parameters that a model of some candidates frees: theirs, then the nuisances.
   [[nodiscard]] std::vector<int> freed_by(const std::vector<int>& members) const;
   [[nodiscard]] int candidate(const std::string& name) const;  ///< index, -1 where there is none

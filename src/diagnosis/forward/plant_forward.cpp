@@ -106,7 +106,8 @@ void add_tolerances(Model& model) {
       base.tolerance_of.push_back(parameter);
       if (same != h.tolerances.end()) continue;
       h.tolerances.push_back(parameter);
-      h.parameters.push_back({"tolerance", direction.name, "deviations", 0.0, 1.0, {}, 1.0});
+      h.parameters.push_back(
+          {"tolerance", direction.name, "deviations", 0.0, 1.0, direction.range, 1.0});
     }
   }
 }

@@ -15,13 +15,17 @@ using simulation::Plant;
 
 using Directions = std::vector<ToleranceDirection>;
 
+/// Nothing within tolerance is off by more than two deviations (model/tolerances.h).
+constexpr Bounds kWithin{-2.0, 2.0};
+constexpr Bounds kNotNegative{0.0, 2.0};
+
 void add(Directions& directions, double deviation, const std::string& name,
          std::function<void(double, Plant&)> move, bool geometry = false) {
   if (deviation == 0.0) return;
-  directions.push_back(
-      {name, geometry, [deviation, move = std::move(move)](double e, Plant& plant, Controller&) {
-         move(deviation * e, plant);
-       }});
+  directions.push_back({name, kWithin, geometry,
+                        [deviation, move = std::move(move)](double e, Plant& plant, Controller&) {
+                          move(deviation * e, plant);
+                        }});
 }
 
 /// Everything that is fixed to a body at a distance from its joint.
@@ -80,10 +84,12 @@ void add_motor(Directions& directions, const PlanarModel& model, int m, const mo
   if (!motor.ideal())
     add(directions, t.resistance, "resistance of " + joint,
         [m](double d, Plant& plant) { plant.model.motors[m].resistance *= 1.0 + d; });
-  add(directions, t.joint_friction * large_force(model, motor, lever), "friction of " + joint,
-      [joint](double d, Plant& plant) {
-        plant.friction.push_back({joint, d});
-      });
+  const double friction = t.joint_friction * large_force(model, motor, lever);
+  if (friction == 0.0) return;
+  add(directions, friction, "friction of " + joint, [joint](double d, Plant& plant) {
+    plant.friction.push_back({joint, d});
+  });
+  directions.back().range = kNotNegative;
 }
 
 /// What the loop reads and does at a motor of the controller's reference.
@@ -99,7 +105,7 @@ void add_loop(Directions& directions, const PlanarModel& model, const model::Tol
     for (const bool derivative : {false, true}) {
       if (t.gain == 0.0) continue;
       const double deviation = t.gain;
-      directions.push_back({std::string(derivative ? "kd of " : "kp of ") + joint, false,
+      directions.push_back({std::string(derivative ? "kd of " : "kp of ") + joint, kWithin, false,
                             [=](double e, Plant&, Controller& controller) {
                               const int m = index_of(controller.reference.motors, joint);
                               Vector& gain = derivative ? controller.kd : controller.kp;

@@ -15,6 +15,7 @@ namespace jaculus::diagnosis {
 
 struct ToleranceDirection {
   std::string name;       ///< "mass of trunk"
+  Bounds range{};         ///< of e
   bool geometry = false;  ///< whether the robot stands otherwise
   std::function<void(double e, simulation::Plant& plant, simulation::Controller& controller)> move;
 };

@@ -48,11 +48,11 @@ double unit_of_gain(const StatedController& controller, const PlanarMotor& motor
 /// The factor of that name, which is added where there is none.
 int add_factor(Hypotheses& hypotheses, const std::string& name, double spread, double widest) {
   const Bounds bounds{-widest * spread, widest * spread};
-  for (const int i : hypotheses.nuisances)
+  for (const int i : hypotheses.gains)
     if (hypotheses.parameters[i].name == name) return i;
-  hypotheses.nuisances.push_back(count_of(hypotheses.parameters));
+  hypotheses.gains.push_back(count_of(hypotheses.parameters));
   hypotheses.parameters.push_back({"nuisance", name, "-", 0.0, spread, bounds});
-  return hypotheses.nuisances.back();
+  return hypotheses.gains.back();
 }
 
 bool feedforward_unknown(const StatedController& stated, bool any_gain_unknown) {

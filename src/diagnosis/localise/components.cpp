@@ -82,9 +82,9 @@ PlayersProblem players_problem(const Problem& problem, const ModelFit& model,
 
   PlayersProblem own{{problem.observations, forward.hypotheses, forward.predict, problem.settings},
                      forward.hypotheses.nominal()};
-  const std::vector<int>& from = problem.hypotheses.nuisances;
-  for (std::size_t i = 0; i < from.size(); ++i)
-    own.p[own.problem.hypotheses.nuisances[i]] = model.fit.p[from[i]];
+  const std::vector<int> from = problem.hypotheses.nuisances(),
+                         to = own.problem.hypotheses.nuisances();
+  for (std::size_t i = 0; i < from.size(); ++i) own.p[to[i]] = model.fit.p[from[i]];
   return own;
 }
 
@@ -215,8 +215,9 @@ void add_indistinguishable(const Problem& problem, const Whitening& whitening,
       if (i == j || a.players[i].member != a.players[j].member) continue;
       if (sj.norm() < problem.settings.component_compared * si.norm()) continue;
       Matrix other(sj.size(), 1 + nuisances.cols());
-      other << sj, nuisances;
-      const double energy = unexplained_energy(whitening.random, model.fit.scales, si, other);
+      other << nuisances, sj;
+      const double energy =
+          unexplained_energy(whitening.random, model.fit.scales, si, other, nuisances.cols());
       if (0.5 * energy < problem.settings.indistinguishable_below)
         add(a.players[i].component, a.players[j].component);
     }

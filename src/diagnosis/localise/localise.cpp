@@ -181,10 +181,10 @@ NoiseModel nominal_in_the_noise_of(const Problem& problem, const Vector& p,
 }  // namespace
 
 Localisation localise(const Problem& problem, const PlantForward& forward,
-                      const Selection& selection, const Posterior& posterior, Verdict verdict) {
+                      const Selection& selection, const Vector& stated, const Posterior& posterior,
+                      Verdict verdict) {
   Localisation where;
-  const Vector& p = posterior.find({})->fit.p;
-  const NoiseModel noise = nominal_in_the_noise_of(problem, p, selection.comparison.noise);
+  const NoiseModel noise = nominal_in_the_noise_of(problem, stated, selection.comparison.noise);
   if (!noise.valid()) {
     where.notes.push_back("the model can't be simulated through this experiment: " +
                           noise.at_p.message);
@@ -202,7 +202,7 @@ Localisation localise(const Problem& problem, const PlantForward& forward,
   if (std::isnan(where.strength)) return where;
 
   where.departure = departure_of(datasets, problem.settings, where.notes);
-  add_windows(problem, datasets, forward, p, where);
+  add_windows(problem, datasets, forward, stated, where);
   ComponentShares shares = component_shares(problem, selection, posterior);
   where.components = std::move(shares.components);
   where.unexplained = shares.unexplained;

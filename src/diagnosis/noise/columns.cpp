@@ -23,7 +23,6 @@ Columns side_by_side(const Columns& a, const Columns& b) {
   both.products.gram << a.products.gram, across, across.transpose(), b.products.gram;
   for (std::size_t i = 0; i < a.products.blocks.size(); ++i)
     both.products.blocks.push_back(joined(a.products.blocks[i], b.products.blocks[i]));
-  both.products.tolerances = joined(a.products.tolerances, b.products.tolerances);
   return both;
 }
 
@@ -36,7 +35,6 @@ Columns first_moved(const Columns& a, const Columns& moved) {
   out.products.gram(0, 0) += moved.products.gram(0, 0);
   for (std::size_t i = 0; i < out.products.blocks.size(); ++i)
     out.products.blocks[i].col(0) += moved.products.blocks[i].col(0);
-  out.products.tolerances.col(0) += moved.products.tolerances.col(0);
   return out;
 }
 

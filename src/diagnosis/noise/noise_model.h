@@ -32,7 +32,7 @@ struct NoiseModel {
 NoiseModel estimate_noise(const Problem& problem, const Vector& p,
                           const std::vector<Alignment>& from = {});
 
-/// The same with what the plant may lack and the builder's tolerances, about its own point.
+/// The same with what the plant may lack, about its own point.
 NoiseModel with_random_effects(const Problem& problem, NoiseModel noise);
 
 /// Rows of all datasets by some predictions, aligned as the noise model has it.

@@ -4,7 +4,6 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
@@ -70,26 +69,18 @@ double log_det(const Eigen::LLT<Matrix>& factor) {
   return 2.0 * factor.matrixLLT().diagonal().array().log().sum();
 }
 
-/// [X C]^T (I + G S^2 G^T)^-1 [X C], with the blocks that it was made of.
-struct WeighedByForces {
+/// X^T V^-1 X and log det V, with the blocks that they were made of.
+struct WeighedBlocks {
   Matrix gram;
   double log_det = 0.0;
   std::vector<WeighedBlock> blocks;
 };
 
-WeighedByForces weigh_by_forces(const RandomEffects& effects, const Products& products,
-                                const Vector& scales) {
-  const Eigen::Index x = products.gram.cols(), t = effects.tolerances.cols();
-  WeighedByForces out;
-  out.gram.resize(x + t, x + t);
-  out.gram << products.gram, products.tolerances.transpose(), products.tolerances,
-      effects.tolerance_gram;
-
+WeighedBlocks weighed_blocks(const RandomEffects& effects, const Products& products,
+                             const Vector& scales) {
+  WeighedBlocks out{products.gram, 0.0, {}};
   for (std::size_t b = 0; b < effects.blocks.size(); ++b) {
-    const RandomBlock& block = effects.blocks[b];
-    Matrix both(block.columns.cols(), x + t);
-    both << products.blocks[b], block.with_tolerances;
-    out.blocks.push_back(weighed_block(block, both, scales));
+    out.blocks.push_back(weighed_block(effects.blocks[b], products.blocks[b], scales));
     const Matrix half = out.blocks.back().inner.matrixL().solve(out.blocks.back().products);
     out.gram.noalias() -= half.transpose() * half;
     out.log_det += log_det(out.blocks.back().inner);
@@ -108,10 +99,10 @@ struct FixedPoint {
   GroupSums sums;
 };
 
-/// Evidence of X = [r Y] and the sums, all of u and c marginalised.
+/// Evidence of X = [r Y] and the sums, all of u marginalised.
 FixedPoint fixed_point(const RandomEffects& effects, const Products& products,
                        const Vector& scales) {
-  const WeighedByForces weighed = weigh_by_forces(effects, products, scales);
+  const WeighedBlocks weighed = weighed_blocks(effects, products, scales);
   const Eigen::Index n = weighed.gram.cols() - 1;
   Matrix A = weighed.gram.bottomRightCorner(n, n);
   A.diagonal().array() += 1.0;
@@ -197,16 +188,8 @@ RandomColumns random_columns(const Problem& problem, const std::vector<Alignment
       columns.group.push_back(g);
     }
 
-  columns.tolerances = slopes_by(problem, alignments, p, rows_at_p, problem.hypotheses.tolerances);
   columns.forces = slopes_by(problem, alignments, p, rows_at_p, boxes);
   return columns;
-}
-
-RandomEffects without_tolerances(RandomEffects effects) {
-  effects.tolerances.resize(effects.tolerances.rows(), 0);
-  effects.tolerance_gram.resize(0, 0);
-  for (RandomBlock& block : effects.blocks) block.with_tolerances.resize(block.columns.cols(), 0);
-  return effects;
 }
 
 Vector first_scales(const RandomEffects& effects) {
@@ -214,25 +197,16 @@ Vector first_scales(const RandomEffects& effects) {
 }
 
 Products products_of(const RandomEffects& effects, const Matrix& X) {
-  Products products{X.transpose() * X, {}, Matrix(effects.tolerances.cols(), X.cols())};
+  Products products{X.transpose() * X, {}};
   for (const RandomBlock& block : effects.blocks)
     products.blocks.emplace_back(block.columns.transpose() *
                                  X.middleRows(block.first, block.count));
-  if (effects.tolerances.cols() > 0) products.tolerances = effects.tolerances.transpose() * X;
   return products;
 }
 
 Weighed weigh(const RandomEffects& effects, const Products& products, const Vector& scales) {
-  const WeighedByForces all = weigh_by_forces(effects, products, scales);
-  const Eigen::Index x = products.gram.cols(), t = effects.tolerances.cols();
-  Weighed out{all.gram.topLeftCorner(x, x), all.log_det};
-  if (t == 0) return out;
-
-  const Eigen::LLT<Matrix> inner(all.gram.bottomRightCorner(t, t) + Matrix::Identity(t, t));
-  const Matrix half = inner.matrixL().solve(all.gram.bottomLeftCorner(t, x));
-  out.gram.noalias() -= half.transpose() * half;
-  out.log_det += log_det(inner);
-  return out;
+  WeighedBlocks all = weighed_blocks(effects, products, scales);
+  return {std::move(all.gram), all.log_det};
 }
 
 LinearEvidence linear_evidence(const RandomEffects& effects, const Products& products,
@@ -283,18 +257,6 @@ ScaleEstimate estimated_scales(const RandomEffects& effects, const Products& pro
 
 Vector told_by(const RandomEffects& effects, const Products& products, const Vector& scales) {
   return fixed_point(effects, products, scales).sums.told;
-}
-
-RandomEffects beside_columns(RandomEffects effects, const Matrix& Y) {
-  if (effects.tolerances.cols() == 0 || Y.cols() == 0) return effects;
-
-  const Matrix B = Y.colPivHouseholderQr().solve(effects.tolerances);
-  effects.tolerances.noalias() -= Y * B;
-  effects.tolerance_gram = effects.tolerances.transpose() * effects.tolerances;
-  for (RandomBlock& block : effects.blocks)
-    block.with_tolerances.noalias() -=
-        (block.columns.transpose() * Y.middleRows(block.first, block.count)) * B;
-  return effects;
 }
 
 }  // namespace jaculus::diagnosis

@@ -1,9 +1,7 @@
 #pragma once
-// What a model may leave though its sensors are good: forces that the plant lacks, and a robot that
-// is off its files by its builder's tolerances.
+// What a model may leave though its sensors are good: forces that the plant lacks.
 //
-//   r = T (y - A m - f(p)) = C c + G w + e,   c ~ N(0, I),  w_k ~ N(0, s_g(k)^2),  e ~ N(0, I)
-//   C  slopes by the tolerances, one standard deviation each (forward/tolerance_directions.h)
+//   r = T (y - A m - f(p)) = G w + e,   w_k ~ N(0, s_g(k)^2),  e ~ N(0, I)
 //   G  slopes by generalised forces that are constant over boxes of time, a group a coordinate
 //      under a plan, a group a coordinate and band under a logged input (force_bands.h); and smooth
 //      modes of every channel under a plan, a group a channel (nuisances.h)
@@ -29,11 +27,10 @@ struct Shrinkage {
 /// That of the columns A, already scaled by their priors.
 Shrinkage shrinkage(const Matrix& A);
 
-/// d(rows)/d(force) and d(rows)/d(tolerance) at one point of the parameters, raw rows.
+/// d(rows)/d(force) at one point of the parameters, raw rows.
 struct RandomColumns {
-  std::vector<Matrix> tolerances;  ///< a dataset each: rows x tolerances [units of rows]
-  std::vector<Matrix> forces;      ///< a dataset each: rows x boxes of all groups
-  std::vector<int> group;          ///< of every column of `forces`, index in Hypotheses::forces
+  std::vector<Matrix> forces;  ///< a dataset each: rows x boxes of all groups
+  std::vector<int> group;      ///< of every column of `forces`, index in Hypotheses::forces
 };
 /// Where a simulation fails the column is zero: nothing is granted there.
 RandomColumns random_columns(const Problem& problem, const std::vector<Alignment>& alignments,
@@ -45,7 +42,6 @@ struct RandomBlock {
   Matrix columns;            ///< G, count x k
   std::vector<int> group;    ///< of every column
   Matrix gram;               ///< G^T G
-  Matrix with_tolerances;    ///< G^T C
 };
 
 /// Columns that share a deviation.
@@ -61,14 +57,9 @@ struct RandomGroup {
 struct RandomEffects {
   std::vector<RandomGroup> groups;
   std::vector<RandomBlock> blocks;
-  Matrix tolerances;      ///< C, rows x t, also where t is 0
-  Matrix tolerance_gram;  ///< C^T C
 
   [[nodiscard]] int size() const { return count_of(groups); }
 };
-
-/// The same where a robot is as its files say.
-RandomEffects without_tolerances(RandomEffects effects);
 
 /// Deviations to begin with: small beside what the groups may reach.
 Vector first_scales(const RandomEffects& effects);
@@ -77,18 +68,17 @@ Vector first_scales(const RandomEffects& effects);
 struct Products {
   Matrix gram;                 ///< X^T X
   std::vector<Matrix> blocks;  ///< G^T X, a block each
-  Matrix tolerances;           ///< C^T X
 };
 Products products_of(const RandomEffects& effects, const Matrix& X);
 
-/// X^T V^-1 X and log det V, V = I + G S^2 G^T + C C^T.
+/// X^T V^-1 X and log det V, V = I + G S^2 G^T.
 struct Weighed {
   Matrix gram;
   double log_det = 0.0;
 };
 Weighed weigh(const RandomEffects& effects, const Products& products, const Vector& scales);
 
-/// The linear Gaussian model r = Y u + C c + G w + e, u ~ N(0, I), of X = [r Y].
+/// The linear Gaussian model r = Y u + G w + e, u ~ N(0, I), of X = [r Y].
 struct LinearEvidence {
   double log_evidence = 0.0;  ///< up to the constant of the rows
   Vector mean;                ///< of u
@@ -112,11 +102,5 @@ ScaleEstimate estimated_scales(const RandomEffects& effects, const Products& pro
 
 /// Of each group, of how many of its w the data tell, X = [r Y].
 Vector told_by(const RandomEffects& effects, const Products& products, const Vector& scales);
-
-/// Tolerances beside columns Y of effects that are freed: with B = (Y^T Y)^-1 Y^T C,
-///   C' = C - Y B
-/// leaves to an effect all that it can explain, also where the builder may have been off by some of
-/// it, so that an estimate is what the data show in all.
-RandomEffects beside_columns(RandomEffects effects, const Matrix& Y);
 
 }  // namespace jaculus::diagnosis

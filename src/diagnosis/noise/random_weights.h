@@ -1,11 +1,11 @@
 #pragma once
-// V^-1 on white rows, V = I + G S^2 G^T + C C^T (random_effects.h), without a root of V.
+// V^-1 on white rows, V = I + G S^2 G^T (random_effects.h), without a root of V.
 //
-// The most probable forces and tolerances behind a vector x,
-//   w, c = argmin |x - G w - C c|^2 + |S^-1 w|^2 + |c|^2,
+// The most probable forces behind a vector x,
+//   w = argmin |x - G w|^2 + |S^-1 w|^2,
 // are linear in x, and what is left at them is x^T V^-1 x (Rasmussen and Williams 2006, section
 // 2.7). So
-//   M x = [x - G w - C c;  S^-1 w;  c],   (M x)^T (M y) = x^T V^-1 y,   V^-1 x = x - G w - C c,
+//   M x = [x - G w;  S^-1 w],   (M x)^T (M y) = x^T V^-1 y,   V^-1 x = x - G w,
 // at the price of one factor of I + S G^T G S a block, where a root of V^-1 would take its
 // eigenvectors in all rows.
 
@@ -17,11 +17,10 @@ namespace jaculus::diagnosis {
 
 class RandomWeights {
  public:
-  /// `effects` has to outlive this.
   RandomWeights(const RandomEffects& effects, const Vector& scales);
 
   /// How many rows more than X has M X.
-  [[nodiscard]] Eigen::Index more_rows() const { return forces_ + effects_->tolerances.cols(); }
+  [[nodiscard]] Eigen::Index more_rows() const { return forces_; }
   /// M X, a column each.
   [[nodiscard]] Matrix stacked(const Matrix& X) const;
   /// V^-1 X, a column each.
@@ -32,12 +31,9 @@ class RandomWeights {
     int first = 0, count = 0;  ///< white rows
     Matrix columns;            ///< G S, without those whose deviation is zero
     Eigen::LLT<Matrix> inner;  ///< of I + S G^T G S
-    Matrix with_tolerances;    ///< (I + S G^T G S)^-1 S G^T C
   };
 
-  const RandomEffects* effects_;
   std::vector<Block> blocks_;
-  Eigen::LLT<Matrix> tolerance_inner_;  ///< of I + C^T (I + G S^2 G^T)^-1 C
   Eigen::Index forces_ = 0;
 };
 

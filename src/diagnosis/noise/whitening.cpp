@@ -123,7 +123,7 @@ RandomBlock force_block(const DatasetWhitening& whitening, const SegmentBlock& s
                         const DatasetNoise& noise, const Matrix& raw,
                         const std::vector<ForceGroup>& forces, int first) {
   const SegmentNuisances& own = noise.nuisances[segment.segment];
-  RandomBlock block{first + segment.first, segment.count, {}, {}, {}, {}};
+  RandomBlock block{first + segment.first, segment.count, {}, {}, {}};
   const Matrix slopes = in_bands(raw.middleRows(own.first, own.count), forces, block.group);
   block.columns = whitening.whiten_block(whitening.block_of(segment.segment), slopes);
   for (Eigen::Index k = 0; k < block.columns.cols(); ++k)
@@ -147,7 +147,7 @@ void add_blocks(const Problem& problem, const NoiseModel& noise, int dataset, in
 
   const ChannelModes modes =
       channel_modes(observed, own, whitening, problem.settings.discrepancy_modes);
-  RandomBlock block{first, whitening.rows, Matrix(whitening.rows, raw.cols()), {}, {}, {}};
+  RandomBlock block{first, whitening.rows, Matrix(whitening.rows, raw.cols()), {}, {}};
   block.group = noise.random.group;
   for (Eigen::Index k = 0; k < raw.cols(); ++k) block.columns.col(k) = whitening.apply(raw.col(k));
   block.columns.conservativeResize(whitening.rows, raw.cols() + modes.columns.cols());
@@ -185,24 +185,6 @@ DatasetWhitening dataset_whitening(const Problem& problem, const NoiseModel& noi
     out.blocks[b].nuisances = shrinkage(out.whiten_block(b, own.columns * own.scale.asDiagonal()));
   }
   return out;
-}
-
-/// Slopes by the tolerances, raw rows, a dataset each.
-void set_tolerances(const std::vector<Matrix>& slopes, Whitening& whitening) {
-  RandomEffects& random = whitening.random;
-  random.tolerances.resize(whitening.rows, slopes.front().cols());
-  int first = 0;
-  for (std::size_t d = 0; d < slopes.size(); ++d) {
-    const DatasetWhitening& own = whitening.datasets[d];
-    for (Eigen::Index k = 0; k < random.tolerances.cols(); ++k)
-      random.tolerances.col(k).segment(first, own.rows) = own.apply(slopes[d].col(k));
-    first += own.rows;
-  }
-
-  random.tolerance_gram = random.tolerances.transpose() * random.tolerances;
-  for (RandomBlock& block : random.blocks)
-    block.with_tolerances =
-        block.columns.transpose() * random.tolerances.middleRows(block.first, block.count);
 }
 
 }  // namespace
@@ -270,8 +252,6 @@ Whitening whitening_of(const Problem& problem, const NoiseModel& noise, const Se
                            out.datasets.back().prior_mean_rows);
   }
   out.random = random_effects(problem, noise, out.datasets);
-  out.random.tolerances.resize(out.rows, 0);
-  if (!noise.random.tolerances.empty()) set_tolerances(noise.random.tolerances, out);
   return out;
 }
 

@@ -90,11 +90,16 @@ std::vector<double> log_evidences(const std::vector<Dataset>& datasets,
   if (there.valid())
     comparison = comparison_about(problem, with_random_effects(problem, std::move(there)));
 
+  // The robot that is simulated has the files' values: slopes there say what tolerances do.
+  LinearTolerances linear = linear_tolerances(problem, comparison.whitening, comparison.noise.p);
+  linear.p = p;  // the same tolerances, without the first rival
+  FitOptions by_slopes;
+  if (linear.slopes.cols() > 0) by_slopes.by_slopes = &linear;
   for (std::size_t r = 0; r < rivals.size(); ++r) {
     const FittedModel start = start_at(problem, rivals[r]);
     const std::vector<int> free = problem.hypotheses.freed_by(start.candidates);
-    const Fit anew = fit_members(problem, comparison.whitening, p, start.candidates);
-    const Fit from = fit_model(problem, comparison.whitening, free, {start.p});
+    const Fit anew = fit_members_by_slopes(problem, comparison.whitening, linear, start.candidates);
+    const Fit from = fit_model(problem, comparison.whitening, free, {start.p}, by_slopes);
     for (const Fit* fit : {&anew, &from})
       if (fit->valid && !(fit->log_evidence < found[r])) found[r] = fit->log_evidence;
   }

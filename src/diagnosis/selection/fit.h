@@ -2,10 +2,11 @@
 // Most probable parameters of a model, and its evidence.
 //
 //   u = (p - nominal)/scale of the free parameters,  cost(u) = r^T V^-1 r/2 + |u|^2/2,
-//   r = T (y - A m - f(p)) (noise/whitening.h),  V = I + G S^2 G^T + C C^T: what noise, forces that
-//   the plant lacks and tolerances make of it (noise/random_effects.h)
-// minimised by Ceres (Levenberg-Marquardt with bounds), Jacobian by forward differences through
-// simulation, backward at an upper end, in turn with the deviations S that maximise the evidence.
+//   r = T (y - A m - f(p)) (noise/whitening.h),  V = I + G S^2 G^T: what noise and forces that the
+//   plant lacks make of it (noise/random_effects.h)
+// minimised by Ceres (Levenberg-Marquardt with bounds), slopes by forward differences through
+// simulation, backward at an upper end (residual.h), in turn with the deviations S that maximise
+// the evidence.
 // Laplace's evidence, with H = J^T V^-1 J + I and mean mu of the posterior linearised at the
 // optimum:
 //   log Z = log N(r0; 0, V + J J^T), r0 = r - J u,
@@ -20,6 +21,7 @@
 #include <vector>
 
 #include "diagnosis/noise/whitening.h"
+#include "diagnosis/selection/residual.h"
 
 namespace jaculus::diagnosis {
 
@@ -28,28 +30,31 @@ struct Fit {
   std::string message;       ///< why not valid
   std::vector<int> free;     ///< indices of the free parameters
   Vector p;                  ///< all parameters, at the optimum
-  std::vector<Vector> rows;  ///< predicted there, a dataset each [units of the rows]
+  Vector simulated;          ///< the same, or tolerances where their slopes are (residual.h)
+  std::vector<Vector> rows;  ///< predicted at `simulated`, a dataset each [units of the rows]
   Vector residual;           ///< r there
   Matrix jacobian;           ///< dr/du, rows x free
   Vector scales;             ///< deviations S of the random effects
-  Matrix covariance;         ///< of u, H^-1, tolerances beside the effects (beside_columns)
-  /// Deviation of u that tolerances in its place add: squared, marginal less `covariance`.
-  Vector shared;
-  double chi2 = 0.0;  ///< |r|^2
-  double cost = 0.0;  ///< at the optimum, by S
+  Matrix covariance;         ///< of u, H^-1
+  double chi2 = 0.0;         ///< |r|^2
+  double cost = 0.0;         ///< at the optimum, by S
   double log_evidence = 0.0;
   double log_complete = 0.0;  ///< the same where the plant lacks no force: S = 0
   long predictions = 0;       ///< sets of simulations that it took
 };
 
 struct FitOptions {
-  std::optional<int> iterations{};  ///< at most, a start; else settings.fit_iterations
-  std::optional<int> rounds{};      ///< of fits and deviations, beyond the first; else as settings
-  double enough = kInfinity;        ///< log evidence at which no further start is tried
-  Vector scales{};                  ///< deviations to begin with; empty: first_scales()
-  bool hold_scales = false;         ///< whether they stay
-  /// Columns beside which tolerances stay; empty: those of the fit itself.
-  Matrix beside{};
+  std::optional<int> iterations{};   ///< at most, a start; else settings.fit_iterations
+  std::optional<int> rounds{};       ///< of fits and deviations, beyond the first; else as settings
+  std::optional<int> scale_steps{};  ///< of the deviations a round, at most; else as settings
+  double enough = kInfinity;         ///< log evidence at which no further start is tried
+  Vector scales{};                   ///< deviations to begin with; empty: first_scales()
+  bool hold_scales = false;          ///< whether they stay
+  /// Slopes of the tolerances to set out with, white rows x tolerances (residual.h); empty: those
+  /// at the start.
+  Matrix known{};
+  /// Tolerances by their slopes alone (residual.h); null: simulated. Has to outlive the fit.
+  const LinearTolerances* by_slopes = nullptr;
   /// Whether forces are granted from the first round on, at `scales`; else it is plain least
   /// squares.
   bool with_forces = false;
@@ -84,8 +89,8 @@ double widening(const Whitening& whitening, const Fit& fit, Eigen::Index place);
 
 /// 95 % interval of one free parameter: +-1.96 standard deviations, cut at the bounds, where the
 /// cost there rises as the curvature says within `profile_tolerance`; else ends where the profile
-/// (others refitted) has risen by 1.92. Widened by what windows contradict one another, and,
-/// squares added, by what tolerances grant in its place.
+/// (others refitted by known slopes) has risen by 1.92. Widened by what windows contradict one
+/// another.
 Bounds interval95(const Problem& problem, const Whitening& whitening, const Fit& fit,
                   int parameter);
 

@@ -5,19 +5,31 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <set>
 
 namespace jaculus::diagnosis {
 
 namespace {
 
+constexpr double kNothingPromised = 1.0;  ///< log evidence, "not worth more than a bare mention"
+
 /// From a model that this one contains, with the forces that it lacks: where plain least squares
 /// lead away.
 Fit fit_beside(const Problem& problem, const Whitening& whitening, const Fit& base,
-               const std::vector<int>& free) {
-  FitOptions options;
+               const std::vector<int>& free, FitOptions options) {
   options.scales = base.scales;
   options.with_forces = true;
   return fit_model(problem, whitening, free, {base.p}, options);
+}
+
+/// Log evidence gained at which a start has reached what screening promised, by slopes at none or a
+/// step of one parameter: under a plan, where valleys are narrow, nearly all of it. Where nothing was
+/// promised any start will do.
+double promised(const Problem& problem, double score) {
+  const Settings& settings = problem.settings;
+  if (in_windows(problem)) return settings.start_reached * score;
+  if (score < kNothingPromised) return -kInfinity;
+  return std::min(score - kNothingPromised, settings.start_reached_under_plan * score);
 }
 
 Fit better(const Fit& a, const Fit& b) {
@@ -29,9 +41,21 @@ Fit better(const Fit& a, const Fit& b) {
 }  // namespace
 
 FittedModels::FittedModels(const Problem& problem, const Comparison& comparison,
-                           const SearchResult* earlier)
-    : problem_(problem), comparison_(comparison), earlier_(earlier) {
-  fit({Job{{}, {problem.hypotheses.nominal()}}});
+                           const SearchResult* earlier, bool same_space)
+    : problem_(problem),
+      comparison_(comparison),
+      earlier_(earlier),
+      same_space_(earlier != nullptr && same_space) {
+  linear_ = linear_tolerances(problem, comparison.whitening, comparison.noise.p);
+  predictions_ += linear_.slopes.cols() + 1;
+  if (same_space_) {
+    models_ = earlier_->models;
+    return;
+  }
+  // Nuisances from where the noise was told; noise may be about a model with effects.
+  Vector start = problem.hypotheses.nominal();
+  for (const int i : problem.hypotheses.nuisances()) start[i] = comparison.noise.p[i];
+  fit({Job{{}, {start}}});
 }
 
 double FittedModels::value(const ModelFit& model) const { return model.log_weight(); }
@@ -71,6 +95,7 @@ std::vector<ModelFit> FittedModels::close_to(const ModelFit& from, int count) co
 }
 
 std::vector<Probe> FittedModels::probe(const ModelFit& base) {
+  if (base.candidates.empty() && same_space_) return earlier_->probes;
   const bool again = earlier_ != nullptr && in_windows(problem_);
   const bool search = base.candidates.empty() && !again;
   std::vector<Probe> probes = screen(problem_, comparison_.whitening, base.fit,
@@ -103,7 +128,7 @@ void FittedModels::extend(const ModelFit& base, const std::vector<Probe>& probes
   for (const Probe& probe : probes) best = std::max(best, probe.valid ? probe.score : 0.0);
   const double asked = base.candidates.empty() ? 0.0 : settings.member_gain;
   const double worth = std::max(asked, settings.worth_fitting * best);
-  const double by_slopes = base.candidates.empty() ? -kInfinity : settings.member_gain;
+  const double by_slopes = base.candidates.empty() ? 0.0 : settings.member_gain;
   const double least = in_windows(problem_) ? worth : by_slopes;
   std::erase_if(order, [&](int c) { return !probes[c].valid || probes[c].score <= least; });
   if (count_of(order) > count) order.resize(count);
@@ -124,8 +149,7 @@ void FittedModels::extend(const ModelFit& base, const std::vector<Probe>& probes
     if (const Fit* known = base.candidates.empty() ? fitted_earlier(c) : nullptr)
       job.starts.insert(job.starts.begin(), known->p);
     job.base = base.fit;
-    job.enough = base.fit.log_evidence +
-                 (in_windows(problem_) ? problem_.settings.start_reached : 1.0) * probes[c].score;
+    job.enough = base.fit.log_evidence + promised(problem_, probes[c].score);
     jobs.push_back(job);
   }
   fit(jobs);
@@ -202,6 +226,46 @@ const Fit* FittedModels::fitted_earlier(int candidate) const {
   return nullptr;
 }
 
+void FittedModels::refine() {
+  if (linear_.slopes.cols() == 0) return;
+  std::set<Members> refined = {Members{}};
+  refine(models_.front());
+  for (int count = 0; count < problem_.settings.refined; ++count) {
+    const double best = value(*leading());
+    ModelFit* next = nullptr;
+    for (ModelFit& model : models_)
+      if (model.fit.valid && !refined.contains(model.candidates) &&
+          (next == nullptr || value(model) > value(*next)))
+        next = &model;
+    if (next == nullptr || value(*next) < best - problem_.settings.indistinguishable_below) break;
+    refine(*next);
+    refined.insert(next->candidates);
+  }
+
+  // Where effects lead, none sets out from their tolerances too: that was sought from there.
+  if (!leading()->candidates.empty()) refine(models_.front());
+}
+
+void FittedModels::refine(ModelFit& model) {
+  const ModelFit* lead = leading();
+  std::vector<Vector> starts = {model.fit.p, model.fit.simulated, model.fit.p};
+  for (const int i : problem_.hypotheses.nuisances())
+    starts.back()[i] = (lead == &model ? none() : *lead).fit.p[i];
+
+  FitOptions options;
+  options.scales = model.fit.scales;
+  options.with_forces = true;
+  options.known = linear_.slopes;
+  options.enough = model.fit.log_evidence;
+  const std::vector<int> free = problem_.hypotheses.freed_by(model.candidates);
+  Fit exact = fit_model(problem_, comparison_.whitening, free, starts, options);
+  predictions_ += exact.predictions;
+  exact.predictions += model.fit.predictions;
+  const bool by_slopes = model.fit.p != model.fit.simulated;
+  if (exact.valid && (by_slopes || exact.log_evidence > model.fit.log_evidence))
+    model.fit = std::move(exact);
+}
+
 void FittedModels::fit(const std::vector<Job>& jobs) {
   const std::size_t candidates = problem_.hypotheses.candidates.size();
   std::vector<ModelFit> fits(jobs.size());
@@ -214,7 +278,12 @@ void FittedModels::fit(const std::vector<Job>& jobs) {
     const Fit& base = jobs[i].base;
     FitOptions options;
     options.enough = jobs[i].enough;
-    if (!models_.empty()) options.scales = none().fit.scales;
+    if (linear_.slopes.cols() > 0) options.by_slopes = &linear_;
+    if (!models_.empty()) {
+      options.scales = none().fit.scales;
+      options.rounds = 1;
+      options.scale_steps = problem_.settings.set_scale_steps;
+    }
     if (jobs[i].scales.size() > 0) {
       options.scales = jobs[i].scales;
       options.with_forces = true;
@@ -227,7 +296,7 @@ void FittedModels::fit(const std::vector<Job>& jobs) {
         base.valid ? base.log_evidence - problem_.settings.gone_astray : -kInfinity;
     if (in_windows(problem_) && !options.with_forces && model.fit.valid &&
         model.fit.log_evidence < least)
-      model.fit = better(model.fit, fit_beside(problem_, whitening, base, free));
+      model.fit = better(model.fit, fit_beside(problem_, whitening, base, free, options));
     if (model.candidates.size() == 1 && !options.with_forces)
       model.fit = fit_around(problem_, comparison_.whitening, model.fit, options);
   });

@@ -13,8 +13,10 @@ using Members = std::vector<int>;
 
 class FittedModels {
  public:
-  /// Fits none, from nominal.
-  FittedModels(const Problem& problem, const Comparison& comparison, const SearchResult* earlier);
+  /// Fits none, from where the noise was told; or has the models of an earlier search of this space.
+  /// Models are fitted with tolerances by their slopes there, until they are refined.
+  FittedModels(const Problem& problem, const Comparison& comparison, const SearchResult* earlier,
+               bool same_space);
 
   [[nodiscard]] const std::vector<ModelFit>& all() const { return models_; }
   [[nodiscard]] const ModelFit& none() const { return models_.front(); }
@@ -41,6 +43,10 @@ class FittedModels {
                 const std::vector<Probe>& probes);
   /// Fits models of an earlier search again, from where they were.
   void fit_again(const std::vector<ModelFit>& earlier);
+  /// The leading models again, best first, and none, with tolerances simulated: slopes served to
+  /// find them. Each sets out from where it is, from where slopes were told or from the nuisances of
+  /// what leads, so that none is better only by its start.
+  void refine();
   /// The same of these candidates.
   void extend(const ModelFit& base, const std::vector<Probe>& probes, const Members& which);
 
@@ -58,11 +64,14 @@ class FittedModels {
   [[nodiscard]] const Fit* fitted_earlier(int candidate) const;
   /// The best fit of what is left where one member of a set is dropped, or none's.
   [[nodiscard]] const Fit& contained_in(const Members& members) const;
+  void refine(ModelFit& model);
   void fit(const std::vector<Job>& jobs);
 
   const Problem& problem_;
   const Comparison& comparison_;
   const SearchResult* earlier_;
+  bool same_space_;
+  LinearTolerances linear_;  ///< at the noise model's point; no columns: there are none
   std::vector<ModelFit> models_;
   long predictions_ = 0;
 };

@@ -6,58 +6,82 @@
 #include "diagnosis/noise/quantiles.h"
 #include "diagnosis/noise/random_weights.h"
 #include "diagnosis/selection/fit.h"
+#include "diagnosis/selection/known_slopes.h"
 
 namespace jaculus::diagnosis {
 namespace {
 
 constexpr double kFailed = 1e100;  // cost where the simulation fails
 
-/// Cost at u_i = value with the others refitted; kFailed where it can't be had.
-double profile(const Problem& problem, const Whitening& whitening, const Fit& fit, int parameter,
-               double p_value) {
-  std::vector<int> others;
-  for (const int i : fit.free)
-    if (i != parameter) others.push_back(i);
-  Vector p = fit.p;
-  p[parameter] = p_value;
-  FitOptions options;
-  options.iterations = problem.settings.profile_iterations;
-  options.scales = fit.scales;
-  options.hold_scales = true;
-  options.beside = fit.jacobian;
-  const Fit there = fit_model(problem, whitening, others, {p}, options);
-  const FreeParameter& own = problem.hypotheses.parameters[parameter];
-  const double u = (p_value - own.nominal) / own.scale;
-  return there.valid ? there.cost + 0.5 * u * u : kFailed;
-}
+/// The costs along one free parameter of a fit, the others refitted.
+class Profile {
+ public:
+  Profile(const Problem& problem, const Whitening& whitening, const Fit& fit, Eigen::Index place)
+      : problem_(problem),
+        whitening_(whitening),
+        fit_(fit),
+        place_(place),
+        weights_(whitening.random, fit.scales) {
+    std::vector<Eigen::Index> columns;
+    for (Eigen::Index k = 0; k < fit.jacobian.cols(); ++k) {
+      if (k == place) continue;
+      others_.push_back(fit.free[k]);
+      columns.push_back(k);
+    }
+    slopes_ = fit.jacobian(Eigen::all, columns);
+    along_ = fit.covariance.col(place)(columns) / fit.covariance(place, place);
+  }
+
+  [[nodiscard]] const FreeParameter& own() const {
+    return problem_.hypotheses.parameters[fit_.free[place_]];
+  }
+  [[nodiscard]] double value() const { return fit_.p[fit_.free[place_]]; }
+
+  /// By how much the cost at a value of the parameter is more than the fit's; kFailed where it
+  /// can't be had. The others begin where slopes have them: du = (H^-1)_oi/(H^-1)_ii du_i.
+  [[nodiscard]] double risen(double value) const {
+    const double moved = (value - this->value()) / own().scale;
+    const Vector u = problem_.hypotheses.scaled(others_, fit_.p) + moved * along_;
+    Vector p = problem_.hypotheses.unscaled(others_, u, fit_.p);
+    p[fit_.free[place_]] = value;
+    const NearFit there = fit_by_known_slopes(problem_, whitening_, weights_, others_, slopes_, p,
+                                              problem_.settings.profile_iterations);
+    const double own_u = (value - own().nominal) / own().scale;
+    return there.valid ? there.cost + 0.5 * own_u * own_u - fit_.cost : kFailed;
+  }
+
+ private:
+  const Problem& problem_;
+  const Whitening& whitening_;
+  const Fit& fit_;
+  Eigen::Index place_;
+  RandomWeights weights_;
+  std::vector<int> others_;
+  Matrix slopes_;
+  Vector along_;
+};
 
 /// End of the interval on one side.
-double interval_end(const Problem& problem, const Whitening& whitening, const Fit& fit,
-                    int parameter, double deviation, double side) {
-  const FreeParameter& own = problem.hypotheses.parameters[parameter];
-  const double from = fit.p[parameter],
-               rise = 0.5 * quantiles::kTwoSided95 * quantiles::kTwoSided95;
-  const double end = std::clamp(from + side * quantiles::kTwoSided95 * deviation, own.bounds.lower,
-                                own.bounds.upper);
+double interval_end(const Profile& profile, const Settings& settings, double deviation,
+                    double side) {
+  const Bounds& bounds = profile.own().bounds;
+  const double from = profile.value(), rise = 0.5 * quantiles::kTwoSided95 * quantiles::kTwoSided95;
+  const double end =
+      std::clamp(from + side * quantiles::kTwoSided95 * deviation, bounds.lower, bounds.upper);
   if (end == from) return end;
   const double share = (end - from) / (side * quantiles::kTwoSided95 * deviation);
-  const double risen = profile(problem, whitening, fit, parameter, end) - fit.cost;
   const double expected = rise * share * share;
-  if (std::abs(risen - expected) < problem.settings.profile_tolerance * rise) return end;
+  if (std::abs(profile.risen(end) - expected) < settings.profile_tolerance * rise) return end;
   double inside = from, outside = end;
-  const int doublings = problem.settings.profile_doublings;
-  for (int i = 0;
-       i < doublings && profile(problem, whitening, fit, parameter, outside) - fit.cost < rise;
-       ++i) {
+  for (int i = 0; i < settings.profile_doublings && profile.risen(outside) < rise; ++i) {
     inside = outside;
-    outside = std::clamp(from + 2.0 * (outside - from), own.bounds.lower, own.bounds.upper);
+    outside = std::clamp(from + 2.0 * (outside - from), bounds.lower, bounds.upper);
     if (outside == inside) return outside;
   }
 
-  for (int i = 0; i < problem.settings.profile_halvings; ++i) {
+  for (int i = 0; i < settings.profile_halvings; ++i) {
     const double middle = 0.5 * (inside + outside);
-    (profile(problem, whitening, fit, parameter, middle) - fit.cost < rise ? inside : outside) =
-        middle;
+    (profile.risen(middle) < rise ? inside : outside) = middle;
   }
 
   return 0.5 * (inside + outside);
@@ -66,16 +90,16 @@ double interval_end(const Problem& problem, const Whitening& whitening, const Fi
 }  // namespace
 
 double widening(const Whitening& whitening, const Fit& fit, Eigen::Index place) {
-  const RandomEffects beside = beside_columns(whitening.random, fit.jacobian);
-  const auto windows = static_cast<double>(beside.blocks.size()),
+  const std::vector<RandomBlock>& blocks = whitening.random.blocks;
+  const auto windows = static_cast<double>(blocks.size()),
              free = static_cast<double>(fit.jacobian.cols());
   if (windows < 2.0 * free) return 1.0;  // too few to tell
 
   // With j = J (H^-1)_i: observed sum of (j_w^T V^-1 r_w)^2, expected sum of j_w^T (V^-1)_ww j_w.
-  const RandomWeights weights(beside, fit.scales);
+  const RandomWeights weights(whitening.random, fit.scales);
   const Vector r = weights.inverse(fit.residual), j = fit.jacobian * fit.covariance.col(place);
   double observed = 0.0, expected = 0.0;
-  for (const RandomBlock& block : beside.blocks) {
+  for (const RandomBlock& block : blocks) {
     Vector own = Vector::Zero(j.size());
     own.segment(block.first, block.count) = j.segment(block.first, block.count);
     observed += std::pow(own.dot(r), 2);
@@ -87,15 +111,13 @@ double widening(const Whitening& whitening, const Fit& fit, Eigen::Index place) 
 Bounds interval95(const Problem& problem, const Whitening& whitening, const Fit& fit,
                   int parameter) {
   const auto place = std::find(fit.free.begin(), fit.free.end(), parameter) - fit.free.begin();
-  const FreeParameter& own = problem.hypotheses.parameters[parameter];
+  const Profile profile(problem, whitening, fit, place);
+  const FreeParameter& own = profile.own();
   const double deviation = own.scale * std::sqrt(fit.covariance(place, place));
-  const double granted = quantiles::kTwoSided95 * own.scale * fit.shared[place],
-               value = fit.p[parameter];
-  const double wider = widening(whitening, fit, place);
+  const double wider = widening(whitening, fit, place), value = profile.value();
   const auto end = [&](double side) {
-    const double told =
-        wider * (interval_end(problem, whitening, fit, parameter, deviation, side) - value);
-    return std::clamp(value + side * std::hypot(told, granted), own.bounds.lower, own.bounds.upper);
+    const double told = interval_end(profile, problem.settings, deviation, side) - value;
+    return std::clamp(value + wider * told, own.bounds.lower, own.bounds.upper);
   };
   return {end(-1.0), end(1.0)};
 }

@@ -64,15 +64,16 @@ struct Line {
   }
 
   [[nodiscard]] Point at(double u) const {
-    Vector p = base.p;
+    Vector p = base.simulated;
     p[parameter] += u * problem.hypotheses.parameters[parameter].scale;
     const PredictionSet set = predict_all(problem, p);
     if (!set.valid) return {u};
 
     // The base model's own parameters move linearly along.
     const RandomEffects& random = whitening.random;
-    const Columns moved = columns_of(
-        random, whitening.residual(rows_of(problem, whitening.alignments, set)) - base.residual);
+    std::vector<Vector> rows = rows_of(problem, whitening.alignments, set);
+    for (std::size_t d = 0; d < rows.size(); ++d) rows[d] -= base.rows[d];
+    const Columns moved = columns_of(random, -whitening.apply(rows));
     const Columns there = first_moved(standing.model, moved);
     const Followed followed = followed_by(problem, random, there.products, base.scales);
     const double evidence = followed.linear.log_evidence - 0.5 * u * u;

@@ -53,7 +53,7 @@ SetProducts set_products(const Problem& problem, const Whitening& whitening, con
 
 /// Those of some columns of X.
 Products picked(const Products& all, const SetColumns& columns) {
-  Products out{all.gram(columns, columns), {}, all.tolerances(Eigen::all, columns)};
+  Products out{all.gram(columns, columns), {}};
   for (const Matrix& block : all.blocks) out.blocks.emplace_back(block(Eigen::all, columns));
   return out;
 }

@@ -20,7 +20,7 @@ constexpr double kRidge = 1e-6;  // of columns that may be dependent
 std::optional<Matrix> columns_of(const Problem& problem, const Whitening& whitening,
                                  const Fit& base, const Candidate& candidate, double share) {
   Matrix columns(whitening.rows, count_of(candidate.parameters));
-  Vector p = base.p;
+  Vector p = base.simulated;
   std::vector<Vector> rows = base.rows;
 
   for (int k = 0; k < columns.cols(); ++k) {
@@ -152,28 +152,32 @@ std::vector<Vector> fit_starts(const Problem& problem, const Vector& base, int c
     const double move = p.one_sided() ? step : two_sided;
     probed[i] = std::clamp(base[i] + move, p.bounds.lower, p.bounds.upper);
   }
-  if (std::isnan(probe.step)) return {estimated, probed};
+  std::vector<Vector> starts = {estimated, probed};
+  if (!std::isnan(probe.step)) {
+    starts.insert(starts.begin() + 1, base);
+    const int first = parameters.front();
+    starts[1][first] += probe.step * problem.hypotheses.parameters[first].scale;
+  }
 
-  Vector searched = base;
-  const int first = parameters.front();
-  searched[first] += probe.step * problem.hypotheses.parameters[first].scale;
-  return {estimated, searched, probed};
+  return starts;
 }
 
 double unexplained_energy(const RandomEffects& random, const Vector& scales,
-                          const Vector& signature, const Matrix& others) {
+                          const Vector& signature, const Matrix& others, Eigen::Index with_prior) {
   Matrix X(signature.size(), 1 + others.cols());
   X << signature, others;
-  return unexplained_energy(random, scales, products_of(random, X));
+  return unexplained_energy(random, scales, products_of(random, X), with_prior);
 }
 
 double unexplained_energy(const RandomEffects& random, const Vector& scales,
-                          const Products& columns) {
+                          const Products& columns, Eigen::Index with_prior) {
   const Matrix gram = weigh(random, columns, scales).gram;
   const Eigen::Index n = gram.cols() - 1;
   if (n == 0) return gram(0, 0);
 
-  const Matrix A = gram.bottomRightCorner(n, n) + kRidge * Matrix::Identity(n, n);
+  Matrix A = gram.bottomRightCorner(n, n);
+  A.diagonal().array() += kRidge;
+  A.diagonal().head(with_prior).array() += 1.0;
   const Vector b = gram.col(0).tail(n);
   return gram(0, 0) - b.dot(A.llt().solve(b));
 }

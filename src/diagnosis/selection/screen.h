@@ -47,11 +47,12 @@ std::vector<Vector> fit_starts(const Problem& problem, const Vector& base, int c
                                const Probe& probe);
 
 /// Energy, by V^-1 at some deviations, of a white signature, the first of the columns, that the
-/// others can't reproduce.
+/// others can't reproduce. Of these the first `with_prior` are a prior scale each and may be moved
+/// by as much only (nuisances); the others freely.
 double unexplained_energy(const RandomEffects& random, const Vector& scales,
-                          const Products& columns);
+                          const Products& columns, Eigen::Index with_prior);
 /// The same of a signature and other columns whose products are not known.
 double unexplained_energy(const RandomEffects& random, const Vector& scales,
-                          const Vector& signature, const Matrix& others);
+                          const Vector& signature, const Matrix& others, Eigen::Index with_prior);
 
 }  // namespace jaculus::diagnosis

@@ -4,6 +4,8 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <cmath>
+#include <map>
 #include <set>
 #include <string_view>
 
@@ -11,6 +13,8 @@
 
 namespace jaculus::diagnosis {
 namespace {
+
+constexpr double kLeastSize = 1e-30;  // of a channel's squares [unit^2], where logarithms end
 
 /// Columns of every candidate at the two strengths; none where its probe is not valid.
 using ProbedColumns = std::vector<std::vector<Columns>>;
@@ -28,14 +32,15 @@ ProbedColumns columns_of_probes(const RandomEffects& random, const std::vector<P
 /// Candidates whose columns, at either strength, reproduce the signature of a fitted single.
 Members indistinguishable_from(const RandomEffects& random, const ModelFit& none,
                                const ModelFit& single, const ProbedColumns& probed, double below) {
+  const Columns nuisances = columns_of(random, none.fit.jacobian);
   const Columns signature =
-      side_by_side(columns_of(random, none.fit.residual - single.fit.residual),
-                   columns_of(random, none.fit.jacobian));
+      side_by_side(columns_of(random, none.fit.residual - single.fit.residual), nuisances);
   std::vector<double> energy(probed.size(), kInfinity);
   tbb::parallel_for(0, count_of(probed), [&](int c) {
     for (const Columns& own : probed[c])
-      energy[c] = std::min(energy[c], unexplained_energy(random, single.fit.scales,
-                                                         side_by_side(signature, own).products));
+      energy[c] = std::min(
+          energy[c], unexplained_energy(random, single.fit.scales,
+                                        side_by_side(signature, own).products, nuisances.X.cols()));
   });
 
   Members found;
@@ -49,9 +54,9 @@ void fit_indistinguishable(const Settings& settings, const RandomEffects& random
                            const std::vector<Probe>& probes, const ProbedColumns& probed,
                            FittedModels& models) {
   const ModelFit* best = models.best(1);
-  if (best == nullptr) return;
-
   const ModelFit none = models.none();
+  if (best == nullptr || models.value(*best) < models.value(none)) return;
+
   Members others =
       indistinguishable_from(random, none, *best, probed, settings.indistinguishable_below);
   std::stable_sort(others.begin(), others.end(),
@@ -100,8 +105,8 @@ void exchange(FittedModels& models, const ModelFit& best, const std::set<Members
 }
 
 /// Whether a model leaves forces that the plant lacks.
-bool leaves_more(const Settings& settings, const ModelFit& model) {
-  return model.fit.log_evidence - model.fit.log_complete >= settings.remainder_left;
+bool leaves_more(const Settings& settings, const Fit& fit) {
+  return fit.log_evidence - fit.log_complete >= settings.remainder_left;
 }
 
 Members with_member(Members set, int c) {
@@ -185,7 +190,7 @@ struct Surroundings {
 /// then the others unless one of those leads clearly; whether one of them leads now.
 bool enlarge(const Surroundings& near, int largest, FittedModels& models) {
   const Settings& settings = near.problem.settings;
-  if (!near.about.candidates.empty() && !leaves_more(settings, near.about)) return false;
+  if (!near.about.candidates.empty() && !leaves_more(settings, near.about.fit)) return false;
   const std::vector<Members> sets =
       larger_sets(near.about.candidates, count_of(near.probes), largest);
   std::vector<LinearSet> best = near.best_of(sets, models, settings.kept_pairs);
@@ -233,7 +238,7 @@ bool worth_enlarging(const Settings& settings, const FittedModels& models, int s
   const ModelFit *base = models.best(size - 1), *before = models.best(size - 2);
   if (base == nullptr || before == nullptr) return false;
   const double gain = size > 2 ? settings.larger_gain : 0.0;
-  return models.value(*base) >= models.value(*before) + gain && leaves_more(settings, *base);
+  return models.value(*base) >= models.value(*before) + gain && leaves_more(settings, base->fit);
 }
 
 void search_about_leaders(const Problem& problem, const SearchOptions& options,
@@ -277,11 +282,49 @@ std::vector<ModelFit> leading_models(const SearchResult& search, const Problem& 
   return models;
 }
 
+/// log likelihood of the residual in the data's own units where the size of each channel's noise is
+/// not known, -sum n/2 log(r^T r/n): a measure of models that are each told about in a space of
+/// their own.
+double likelihood_by_size(const Relinearised& told) {
+  const Whitening& whitening = told.comparison.whitening;
+  double sum = 0.0;
+  Eigen::Index first = 0;
+  for (const DatasetWhitening& own : whitening.datasets) {
+    const Vector r = told.fit.residual.segment(first, own.rows).cwiseProduct(own.sigma);
+    std::map<int, std::pair<double, int>> sizes;  // by channel: squares and rows
+    int row = 0;
+    for (const RowSpan& span : own.spans) {
+      auto& [squares, rows] = sizes[span.channel];
+      squares += r.segment(row, span.count).squaredNorm();
+      rows += span.count;
+      row += span.count;
+    }
+    for (const auto& [channel, size] : sizes)
+      sum -= 0.5 * size.second * std::log(std::max(size.first / size.second, kLeastSize));
+    first += own.rows;
+  }
+  return sum;
+}
+
+/// The space about a leading effect, or about none where there is no such effect or where it leaves
+/// forces and none's own tolerances, fitted, leave less. Singles are judged by slopes at the files'
+/// values: a strong effect is told there, and what tolerances do beyond slopes may be taken for one.
+Comparison told_anew(const Problem& problem, const Comparison& comparison, const Fit& none,
+                     const ModelFit* leader) {
+  if (leader == nullptr) return relinearise(problem, comparison, none).comparison;
+  Relinearised about = relinearise(problem, comparison, leader->fit);
+  if (none.free.empty() || !leaves_more(problem.settings, about.fit))
+    return std::move(about.comparison);
+  Relinearised about_none = relinearise(problem, comparison, none);
+  const bool less = likelihood_by_size(about) > likelihood_by_size(about_none);
+  return std::move((less ? about : about_none).comparison);
+}
+
 }  // namespace
 
 SearchResult search_models(const Problem& problem, const Comparison& comparison,
                            const SearchOptions& options) {
-  FittedModels models(problem, comparison, options.earlier);
+  FittedModels models(problem, comparison, options.earlier, options.same_space);
   SearchResult out;
   if (!models.none().fit.valid) return out;
 
@@ -300,6 +343,7 @@ SearchResult search_models(const Problem& problem, const Comparison& comparison,
     search_about_leaders(problem, options, models);
   }
 
+  if (options.earlier != nullptr) models.refine();
   out.indistinguishable =
       indistinguishable_sets(random, models, probed, problem.settings.indistinguishable_below);
   out.models = models.all();
@@ -310,16 +354,21 @@ SearchResult search_models(const Problem& problem, const Comparison& comparison,
 Selection select_models(const Problem& problem, Comparison comparison,
                         const std::function<void(const std::string&)>& progress) {
   const int first = in_windows(problem) ? problem.settings.largest_set : 1;
-  const SearchResult singles = search_models(problem, comparison, {first, nullptr, progress});
+  const SearchResult singles =
+      search_models(problem, comparison, {first, nullptr, false, progress});
   if (singles.models.empty()) return {std::move(comparison), singles};
   const Posterior posterior = posterior_of(singles, problem.settings);
-  if (posterior.none > problem.settings.likely) return {std::move(comparison), singles};
+  const bool fixed = problem.hypotheses.tolerances.empty();
+  if (posterior.none > problem.settings.likely && fixed) return {std::move(comparison), singles};
 
-  if (const ModelFit* leader = clear_leader(posterior, problem.settings))
-    comparison = relinearise(problem, std::move(comparison), leader->fit).comparison;
+  const ModelFit* leader = clear_leader(posterior, problem.settings);
+  const bool same_space = leader == nullptr && fixed;
+  if (same_space && in_windows(problem))
+    return {std::move(comparison), singles};  // sought in full already
+  if (!same_space) comparison = told_anew(problem, comparison, singles.models.front().fit, leader);
   const int largest =
       in_windows(problem) ? problem.settings.largest_set : problem.settings.largest_model;
-  const SearchOptions options{largest, &singles, progress};
+  const SearchOptions options{largest, &singles, same_space, progress};
   SearchResult search = search_models(problem, comparison, options);
   search.predictions += singles.predictions;
   return {std::move(comparison), std::move(search)};
@@ -327,18 +376,19 @@ Selection select_models(const Problem& problem, Comparison comparison,
 
 Relinearised relinearise(const Problem& problem, Comparison comparison, Fit fit) {
   for (int round = 0; round < problem.settings.relinearisations; ++round) {
-    NoiseModel again = estimate_noise(problem, fit.p, comparison.noise.alignments);
+    NoiseModel again = estimate_noise(problem, fit.simulated, comparison.noise.alignments);
     if (!again.valid()) break;
     Comparison about = comparison_about(problem, with_random_effects(problem, std::move(again)));
 
     // A fit goes with the comparison that it was made in: both are taken, or neither.
-    const Fit next = fit_model(problem, about.whitening, fit.free, {fit.p});
+    const Fit next = fit_model(problem, about.whitening, fit.free, {fit.simulated});
     if (!next.valid) break;
     comparison = std::move(about);
     const Vector moved =
         problem.hypotheses.scaled(fit.free, next.p) - problem.hypotheses.scaled(fit.free, fit.p);
     fit = next;
-    if (moved.cwiseAbs().maxCoeff() < problem.settings.relinearised_within) break;
+    if (moved.size() == 0 || moved.cwiseAbs().maxCoeff() < problem.settings.relinearised_within)
+      break;
   }
   return {std::move(comparison), std::move(fit)};
 }

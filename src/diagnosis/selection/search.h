@@ -24,7 +24,8 @@ namespace jaculus::diagnosis {
 
 struct SearchOptions {
   int largest = 3;                        ///< effects at once
-  const SearchResult* earlier = nullptr;  ///< in another space: its fits are starts here
+  const SearchResult* earlier = nullptr;  ///< its fits are starts here
+  bool same_space = false;                ///< whether it was in this space: then they stay
   std::function<void(const std::string&)> progress{};
 };
 SearchResult search_models(const Problem& problem, const Comparison& comparison,

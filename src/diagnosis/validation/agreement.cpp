@@ -95,7 +95,7 @@ std::vector<Vector> held_out_gaps(const Problem& problem, const Comparison& comp
                                   const Fit& model) {
   const int count = count_of(problem.observations.datasets);
   Vector start = model.p;
-  for (const int i : problem.hypotheses.nuisances)
+  for (const int i : problem.hypotheses.nuisances())
     start[i] = problem.hypotheses.parameters[i].nominal;
 
   std::vector<Vector> gaps(count);
@@ -114,7 +114,7 @@ std::vector<Vector> held_out_gaps(const Problem& problem, const Comparison& comp
 
 std::vector<FittedUnknown> unknowns_of(const Problem& problem, const Fit& fit) {
   std::vector<FittedUnknown> unknowns;
-  for (const int i : problem.hypotheses.nuisances) {
+  for (const int i : problem.hypotheses.gains) {
     const FreeParameter& own = problem.hypotheses.parameters[i];
     const int place = index_of(fit.free, i);
     const double half =
@@ -132,20 +132,23 @@ std::vector<FittedUnknown> unknowns_of(const Problem& problem, const Fit& fit) {
   return unknowns;
 }
 
-/// Effects that the factors of `none` can pass for.
+/// Effects that the unknown gains of `none` can pass for.
 std::vector<std::string> hidden_by_unknowns(const Problem& problem, const Comparison& comparison,
                                             const Fit& none, const std::vector<Probe>& probes) {
   std::vector<std::string> hidden;
-  if (none.free.empty()) return hidden;
+  std::vector<Eigen::Index> gains;
+  for (const int i : problem.hypotheses.gains) gains.push_back(index_of(none.free, i));
+  if (gains.empty()) return hidden;
 
+  const Matrix columns = none.jacobian(Eigen::all, gains);
   const double told = 2.0 * problem.settings.indistinguishable_below;
   for (int c = 0; c < count_of(probes); ++c) {
     if (!probes[c].valid) continue;
     const Vector signature = probes[c].full.col(0);
     const auto energy = [&](const Matrix& own) {
-      return unexplained_energy(comparison.whitening.random, none.scales, signature, own);
+      return unexplained_energy(comparison.whitening.random, none.scales, signature, own, 0);
     };
-    if (energy(Matrix(signature.size(), 0)) >= told && energy(none.jacobian) < told)
+    if (energy(Matrix(signature.size(), 0)) >= told && energy(columns) < told)
       hidden.push_back(problem.hypotheses.candidates[c].name);
   }
   return hidden;
@@ -191,7 +194,7 @@ Agreement agreement_of(const Problem& problem, const Comparison& comparison, con
                        const Vector& p) {
   const std::vector<ObservedDataset>& datasets = problem.observations.datasets;
   Agreement agreement;
-  if (datasets.size() < 2 && problem.hypotheses.nuisances.empty()) return agreement;
+  if (datasets.size() < 2 && problem.hypotheses.gains.empty()) return agreement;
   const Fit model = candidates.empty() ? none
                                        : fit_from(problem, comparison.whitening,
                                                   problem.hypotheses.freed_by(candidates), p, {});

@@ -11,38 +11,48 @@
 // folds.
 
 #include <map>
+#include <optional>
 #include <vector>
 
 #include "diagnosis/selection/posterior.h"
 #include "diagnosis/selection/search.h"
+#include "diagnosis/validation/folds.h"
+#include "diagnosis/validation/judge.h"
 #include "jaculus/diagnosis/held_out.h"
 
 namespace jaculus::diagnosis {
 
-/// Judges a fitted model (its free parameters refitted in each fold by Gauss-Newton steps from
-/// where they are) against the nominal one, in which only nuisances of whole datasets are fitted.
-/// Both fits are of `comparison`. Not valid where there are no folds or a simulation fails.
-/// `granted`: of tolerance_variances().
-HeldOut held_out(const Problem& problem, const Comparison& comparison, const Fit& none,
-                 const Fit& model, const std::vector<Vector>& granted);
+/// Errors of a fitted model on what each fold leaves out; nothing where a fold could not be judged.
+struct JudgedFit {
+  std::vector<std::optional<Errors>> folds;
+};
+/// Free parameters are refitted in each fold by Gauss-Newton steps from where they are. The fit is
+/// of `comparison`.
+JudgedFit judge_fit(const Problem& problem, const Comparison& comparison, const Folds& folds,
+                    const Fit& fit);
 
-/// Variance that the builder's tolerances add to held-out errors: rows of a dataset each [unit^2].
-std::vector<Vector> tolerance_variances(const Problem& problem, const Comparison& comparison);
+/// A model against the one that files state, and against that with tolerances fitted (`none`). Not
+/// valid where no fold was judged of all three.
+HeldOut held_out(const Problem& problem, const Folds& folds, const JudgedFit& stated,
+                 const JudgedFit& none, const JudgedFit& model);
+
+/// The model that the files state: unknown gains fitted, everything else at its nominal value.
+Fit as_stated(const Problem& problem, const Whitening& whitening);
 
 /// Held-out gaps of a search's models and of their subsets, each fitted and judged once.
 class HeldOutGaps {
  public:
+  /// `stated`, `none`: fits of `comparison`, of as_stated() and of no effect.
   HeldOutGaps(const Problem& problem, const Comparison& comparison, const Posterior& posterior,
-              const Fit& none)
-      : problem_(problem),
-        comparison_(comparison),
-        posterior_(posterior),
-        none_(none),
-        granted_(tolerance_variances(problem, comparison)) {}
+              const Fit& stated, const Fit& none);
   const HeldOut& of(const ModelFit& model);
-  /// The model of `members`, a subset of a model's: as the search fitted it, else fitted from the
-  /// first larger one that asks, with the others at nominal.
+  /// The model of `members`, a subset of a model's, with the tolerances of the first larger one that
+  /// asks and the others at nominal: what a member does is not what tolerances could do in its
+  /// place.
   const ModelFit& subset(const ModelFit& model, const std::vector<int>& members);
+
+  /// A subset with tolerances of its own: as the search fitted it, else fitted from there.
+  [[nodiscard]] ModelFit fitted(const ModelFit& held) const;
 
   [[nodiscard]] const Problem& problem() const { return problem_; }
   [[nodiscard]] const Settings& settings() const { return problem_.settings; }
@@ -52,8 +62,8 @@ class HeldOutGaps {
   const Problem& problem_;
   const Comparison& comparison_;
   const Posterior& posterior_;
-  const Fit& none_;
-  std::vector<Vector> granted_;
+  Folds folds_;
+  JudgedFit stated_, none_;
   std::map<std::vector<int>, HeldOut> gaps_;
   std::map<std::vector<int>, ModelFit> subsets_;
 };

@@ -53,7 +53,6 @@ Errors::Errors(const Problem& problem) {
   for (const ObservedDataset& observed : problem.observations.datasets) {
     squares.push_back(Vector::Zero(count_of(observed.channels)));
     counts.push_back(squares.back());
-    beyond.push_back(squares.back());
     none.emplace_back(observed.channels.size());
   }
   units.assign(horizons_of(problem.settings).size(), none);
@@ -64,18 +63,17 @@ void Errors::add(const Errors& other) {
   for (std::size_t d = 0; d < squares.size(); ++d) {
     squares[d] += other.squares[d];
     counts[d] += other.counts[d];
-    beyond[d] += other.beyond[d];
     for (std::size_t h = 0; h < units.size(); ++h)
       for (std::size_t c = 0; c < units[h][d].size(); ++c) units[h][d][c].add(other.units[h][d][c]);
   }
 }
 
-double Errors::overall(const std::vector<Vector>& sums) const {
+double Errors::overall() const {
   double sum = 0.0, channels = 0.0;
   for (std::size_t d = 0; d < squares.size(); ++d) {
     for (Eigen::Index c = 0; c < squares[d].size(); ++c) {
       if (counts[d][c] == 0.0) continue;
-      sum += sums[d][c] / counts[d][c];
+      sum += squares[d][c] / counts[d][c];
       channels += 1.0;
     }
   }
@@ -119,17 +117,6 @@ void Judge::add_units(int dataset, int segment, const Estimated& at, const Vecto
   }
 }
 
-void Judge::add_granted(int segment, const Matrix& tolerances, Vector& variance) const {
-  const SegmentNuisances& own = noise.nuisances[segment];
-  const int block = whitening.block_of(segment);
-  if (block < 0) return;
-
-  const Vector prefix = prefix_rows(observed, own, segment);
-  for (const auto column : tolerances.middleRows(own.first, own.count).colwise())
-    variance.segment(own.first, own.count) +=
-        estimated(segment, block, column, prefix).left.cwiseAbs2();
-}
-
 void Judge::judge(int dataset, int segment, const Vector& residual, Errors& errors) const {
   const SegmentNuisances& own = noise.nuisances[segment];
   const int block = whitening.block_of(segment);
@@ -148,10 +135,8 @@ void Judge::judge(int dataset, int segment, const Vector& residual, Errors& erro
     for (int i = 0; i < span.count; ++i) {
       const int row = span.first - own.first + i;
       if (judged[row] == 0.0) continue;
-      const double square = whole.left[row] * whole.left[row];
-      errors.squares[dataset][span.channel] += square / whole.variance[row];
-      errors.beyond[dataset][span.channel] +=
-          square / (whole.variance[row] + granted[span.first + i]);
+      errors.squares[dataset][span.channel] +=
+          whole.left[row] * whole.left[row] / whole.variance[row];
       errors.counts[dataset][span.channel] += 1.0;
     }
   }

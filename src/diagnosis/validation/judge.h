@@ -5,8 +5,6 @@
 //   n = argmin |W (y - f - A n)|^2 over rows of the prefix + |(n - m)/s|^2,
 // and rows after it are judged. P: covariance of n that the prefix leaves.
 //   noise floors  e_i = (y - f - A n)_i/sqrt(v_i),  v_i = sigma_i^2 (1 + 1/n_train) + (A P A^T)_ii
-//   beyond        e_i with what the builder's tolerances make of the row added to v_i: C - A N,
-//                 squares summed, N the nuisances that the prefix takes for each of them
 //   units         (y - f - A n)_i, beside v_i, which is what a perfect model is expected to leave
 //
 // Horizon h: the segment is judged as if it ended at h after its start, its prefix being
@@ -36,7 +34,6 @@ struct UnitSums {
 /// Squares and counts of judged errors by dataset and channel.
 struct Errors {
   std::vector<Vector> squares, counts;  ///< a dataset each, a channel each [noise floors^2]
-  std::vector<Vector> beyond;           ///< of errors beyond tolerances, likewise
   /// A horizon each, then a dataset each, then a channel each.
   std::vector<std::vector<std::vector<UnitSums>>> units;
   double log_density = 0.0;  ///< of all judged rows together, less what no model changes
@@ -44,11 +41,7 @@ struct Errors {
   explicit Errors(const Problem& problem);
   void add(const Errors& other);
   /// Root of the mean over channels of their mean squares [noise floors].
-  [[nodiscard]] double overall() const { return overall(squares); }
-  [[nodiscard]] double overall_beyond() const { return overall(beyond); }
-
- private:
-  [[nodiscard]] double overall(const std::vector<Vector>& sums) const;
+  [[nodiscard]] double overall() const;
 };
 
 /// One dataset's held-out segments, to be judged.
@@ -57,13 +50,10 @@ struct Judge {
   const DatasetNoise& noise;
   const DatasetWhitening& whitening;  ///< of all rows
   const Settings& settings;
-  const Vector& granted;  ///< variance that tolerances add, rows of the dataset [unit^2]
-  double trained = 1.0;   ///< segments that the fold was fitted to
+  double trained = 1.0;  ///< segments that the fold was fitted to
 
   /// Adds the errors of a segment. `residual`: measured less predicted, all rows of the dataset.
   void judge(int dataset, int segment, const Vector& residual, Errors& errors) const;
-  /// Adds what tolerances, d(rows)/d(tolerance) of the dataset, leave after a segment's prefix.
-  void add_granted(int segment, const Matrix& tolerances, Vector& variance) const;
 
  private:
   /// A segment after its nuisances were estimated from some of its rows.

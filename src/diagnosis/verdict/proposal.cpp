@@ -150,7 +150,8 @@ Proposal propose(HeldOutGaps& gaps) {
 
   leading = best_predicting(gaps);
   Proposal proposal = name_effects(posterior, *leading, settings);
-  const ModelFit kept = without_members_of_no_share(gaps, without_idle_members(gaps, *leading));
+  ModelFit kept = without_members_of_no_share(gaps, without_idle_members(gaps, *leading));
+  if (kept.candidates != leading->candidates) kept = gaps.fitted(kept);
   for (const int c : leading->candidates) {
     if (contains(kept.candidates, c)) continue;
     proposal.reasons.push_back(

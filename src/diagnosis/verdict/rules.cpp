@@ -20,17 +20,17 @@ bool none_probable(const VerdictEvidence& e, const Settings& s) {
 }
 
 bool small_gap(const VerdictEvidence& e, const Settings& s) {
-  if (!e.gap.valid || !(e.gap.beyond_before < s.plain_gap)) return false;
+  if (!e.gap.valid || !(e.gap.adjusted < s.plain_gap)) return false;
   if (!named(e)) return true;
-  const double most = (1.0 - s.least_improvement_small_gap) * e.gap.before;
+  const double most = (1.0 - s.least_improvement_small_gap) * e.gap.adjusted;
   return e.gap.log_gain <= s.worth_small_gap || e.gap.after >= most;
 }
 
 bool unknown_structure(const VerdictEvidence& e, const Settings&) { return !named(e); }
 
 bool no_better_prediction(const VerdictEvidence& e, const Settings& s) {
-  if (!e.gap.valid || e.gap.before < s.plain_gap) return false;
-  const double most = (1.0 - s.least_improvement) * e.gap.before;
+  if (!e.gap.valid || e.gap.adjusted < s.plain_gap) return false;
+  const double most = (1.0 - s.least_improvement) * e.gap.adjusted;
   return e.gap.log_gain <= s.worth || e.gap.after >= most;
 }
 
@@ -80,8 +80,8 @@ const std::vector<VerdictRule>& verdict_rules() {
        small_gap},
       {"unknown structure", Verdict::unexplained, "", unknown_structure},
       {"no better prediction", Verdict::unexplained,
-       "the fitted effects predict held-out data no better than the nominal model does (settings "
-       "worth, least_improvement)",
+       "the fitted effects predict held-out data no better than the nominal model does within its "
+       "builder's tolerances (settings worth, least_improvement)",
        no_better_prediction},
       {"less than is left", Verdict::unexplained,
        "the fitted effects explain less of the held-out gap than they leave, so that what is named "

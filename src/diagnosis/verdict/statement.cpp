@@ -218,7 +218,8 @@ Statement state_verdict(const Problem& problem, const Selection& selection, bool
   const Settings& settings = problem.settings;
   const Fit& none = selection.search.models.front().fit;
   const Posterior posterior = posterior_of(selection.search, settings);
-  HeldOutGaps gaps(problem, selection.comparison, posterior, none);
+  const Fit stated = as_stated(problem, selection.comparison.whitening);
+  HeldOutGaps gaps(problem, selection.comparison, posterior, stated, none);
   const Proposal proposal = propose(gaps);
   const ModelFit& chosen = proposal.chosen;
 
@@ -232,6 +233,7 @@ Statement state_verdict(const Problem& problem, const Selection& selection, bool
                                    settings);
   out.verdict = rule.verdict;
   out.rule = rule.name;
+  out.stated = {{}, stated.p};
   out.none = {{}, none.p};
   out.model = {chosen.candidates, chosen.fit.p};
 

@@ -20,7 +20,7 @@ struct Statement {
   double lacking_probability = 0.0;  ///< that `model` lacks forces, given that it is at work
   std::vector<LackingForce> lacking;
   std::vector<FittedModel> rivals;
-  FittedModel none, model;
+  FittedModel stated, none, model;
   Posterior posterior;  ///< as held-out data leave it
 };
 

@@ -1,0 +1,136 @@
+#include "diagnosis/selection/minimise.h"
+
+#include <ceres/ceres.h>
+#include <glog/logging.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+namespace jaculus::diagnosis {
+namespace {
+
+/// W = M J of a residual's slopes on the way, and W^T W. Where slopes follow secants, J + d s^T, so
+/// do both: W + w s^T with w = M d, and with v = W^T w
+///   W^T W + v s^T + s v^T + w^T w s s^T,
+/// passes over one column in place of all.
+class WeighedSlopes {
+ public:
+  explicit WeighedSlopes(const RandomWeights& weights) : weights_(weights) {}
+
+  void follow(const Residual& residual, const Matrix& J) {
+    const Eigen::Index before = residual.before_tolerances(), n = J.cols() - before;
+    const std::vector<Residual::Secant>& secants = residual.secants();
+    if (W_.size() == 0 || renewed_ != residual.times_renewed()) {
+      W_ = weights_.stacked(J);
+      gram_ = Matrix::Zero(J.cols(), J.cols());
+      gram_.selfadjointView<Eigen::Lower>().rankUpdate(W_.transpose());
+      gram_.triangularView<Eigen::StrictlyUpper>() = gram_.transpose();
+    } else {
+      for (; followed_ < secants.size(); ++followed_) add(secants[followed_], n);
+      if (before > 0) {
+        W_.leftCols(before) = weights_.stacked(J.leftCols(before));
+        gram_.leftCols(before) = W_.transpose() * W_.leftCols(before);
+        gram_.topRows(before) = gram_.leftCols(before).transpose();
+      }
+    }
+    renewed_ = residual.times_renewed();
+    followed_ = secants.size();
+  }
+
+  [[nodiscard]] const Matrix& weighed() const { return W_; }
+  [[nodiscard]] const Matrix& gram() const { return gram_; }
+
+ private:
+  void add(const Residual::Secant& secant, Eigen::Index n) {
+    const Vector w = weights_.stacked(secant.missed), &s = secant.along;
+    const Vector v = W_.rightCols(n).transpose() * w;
+    W_.rightCols(n).noalias() += w * s.transpose();
+    auto nuisances = gram_.bottomRightCorner(n, n);
+    nuisances += v * s.transpose() + s * v.transpose() + w.squaredNorm() * (s * s.transpose());
+  }
+
+  const RandomWeights& weights_;
+  Matrix W_, gram_;
+  int renewed_ = 0;
+  std::size_t followed_ = 0;
+};
+
+/// Ceres' view.
+class Cost : public ceres::CostFunction {
+ public:
+  Cost(Residual& residual, const RandomWeights& weights)
+      : residual_(residual), weights_(weights), slopes_(weights) {
+    set_num_residuals(static_cast<int>(residual.size()) + 1);
+    mutable_parameter_block_sizes()->push_back(static_cast<int>(residual.size()));
+  }
+  bool Evaluate(double const* const* parameters, double* residuals,
+                double** jacobians) const override {
+    const Eigen::Index n = residual_.size();
+    const Vector u = Eigen::Map<const Vector>(parameters[0], n);
+    Vector r;
+    if (!residual_.value(u, r)) return false;
+    const Vector root = weights_.stacked(r);
+    const double squares = root.squaredNorm() + u.squaredNorm();
+    Eigen::Map<Vector> rows(residuals, n + 1);
+    rows.setZero();
+    rows[n] = std::sqrt(squares);
+    if (jacobians == nullptr || jacobians[0] == nullptr) return true;
+
+    Matrix J;
+    if (!residual_.slopes(u, J)) return false;
+    slopes_.follow(residual_, J);
+    Matrix H = slopes_.gram();
+    H.diagonal().array() += 1.0;
+    const Eigen::LLT<Matrix> factor(H);
+    rows.head(n) = factor.matrixL().solve(slopes_.weighed().transpose() * root + u);
+    rows[n] = std::sqrt(std::max(0.0, squares - rows.head(n).squaredNorm()));
+    Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> all(
+        jacobians[0], n + 1, n);
+    all.topRows(n) = factor.matrixU();
+    all.bottomRows(1).setZero();
+    return true;
+  }
+
+ private:
+  Residual& residual_;
+  const RandomWeights& weights_;
+  mutable WeighedSlopes slopes_;  // Ceres evaluates through a constant
+};
+
+}  // namespace
+
+std::optional<double> minimise(Residual& residual, const RandomWeights& weights, int iterations,
+                               Vector& u) {
+  const Settings& settings = residual.settings();
+  FLAGS_minloglevel =
+      google::GLOG_FATAL;  // a simulation that fails is a status here, no message of a library
+  ceres::Problem::Options ownership;
+  ownership.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  Cost cost(residual, weights);
+  ceres::Problem problem(ownership);
+  problem.AddResidualBlock(&cost, nullptr, u.data());
+  for (Eigen::Index i = 0; i < u.size(); ++i) {
+    const Bounds range = residual.range(i);
+    if (std::isfinite(range.lower))
+      problem.SetParameterLowerBound(u.data(), static_cast<int>(i), range.lower);
+    if (std::isfinite(range.upper))
+      problem.SetParameterUpperBound(u.data(), static_cast<int>(i), range.upper);
+  }
+
+  ceres::Solver::Options options;
+  options.max_num_iterations = iterations;
+  options.linear_solver_type = ceres::DENSE_QR;
+  options.function_tolerance = settings.fit_cost_tolerance;
+  options.parameter_tolerance = settings.fit_parameter_tolerance;
+  options.logging_type = ceres::SILENT;
+  options.num_threads = 1;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &problem, &summary);
+
+  if (!summary.IsSolutionUsable()) return {};
+  return summary.initial_cost - summary.final_cost;
+}
+
+}  // namespace jaculus::diagnosis

@@ -1,0 +1,162 @@
+#include "diagnosis/selection/residual.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+#include "diagnosis/forward/sensitivities.h"
+
+namespace jaculus::diagnosis {
+namespace {
+
+/// A step of the tolerances below which a secant says nothing [prior scales].
+constexpr double kLeastSecant = 1e-6;
+
+/// How many of some free parameters come before the tolerances, which come last.
+Eigen::Index count_before_tolerances(const Hypotheses& hypotheses, const std::vector<int>& free) {
+  const auto is_tolerance = [&](int i) { return index_of(hypotheses.tolerances, i) >= 0; };
+  return std::find_if(free.begin(), free.end(), is_tolerance) - free.begin();
+}
+
+}  // namespace
+
+Residual::Residual(const Problem& problem, const Whitening& whitening, std::vector<int> free,
+                   Vector fixed, const Matrix& known)
+    : problem_(problem),
+      whitening_(whitening),
+      free_(std::move(free)),
+      tolerances_(count_before_tolerances(problem.hypotheses, free_)),
+      fixed_(std::move(fixed)),
+      steps_(Vector::Constant(count_of(free_), problem.settings.first_step)) {
+  if (known.cols() == 0 || known.cols() != size() - tolerances_) return;
+  slopes_ = Matrix::Zero(whitening.rows, size());
+  slopes_.rightCols(known.cols()) = known;
+}
+
+Residual::Residual(const Problem& problem, const Whitening& whitening, std::vector<int> free,
+                   Vector fixed, const LinearTolerances& linear)
+    : Residual(problem, whitening, std::move(free), std::move(fixed), linear.slopes) {
+  linear_ = &linear;
+}
+
+Vector Residual::simulated(const Vector& u) const {
+  Vector p = full(u);
+  if (linear_ == nullptr) return p;
+  for (Eigen::Index i = tolerances_; i < size(); ++i) p[free_[i]] = linear_->p[free_[i]];
+  return p;
+}
+
+Bounds Residual::range(Eigen::Index i) const {
+  const FreeParameter& p = problem_.hypotheses.parameters[free_[i]];
+  return {(p.bounds.lower - p.nominal) / p.scale, (p.bounds.upper - p.nominal) / p.scale};
+}
+
+bool Residual::value(const Vector& u, Vector& r) {
+  if (u.size() == at_.size() && u == at_ && residual_.size() > 0) {
+    r = residual_;
+    return true;
+  }
+  const Vector p = simulated(u);
+  if (p.size() != simulated_.size() || p != simulated_) {
+    ++predictions_;
+    simulated_.resize(0);
+    const PredictionSet set = predict_all(problem_, p);
+    if (!set.valid) {
+      message_ = set.message;
+      return false;
+    }
+    rows_ = rows_of(problem_, whitening_.alignments, set);
+    simulated_ = p;
+  }
+  r = whitening_.residual(rows_);
+  const Eigen::Index n = size() - tolerances_;
+  if (linear_ != nullptr && n > 0) r += linear_->slopes * (u.tail(n) - reduced(linear_->p).tail(n));
+  at_ = u;
+  residual_ = r;
+  return true;
+}
+
+bool Residual::difference_columns(const Vector& u, const std::vector<Eigen::Index>& columns,
+                                  Matrix& J) {
+  const Vector p = simulated(u);
+  std::vector<char> done(columns.size(), 0);
+  tbb::parallel_for(0, count_of(columns), [&](int k) {
+    const Eigen::Index i = columns[k];
+    const double scale = problem_.hypotheses.parameters[free_[i]].scale;
+    const auto moved =
+        difference(problem_, whitening_.alignments, p, rows_, free_[i], steps_[i] * scale);
+    if (!moved) return;
+    J.col(i) = whitening_.apply(moved->rows) * (-scale / moved->step);
+    steps_[i] = difference_step(J.col(i).norm(), problem_.settings);
+    done[k] = 1;
+  });
+  predictions_ += count_of(columns);
+  return std::find(done.begin(), done.end(), 0) == done.end();
+}
+
+void Residual::follow(const Vector& u, const Matrix& before, Matrix& J) {
+  const Eigen::Index n = size() - tolerances_;
+  const Vector du = u - slopes_at_, dn = du.tail(n);
+  if (n == 0 || dn.norm() < kLeastSecant) return;
+  Vector missed = residual_ - slopes_residual_ - before * du;
+  missed -= 0.5 * (J.leftCols(tolerances_) - before.leftCols(tolerances_)) * du.head(tolerances_);
+  secants_.push_back({std::move(missed), dn / dn.squaredNorm()});
+  J.rightCols(n).noalias() += secants_.back().missed * secants_.back().along.transpose();
+}
+
+void Residual::keep(const Vector& u, const Matrix& J) {
+  slopes_at_ = u;
+  slopes_residual_ = residual_;
+  slopes_ = J;
+}
+
+bool Residual::slopes(const Vector& u, Matrix& J) {
+  if (slopes_.size() == 0) return renewed_slopes(u, J);
+  if (slopes_at_.size() == u.size() && slopes_at_ == u) {
+    J = slopes_;
+    return true;
+  }
+  std::vector<Eigen::Index> effects(tolerances_);
+  std::iota(effects.begin(), effects.end(), Eigen::Index{0});
+  J = slopes_;
+  if (!difference_columns(u, effects, J)) return false;
+  if (linear_ == nullptr && slopes_at_.size() == u.size()) follow(u, slopes_, J);
+  keep(u, J);
+  new_ = false;
+  return true;
+}
+
+bool Residual::renewed_slopes(const Vector& u, Matrix& J) {
+  if (linear_ != nullptr) return slopes(u, J);
+  const bool anew = slopes_.size() == 0;
+  if (new_ && slopes_at_.size() == u.size() && slopes_at_ == u) {
+    J = slopes_;
+    return true;
+  }
+  J = anew ? Matrix(whitening_.rows, size()) : slopes_;
+  std::vector<Eigen::Index> columns;
+  for (Eigen::Index i = 0; i < size(); ++i)
+    if (anew || i < tolerances_ || J.col(i).norm() > problem_.settings.slope_renewed)
+      columns.push_back(i);
+  if (!difference_columns(u, columns, J)) return false;
+  keep(u, J);
+  new_ = true;
+  secants_.clear();
+  ++times_renewed_;
+  return true;
+}
+
+LinearTolerances linear_tolerances(const Problem& problem, const Whitening& whitening, Vector p) {
+  LinearTolerances out{std::move(p), {}};
+  const std::vector<int>& tolerances = problem.hypotheses.tolerances;
+  if (tolerances.empty()) return out;
+  Residual residual(problem, whitening, tolerances, out.p);
+  const Vector u = residual.reduced(out.p);
+  Vector r;
+  if (!residual.value(u, r) || !residual.slopes(u, out.slopes)) out.slopes.resize(0, 0);
+  return out;
+}
+
+}  // namespace jaculus::diagnosis

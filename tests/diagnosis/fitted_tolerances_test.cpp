@@ -1,0 +1,185 @@
+// Tolerances that every model fits: evidence against an integral, an effect beside a tolerance of
+// the same quantity, slopes that follow secants.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "diagnosis/selection/comparison.h"
+#include "diagnosis/selection/fit.h"
+#include "diagnosis/selection/minimise.h"
+#include "diagnosis/toy.h"
+
+namespace jaculus::diagnosis {
+namespace {
+
+using test::toy_problem;
+using test::toy_shape;
+
+constexpr int kTolerance = 4;  // index of the parameter
+constexpr double kTruth = 1.5;
+
+void add_tolerance(Problem& problem) {
+  problem.hypotheses.parameters.push_back(
+      {"tolerance", "frequency", "deviations", 0.0, 1.0, {-2.0, 2.0}});
+  problem.hypotheses.tolerances = {kTolerance};
+}
+
+/// Predictions of two channels over the toy's time by `value(channel, t, p)`.
+template <class Value>
+ForwardModel forward_of(Value&& value) {
+  return [value](int, int, const Vector& p) {
+    Prediction prediction;
+    prediction.valid = true;
+    prediction.step = 1e-3;
+    prediction.values.resize(2, 531);
+    for (int c = 0; c < 2; ++c)
+      for (int i = 0; i < 531; ++i) prediction.values(c, i) = value(c, 1e-3 * i, p);
+    return prediction;
+  };
+}
+
+/// An oscillation whose frequency a tolerance moves: at the end of a run its slope at the files' own
+/// value is off by as much as it says.
+double oscillation(int channel, double t, const Vector& p) {
+  const double first = p[0] * std::pow(t / 0.5, 3);
+  return first + (channel == 0 ? t : 0.05 * std::sin((20.0 + 1.2 * p[kTolerance]) * t));
+}
+
+std::shared_ptr<Problem> oscillating_problem() {
+  auto problem = toy_problem(Vector::Zero(4));
+  add_tolerance(*problem);
+  Vector truth = Vector::Zero(5);
+  truth[kTolerance] = kTruth;
+  std::mt19937 generator(3);
+  std::normal_distribution<double> normal(0.0, 1e-3);
+  for (Segment& segment : problem->observations.datasets[0].segments)
+    for (int c = 0; c < 2; ++c)
+      for (Eigen::Index i = 0; i < segment.time[c].size(); ++i)
+        segment.value[c][i] =
+            oscillation(c, std::max(0.0, segment.time[c][i]), truth) + normal(generator);
+  problem->forward = forward_of(oscillation);
+  return problem;
+}
+
+Comparison comparison_at(const Problem& problem, const Vector& p) {
+  return comparison_about(problem, with_random_effects(problem, estimate_noise(problem, p)));
+}
+
+/// log of the integral over the tolerance of prior times likelihood, by the deviations of a fit.
+double integrated(const Problem& problem, const Whitening& whitening, const Fit& fit) {
+  const double step = 0.0005;
+  double most = -kInfinity, sum = 0.0;
+  std::vector<double> logs;
+  for (double e = kTruth - 0.4; e <= kTruth + 0.4; e += step) {
+    Vector p = fit.p;
+    p[kTolerance] = e;
+    const auto rows = rows_of(problem, whitening.alignments, predict_all(problem, p));
+    const RandomEffects& random = whitening.random;
+    const Weighed weighed =
+        weigh(random, products_of(random, whitening.residual(rows)), fit.scales);
+    logs.push_back(-0.5 * (weighed.gram(0, 0) + weighed.log_det + e * e) -
+                   0.5 * std::log(2.0 * std::numbers::pi));
+    most = std::max(most, logs.back());
+  }
+  for (const double value : logs) sum += step * std::exp(value - most);
+  return most + std::log(sum) - std::log(std::erf(std::numbers::sqrt2));  // the prior ends at 2
+}
+
+TEST(FittedTolerances, GiveNoneTheEvidenceThatTheIntegralHas) {
+  const auto problem = oscillating_problem();
+  const Vector nominal = problem->hypotheses.nominal();
+  Vector found = nominal;
+  found[kTolerance] = kTruth;
+  const Comparison comparison = comparison_at(*problem, found);
+  const Whitening& whitening = comparison.whitening;
+
+  const Fit none = fit_model(*problem, whitening, problem->hypotheses.freed_by({}), {nominal});
+  ASSERT_TRUE(none.valid);
+  EXPECT_NEAR(none.p[kTolerance], kTruth, 0.02);
+  const Products alone = products_of(whitening.random, none.residual);
+  const double cost =
+      estimated_scales(whitening.random, alone, none.scales, 0, problem->settings.scale_spread)
+          .log_cost;
+  EXPECT_NEAR(none.log_evidence - cost, integrated(*problem, whitening, none), 0.5);
+}
+
+TEST(FittedTolerances, ShareWithAnEffectOfTheSameQuantityAsPriorsSay) {
+  // Data tell first + 0.05 e to a percent of either: what each is, priors of 0.1 and 0.05 decide.
+  const double by_tolerance = 0.05, together = 0.12;
+  auto problem = toy_problem(test::toy_truth(together, 0.0));
+  add_tolerance(*problem);
+  problem->forward = forward_of([&](int c, double t, const Vector& p) {
+    Vector all = Vector::Zero(4);
+    all[0] = p[0] + by_tolerance * p[kTolerance];
+    return toy_shape(c, Vector::Constant(1, t), all)[0];
+  });
+  const Vector nominal = problem->hypotheses.nominal();
+  const Comparison comparison = comparison_about(*problem, estimate_noise(*problem, nominal));
+
+  const Fit fit =
+      fit_model(*problem, comparison.whitening, problem->hypotheses.freed_by({0}), {nominal});
+  ASSERT_TRUE(fit.valid);
+  const double squares = 0.1 * 0.1 + by_tolerance * by_tolerance;
+  const double deviation = 0.1 * by_tolerance / std::sqrt(squares);
+  // A fit ends where its cost, some 500, falls by less than 1e-5 of itself: a tenth of a deviation.
+  const double ended = 0.1 * deviation;
+  EXPECT_NEAR(fit.p[0], together * 0.1 * 0.1 / squares, ended);
+  EXPECT_NEAR(by_tolerance * fit.p[kTolerance], together * by_tolerance * by_tolerance / squares,
+              ended);
+  EXPECT_NEAR(0.1 * std::sqrt(fit.covariance(0, 0)), deviation, 1e-3);
+
+  // The profile moves the tolerance along, to its end at two deviations below.
+  const Bounds ci = interval95(*problem, comparison.whitening, fit, 0);
+  EXPECT_NEAR(ci.upper, fit.p[0] + 1.96 * deviation, ended);
+  EXPECT_LT(ci.lower, fit.p[0] - 0.03);
+}
+
+TEST(FittedTolerances, SlopesThatFollowSecantsKeepWhatIsLinear) {
+  const auto problem = oscillating_problem();
+  const Vector nominal = problem->hypotheses.nominal();
+  const Comparison comparison = comparison_at(*problem, nominal);
+  const std::vector<int> free = problem->hypotheses.freed_by({0});
+  Residual residual(*problem, comparison.whitening, free, nominal);
+
+  Vector u = residual.reduced(nominal), r;
+  Matrix first, followed, renewed;
+  ASSERT_TRUE(residual.value(u, r) && residual.slopes(u, first));
+  u << 0.3, 0.4;
+  ASSERT_TRUE(residual.value(u, r) && residual.slopes(u, followed));
+  ASSERT_EQ(residual.secants().size(), 1U);
+  ASSERT_TRUE(residual.renewed_slopes(u, renewed));
+  EXPECT_TRUE(residual.secants().empty());
+
+  // The effect is linear. Along the way the tolerance's secant is the mean of both ends' slopes.
+  EXPECT_LT((followed.col(0) - first.col(0)).norm(), 1e-3 * first.col(0).norm());
+  const Vector mean = 0.5 * (first.col(1) + renewed.col(1));
+  EXPECT_LT((followed.col(1) - mean).norm(), 0.02 * mean.norm());
+  EXPECT_GT((first.col(1) - mean).norm(), 0.05 * mean.norm());
+}
+
+TEST(Minimise, ReachesTheNormalEquationsOfALinearProblem) {
+  const auto problem = toy_problem(test::toy_truth(0.3, 0.1));
+  const Comparison comparison = comparison_at(*problem, Vector::Zero(4));
+  Residual residual(*problem, comparison.whitening, {0, 1}, Vector::Zero(4));
+  const RandomWeights weights(comparison.whitening.random,
+                              first_scales(comparison.whitening.random));
+  Vector u = Vector::Zero(2), r0, r;
+  Matrix J;
+  ASSERT_TRUE(residual.value(u, r0) && residual.slopes(u, J));
+  const auto fell = minimise(residual, weights, 20, u);
+  ASSERT_TRUE(fell);
+
+  const Matrix W = weights.stacked(J), root = weights.stacked(r0);
+  const Matrix H = W.transpose() * W + Matrix::Identity(2, 2);
+  const Vector expected = -H.ldlt().solve(W.transpose() * root);
+  EXPECT_LT((u - expected).norm(), 1e-3 * expected.norm());
+  ASSERT_TRUE(residual.value(u, r));
+  const double before = 0.5 * root.squaredNorm(),
+               after = 0.5 * (weights.stacked(r).squaredNorm() + u.squaredNorm());
+  EXPECT_NEAR(*fell, before - after, 1e-6 * before);
+}
+
+}  // namespace
+}  // namespace jaculus::diagnosis
