@@ -112,7 +112,7 @@ void add_motor_limits(const TermSpec& spec, TermContext& context) {
     const double volts = context.problem.voltage.value_or(motor.voltage);
     for (int p : all_named(spec, "phases", context)) {
       if (electrical(motor) && std::isfinite(volts))
-        context.path[p].push_back(motor_voltage_term(model, m, volts));
+        context.path[p].push_back(motor_voltage_term(model, m, volts, 0.0));
       if (std::isfinite(motor.speed_limit)) context.path[p].push_back(motor_speed_term(model, m));
     }
     any = any || electrical(motor) || std::isfinite(motor.speed_limit);
