@@ -79,7 +79,7 @@ TEST(RobotImport, ATailIsProposedSolvedAndSwitchedFromTheCommandLine) {
   EXPECT_TRUE(holds(import.out, "hound: 6 planar bodies, 13.2 kg, 8 coordinates, 5 motors"));
   EXPECT_TRUE(holds(run_program({"check", out}).out, "'tail' is attached to 'trunk': 1.2 kg"));
 
-  const auto mass_of = [&](const std::string& kind) {
+  const auto tail_and_motors = [&](const std::string& kind) {
     const Outcome solve =
         run_program({"solve", out + "/leap.yaml", "--override", "attach.tail.kind=" + kind,
                      "--json", "--out", folder / kind});
@@ -87,13 +87,11 @@ TEST(RobotImport, ATailIsProposedSolvedAndSwitchedFromTheCommandLine) {
     const json told = json::parse(solve.out);
     EXPECT_TRUE(told["verification"]["passed"].get<bool>()) << kind;
     std::vector<std::string> motors;
-    for (const json& motor : told["motors"]) motors.push_back(motor["joint"]);
-    return std::pair(told["tail_momentum_share"].get<double>(), motors.size());
+    for (const json& motor : told["motors"]) motors.push_back(motor["motor"]);
+    return std::pair(!told["tail_momentum_share"].is_null(), motors.size());
   };
-  const auto [drag_share, with] = mass_of("drag");
-  EXPECT_NE(drag_share, 0.0);
-  EXPECT_EQ(with, 5u);
-  EXPECT_EQ(mass_of("none"), std::pair(0.0, std::size_t{4}));
+  EXPECT_EQ(tail_and_motors("drag"), std::pair(true, std::size_t{5}));
+  EXPECT_EQ(tail_and_motors("none"), std::pair(false, std::size_t{4}));
 
   const Outcome whole = run_program({"robot", "urdf", out, "--out", folder / "whole.urdf"});
   ASSERT_EQ(whole.exit_code, 0) << whole.err;

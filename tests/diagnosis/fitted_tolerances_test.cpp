@@ -40,8 +40,8 @@ ForwardModel forward_of(Value&& value) {
   };
 }
 
-/// An oscillation whose frequency a tolerance moves: at the end of a run its slope at the files' own
-/// value is off by as much as it says.
+/// An oscillation whose frequency a tolerance moves: at the end of a run its slope at the files'
+/// own value is off by as much as it says.
 double oscillation(int channel, double t, const Vector& p) {
   const double first = p[0] * std::pow(t / 0.5, 3);
   return first + (channel == 0 ? t : 0.05 * std::sin((20.0 + 1.2 * p[kTolerance]) * t));

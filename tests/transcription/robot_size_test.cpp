@@ -122,7 +122,7 @@ TEST(RobotSize, FaultsSayWhatIsAllowed) {
 
 TEST(MotorLimits, HoldVoltageAndSpeedWhereAMotorHasThem) {
   const auto rows_of = [](const std::string& lines) {
-    const Problem problem = extended_problem("leap_tail", lines);
+    const Problem problem = extended_problem("leap_tail_as_published", lines);
     const NonlinearProgram program(problem, test::model_of(problem));
     int voltage = 0, speed = 0;
     for (const Interval& interval : program.intervals()) {

@@ -23,8 +23,8 @@ Fit fit_beside(const Problem& problem, const Whitening& whitening, const Fit& ba
 }
 
 /// Log evidence gained at which a start has reached what screening promised, by slopes at none or a
-/// step of one parameter: under a plan, where valleys are narrow, nearly all of it. Where nothing was
-/// promised any start will do.
+/// step of one parameter: under a plan, where valleys are narrow, nearly all of it. Where nothing
+/// was promised any start will do.
 double promised(const Problem& problem, double score) {
   const Settings& settings = problem.settings;
   if (in_windows(problem)) return settings.start_reached * score;

@@ -13,8 +13,8 @@ using Members = std::vector<int>;
 
 class FittedModels {
  public:
-  /// Fits none, from where the noise was told; or has the models of an earlier search of this space.
-  /// Models are fitted with tolerances by their slopes there, until they are refined.
+  /// Fits none, from where the noise was told; or has the models of an earlier search of this
+  /// space. Models are fitted with tolerances by their slopes there, until they are refined.
   FittedModels(const Problem& problem, const Comparison& comparison, const SearchResult* earlier,
                bool same_space);
 
@@ -44,8 +44,8 @@ class FittedModels {
   /// Fits models of an earlier search again, from where they were.
   void fit_again(const std::vector<ModelFit>& earlier);
   /// The leading models again, best first, and none, with tolerances simulated: slopes served to
-  /// find them. Each sets out from where it is, from where slopes were told or from the nuisances of
-  /// what leads, so that none is better only by its start.
+  /// find them. Each sets out from where it is, from where slopes were told or from the nuisances
+  /// of what leads, so that none is better only by its start.
   void refine();
   /// The same of these candidates.
   void extend(const ModelFit& base, const std::vector<Probe>& probes, const Members& which);

@@ -16,8 +16,8 @@
 
 namespace jaculus::diagnosis {
 
-/// From u on, which is left at the best point met. By how much the cost fell; nothing where no point
-/// could be evaluated.
+/// From u on, which is left at the best point met. By how much the cost fell; nothing where no
+/// point could be evaluated.
 std::optional<double> minimise(Residual& residual, const RandomWeights& weights, int iterations,
                                Vector& u);
 

@@ -25,7 +25,8 @@ struct LinearTolerances {
 class Residual {
  public:
   /// `fixed`: all parameters, the free ones of no account. `known`: slopes of the tolerances among
-  /// the free ones to set out with, white rows x tolerances; else they are differenced at the start.
+  /// the free ones to set out with, white rows x tolerances; else they are differenced at the
+  /// start.
   Residual(const Problem& problem, const Whitening& whitening, std::vector<int> free, Vector fixed,
            const Matrix& known = {});
   /// The same with tolerances by their slopes. `linear` has to outlive it.

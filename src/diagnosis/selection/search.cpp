@@ -308,7 +308,8 @@ double likelihood_by_size(const Relinearised& told) {
 
 /// The space about a leading effect, or about none where there is no such effect or where it leaves
 /// forces and none's own tolerances, fitted, leave less. Singles are judged by slopes at the files'
-/// values: a strong effect is told there, and what tolerances do beyond slopes may be taken for one.
+/// values: a strong effect is told there, but what tolerances do beyond slopes may be taken for
+/// one.
 Comparison told_anew(const Problem& problem, const Comparison& comparison, const Fit& none,
                      const ModelFit* leader) {
   if (leader == nullptr) return relinearise(problem, comparison, none).comparison;

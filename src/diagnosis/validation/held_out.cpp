@@ -13,8 +13,8 @@
 namespace jaculus::diagnosis {
 namespace {
 
-/// Slopes of all rows by the free parameters of a fit, a prior scale each: a parameter and a dataset
-/// each. Nothing where the simulation fails next to the fit.
+/// Slopes of all rows by the free parameters of a fit, a prior scale each: a parameter and a
+/// dataset each. Nothing where the simulation fails next to the fit.
 std::optional<std::vector<std::vector<Vector>>> slopes_of(const Problem& problem,
                                                           const Whitening& whitening,
                                                           const Fit& fit) {
@@ -34,8 +34,8 @@ std::optional<std::vector<std::vector<Vector>>> slopes_of(const Problem& problem
   return slopes;
 }
 
-/// Errors of the segments that a fold leaves out, by the model refitted to the others; nothing where
-/// the fold has no rows or can't be simulated.
+/// Errors of the segments that a fold leaves out, by the model refitted to the others; nothing
+/// where the fold has no rows or can't be simulated.
 std::optional<Errors> judge_fold(const Problem& problem, const Comparison& comparison,
                                  const SegmentMask& mask, const Fit& fit,
                                  const std::vector<std::vector<Vector>>& slopes) {

@@ -46,8 +46,8 @@ class HeldOutGaps {
   HeldOutGaps(const Problem& problem, const Comparison& comparison, const Posterior& posterior,
               const Fit& stated, const Fit& none);
   const HeldOut& of(const ModelFit& model);
-  /// The model of `members`, a subset of a model's, with the tolerances of the first larger one that
-  /// asks and the others at nominal: what a member does is not what tolerances could do in its
+  /// The model of `members`, a subset of a model's, with the tolerances of the first larger one
+  /// that asks and the others at nominal: what a member does is not what tolerances could do in its
   /// place.
   const ModelFit& subset(const ModelFit& model, const std::vector<int>& members);
 
