@@ -173,7 +173,7 @@ Fit evaluate_model(const Problem& problem, const Whitening& whitening, const Vec
                    const FitOptions& options) {
   Residual residual(problem, whitening, {}, p);
   Fit fit = fit_from(problem, whitening, {}, options, residual, Vector());
-  if (!fit.valid) fit.p = p;
+  if (!fit.valid) fit.p = fit.simulated = p;
   fit.message = residual.message();
   fit.predictions = 1;
   return fit;

@@ -60,8 +60,9 @@ struct FitOptions {
   bool with_forces = false;
 };
 
-/// Fits the parameters `free` from each of `starts` in turn (full vectors; their other entries
-/// count as fixed), the one of the least misfit first, and keeps the best.
+/// Fits the parameters `free` from `starts` (full vectors; their other entries count as fixed),
+/// those of the least cost first, settings.starts_tried at most and until one gives `enough`, and
+/// keeps the best.
 Fit fit_model(const Problem& problem, const Whitening& whitening, const std::vector<int>& free,
               const std::vector<Vector>& starts, const FitOptions& options = {});
 

@@ -47,7 +47,7 @@ FittedModels::FittedModels(const Problem& problem, const Comparison& comparison,
       earlier_(earlier),
       same_space_(earlier != nullptr && same_space) {
   linear_ = linear_tolerances(problem, comparison.whitening, comparison.noise.p);
-  predictions_ += linear_.slopes.cols() + 1;
+  if (linear_.slopes.cols() > 0) predictions_ += linear_.slopes.cols() + 1;
   if (same_space_) {
     models_ = earlier_->models;
     return;
@@ -230,7 +230,8 @@ void FittedModels::refine() {
   if (linear_.slopes.cols() == 0) return;
   std::set<Members> refined = {Members{}};
   refine(models_.front());
-  for (int count = 0; count < problem_.settings.refined; ++count) {
+  for (int count = 0;; ++count) {
+    if (count >= problem_.settings.refined && refined.contains(leading()->candidates)) break;
     const double best = value(*leading());
     ModelFit* next = nullptr;
     for (ModelFit& model : models_)

@@ -30,6 +30,8 @@ class Profile {
     }
     slopes_ = fit.jacobian(Eigen::all, columns);
     along_ = fit.covariance.col(place)(columns) / fit.covariance(place, place);
+    // A fit by slopes is no point of what is simulated.
+    cost_ = fit.p == fit.simulated ? fit.cost : reached(value());
   }
 
   [[nodiscard]] const FreeParameter& own() const {
@@ -40,6 +42,11 @@ class Profile {
   /// By how much the cost at a value of the parameter is more than the fit's; kFailed where it
   /// can't be had. The others begin where slopes have them: du = (H^-1)_oi/(H^-1)_ii du_i.
   [[nodiscard]] double risen(double value) const {
+    return std::min(reached(value) - cost_, kFailed);
+  }
+
+ private:
+  [[nodiscard]] double reached(double value) const {
     const double moved = (value - this->value()) / own().scale;
     const Vector u = problem_.hypotheses.scaled(others_, fit_.p) + moved * along_;
     Vector p = problem_.hypotheses.unscaled(others_, u, fit_.p);
@@ -47,10 +54,9 @@ class Profile {
     const NearFit there = fit_by_known_slopes(problem_, whitening_, weights_, others_, slopes_, p,
                                               problem_.settings.profile_iterations);
     const double own_u = (value - own().nominal) / own().scale;
-    return there.valid ? there.cost + 0.5 * own_u * own_u - fit_.cost : kFailed;
+    return there.valid ? there.cost + 0.5 * own_u * own_u : kFailed;
   }
 
- private:
   const Problem& problem_;
   const Whitening& whitening_;
   const Fit& fit_;
@@ -59,6 +65,7 @@ class Profile {
   std::vector<int> others_;
   Matrix slopes_;
   Vector along_;
+  double cost_ = 0.0;
 };
 
 /// End of the interval on one side.
@@ -91,8 +98,9 @@ double interval_end(const Profile& profile, const Settings& settings, double dev
 
 double widening(const Whitening& whitening, const Fit& fit, Eigen::Index place) {
   const std::vector<RandomBlock>& blocks = whitening.random.blocks;
+  // Parameters that the data tell: a tolerance that they don't moves no score.
   const auto windows = static_cast<double>(blocks.size()),
-             free = static_cast<double>(fit.jacobian.cols());
+             free = static_cast<double>(fit.jacobian.cols()) - fit.covariance.trace();
   if (windows < 2.0 * free) return 1.0;  // too few to tell
 
   // With j = J (H^-1)_i: observed sum of (j_w^T V^-1 r_w)^2, expected sum of j_w^T (V^-1)_ww j_w.

@@ -32,7 +32,7 @@ class WeighedSlopes {
       if (before > 0) {
         W_.leftCols(before) = weights_.stacked(J.leftCols(before));
         gram_.leftCols(before) = W_.transpose() * W_.leftCols(before);
-        gram_.topRows(before) = gram_.leftCols(before).transpose();
+        gram_.topRightCorner(before, n) = gram_.bottomLeftCorner(n, before).transpose();
       }
     }
     renewed_ = residual.times_renewed();

@@ -38,7 +38,7 @@ Residual::Residual(const Problem& problem, const Whitening& whitening, std::vect
 Residual::Residual(const Problem& problem, const Whitening& whitening, std::vector<int> free,
                    Vector fixed, const LinearTolerances& linear)
     : Residual(problem, whitening, std::move(free), std::move(fixed), linear.slopes) {
-  linear_ = &linear;
+  if (slopes_.size() > 0) linear_ = &linear;  // else no tolerance is free
 }
 
 Vector Residual::simulated(const Vector& u) const {

@@ -282,9 +282,9 @@ std::vector<ModelFit> leading_models(const SearchResult& search, const Problem& 
   return models;
 }
 
-/// log likelihood of the residual in the data's own units where the size of each channel's noise is
-/// not known, -sum n/2 log(r^T r/n): a measure of models that are each told about in a space of
-/// their own.
+/// log likelihood of white residuals scaled back to the data's units, where the size of each
+/// channel's noise is not known, -sum n/2 log(r^T r/n): a measure, rough, of models that are each
+/// told about in a space of their own, in which what fits badly is granted more noise.
 double likelihood_by_size(const Relinearised& told) {
   const Whitening& whitening = told.comparison.whitening;
   double sum = 0.0;
@@ -314,7 +314,7 @@ Comparison told_anew(const Problem& problem, const Comparison& comparison, const
                      const ModelFit* leader) {
   if (leader == nullptr) return relinearise(problem, comparison, none).comparison;
   Relinearised about = relinearise(problem, comparison, leader->fit);
-  if (none.free.empty() || !leaves_more(problem.settings, about.fit))
+  if (problem.hypotheses.tolerances.empty() || !leaves_more(problem.settings, about.fit))
     return std::move(about.comparison);
   Relinearised about_none = relinearise(problem, comparison, none);
   const bool less = likelihood_by_size(about) > likelihood_by_size(about_none);

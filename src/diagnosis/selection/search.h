@@ -32,10 +32,11 @@ SearchResult search_models(const Problem& problem, const Comparison& comparison,
                            const SearchOptions& options);
 
 /// Search twice: where one effect leads clearly after the singles, everything is relinearised about
-/// it first. Nuisances act differently once an effect is there (a shift on a tail that swings, the
-/// clocks by which an impact is dated).
+/// it first, or about none with its tolerances fitted where no effect leads or that leaves less.
+/// Nuisances act differently once an effect is there (a shift on a tail that swings, the clocks by
+/// which an impact is dated).
 struct Selection {
-  Comparison comparison;  ///< about the clear leader, if there is one
+  Comparison comparison;  ///< about the clear leader, or none
   SearchResult search;    ///< no models where none can't be fitted
 };
 Selection select_models(const Problem& problem, Comparison comparison,

@@ -23,8 +23,8 @@ std::optional<std::vector<std::vector<Vector>>> slopes_of(const Problem& problem
   tbb::parallel_for(0, count_of(fit.free), [&](int i) {
     const double scale = problem.hypotheses.parameters[fit.free[i]].scale;
     const double step = difference_step(fit.jacobian.col(i).norm(), problem.settings);
-    auto moved =
-        difference(problem, whitening.alignments, fit.p, fit.rows, fit.free[i], step * scale);
+    auto moved = difference(problem, whitening.alignments, fit.simulated, fit.rows, fit.free[i],
+                            step * scale);
     if (!moved) return;
     for (Vector& own : moved->rows) own *= scale / moved->step;
     slopes[i] = std::move(moved->rows);
@@ -117,6 +117,7 @@ std::map<std::string, ChannelShrink> by_channel(const Problem& problem, const Er
 JudgedFit judge_fit(const Problem& problem, const Comparison& comparison, const Folds& folds,
                     const Fit& fit) {
   JudgedFit judged{std::vector<std::optional<Errors>>(folds.masks.size())};
+  if (!fit.valid) return judged;
   const auto slopes = slopes_of(problem, comparison.whitening, fit);
   if (!slopes) return judged;
   tbb::parallel_for(0, count_of(judged.folds), [&](int f) {
@@ -155,7 +156,9 @@ HeldOut held_out(const Problem& problem, const Folds& folds, const JudgedFit& st
 }
 
 Fit as_stated(const Problem& problem, const Whitening& whitening) {
-  return fit_model(problem, whitening, problem.hypotheses.gains, {problem.hypotheses.nominal()});
+  const Vector nominal = problem.hypotheses.nominal();
+  Fit fit = fit_model(problem, whitening, problem.hypotheses.gains, {nominal});
+  return fit.valid ? fit : evaluate_model(problem, whitening, nominal);
 }
 
 HeldOutGaps::HeldOutGaps(const Problem& problem, const Comparison& comparison,
@@ -204,12 +207,12 @@ ModelFit HeldOutGaps::fitted(const ModelFit& held) const {
 }
 
 const HeldOut& HeldOutGaps::of(const ModelFit& model) {
-  const auto known = gaps_.find(model.candidates);
+  const Key key{model.candidates, model.fit.free};
+  const auto known = gaps_.find(key);
   if (known != gaps_.end()) return known->second;
   const JudgedFit own =
       model.candidates.empty() ? none_ : judge_fit(problem_, comparison_, folds_, model.fit);
-  return gaps_.emplace(model.candidates, held_out(problem_, folds_, stated_, none_, own))
-      .first->second;
+  return gaps_.emplace(key, held_out(problem_, folds_, stated_, none_, own)).first->second;
 }
 
 }  // namespace jaculus::diagnosis

@@ -12,6 +12,7 @@
 
 #include <map>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "diagnosis/selection/posterior.h"
@@ -64,7 +65,10 @@ class HeldOutGaps {
   const Posterior& posterior_;
   Folds folds_;
   JudgedFit stated_, none_;
-  std::map<std::vector<int>, HeldOut> gaps_;
+  /// Candidates and free parameters: a set is judged with tolerances of its own and with a larger
+  /// set's.
+  using Key = std::pair<std::vector<int>, std::vector<int>>;
+  std::map<Key, HeldOut> gaps_;
   std::map<std::vector<int>, ModelFit> subsets_;
 };
 
