@@ -14,6 +14,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "model/fields.h"
 #include "model/sections.h"
@@ -42,6 +43,11 @@ void set_curve(const yaml::Node& node, PlanarMotor& motor) {
         .error(fmt::format("{:.6g} rad/s given with no_load_speed {:.6g} rad/s; allowed: less (a "
                            "motor without a knee is kind: ideal with speed_limit)",
                            knee, no_load));
+  }
+
+  if (!std::isfinite(motor.torque_limit)) {
+    throw node.at("torque_limit")
+        .error("no limit given; allowed: the peak torque that the curve begins with");
   }
 
   motor.torque_constant = motor.voltage / no_load;

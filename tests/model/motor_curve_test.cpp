@@ -68,6 +68,8 @@ TEST(MotorCurve, FaultsNameFileLineAndWhatIsAllowed) {
   };
   EXPECT_TRUE(holds(fault("knee_speed: 150", "knee_speed: 250"),
                     "robot.yaml:4: motors.j.knee_speed: 250 rad/s given with no_load_speed 240"));
+  EXPECT_TRUE(holds(fault("torque_limit: 3 N m", "torque_limit: .inf"),
+                    "motors.j.torque_limit: no limit given"));
   EXPECT_TRUE(holds(fault("knee_speed: 150 rad/s, ", ""), "key 'knee_speed' is missing"));
   EXPECT_TRUE(holds(fault("torque_limit: 3 N m, ", ""), "key 'torque_limit' is missing"));
   EXPECT_TRUE(holds(fault("voltage: 24 V", "voltage: 24 A"), "motors.j.voltage: '24 A' is in A"));
