@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "jaculus/core/yaml.h"
 #include "jaculus/trajectory/csv.h"
 
 namespace jaculus::cli {
@@ -13,7 +14,7 @@ namespace {
 
 using model::PlanarModel;
 
-std::string quoted(const std::string& name) { return "\"" + name + "\""; }
+using yaml::quoted;
 
 double at(const std::map<std::string, double>& rest, const std::string& joint) {
   const auto found = rest.find(joint);

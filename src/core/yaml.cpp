@@ -321,6 +321,21 @@ void refuse_other_kind(const Node& file, std::string_view wanted) {
                                   given->format, given->use, asked->name, asked->format));
 }
 
+std::string quoted(const std::string& text) {
+  std::string out = "\"";
+  for (const unsigned char c : text) {
+    if (c == '"' || c == '\\') out += '\\';
+    if (c == '\n') {
+      out += "\\n";
+    } else if (c < 0x20) {
+      out += fmt::format("\\x{:02x}", c);
+    } else {
+      out += c;
+    }
+  }
+  return out + '"';
+}
+
 std::optional<std::string> nearest_name(std::string_view given,
                                         const std::vector<std::string>& candidates) {
   // Edit distance with transpositions, blind to case; one row of the table for each letter of

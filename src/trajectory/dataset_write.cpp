@@ -6,28 +6,14 @@
 #include <system_error>
 
 #include "jaculus/core/error.h"
+#include "jaculus/core/yaml.h"
 #include "trajectory/dataset_yaml.h"
 
 namespace jaculus::trajectory {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// A YAML scalar in double quotes, whatever it holds.
-std::string quoted(const std::string& text) {
-  std::string out = "\"";
-  for (const unsigned char c : text) {
-    if (c == '"' || c == '\\') out += '\\';
-    if (c == '\n') {
-      out += "\\n";
-    } else if (c < 0x20) {
-      out += fmt::format("\\x{:02x}", c);
-    } else {
-      out += c;
-    }
-  }
-  return out + '"';
-}
+using yaml::quoted;
 
 std::string yaml_number(double value) {
   if (std::isinf(value)) return value < 0.0 ? "-.inf" : ".inf";

@@ -84,6 +84,9 @@ class Node {
 /// file.
 void refuse_other_kind(const Node& file, std::string_view wanted);
 
+/// A scalar in double quotes that reads back as `text`, whatever it holds.
+std::string quoted(const std::string& text);
+
 /// The candidate nearest to `given` by edit distance, or nothing where none is near.
 std::optional<std::string> nearest_name(std::string_view given,
                                         const std::vector<std::string>& candidates);

@@ -267,12 +267,7 @@ Experiment plan_experiment(const fs::path& plan, const std::string& robot,
   // radian and rad/s at 8.2 N m.
   const std::string usual =
       "{kind: feedforward_pd, quantity: torque, rate_hz: 1000, kp: 3.3, kd: 0.08}";
-  const auto quoted = [](const std::string& text) {
-    std::string out = "\"";
-    for (const char c : text) out.append(c == '"' || c == '\\' ? "\\" : "").push_back(c);
-    return out + "\"";
-  };
-
+  using yaml::quoted;
   const std::string text = fmt::format(
       "format: jaculus-experiment/1\nname: {}\nexperiment: leap\nrobot: {}\nplan: {}\ncontroller: "
       "{}\nlead: 0.3\n"
