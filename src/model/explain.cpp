@@ -46,6 +46,31 @@ sagittal plane is x-z, points are [x, z] in their link's frame, angles turn abou
   points          name: any other point, keys as in feet
 )";
 
+const char* const kMotors = R"(  motors          joint: one motor of its pair
+    kind               electric, envelope (a torque-speed curve, of which k_t, R and saturation
+                       follow) or ideal (a torque, a force where the joint slides; takes
+                       torque_limit, speed_limit, frictions and, where it turns, rotor_inertia)
+    knee_speed         of envelope: up to it there is torque_limit, before the gear [rad/s]
+    no_load_speed      of envelope: from the knee torque falls in a line to none here, at
+                       `voltage`, before the gear [rad/s]
+)";
+
+const char* const kDrag =
+    R"(  drag            name: aerodynamic drag of a tail, overridden by the path name.drag.key
+    link               the link that carries it; its joint is the pivot
+    direction          [x, z] along the tail, in the link's frame; any length
+)";
+
+const char* const kAttach =
+    R"(  attach          name: what is put on the robot: a tail, its link, joint, motor and drag of
+                  this name, overridden by the path attach.name.key
+)";
+
+const char* const kTolerances =
+    R"(  tolerances      what a careful builder can't know: standard deviations; nothing is off by
+                  more than two of them
+)";
+
 template <class S>
 std::string section(const std::string& head, const std::vector<Key<S>>& keys) {
   std::string text = head;
@@ -58,19 +83,14 @@ std::string section(const std::string& head, const std::vector<Key<S>>& keys) {
 }
 
 std::string attach_section() {
-  std::string text =
-      "  attach          name: what is put on the robot: a tail, its link, joint, motor and drag "
-      "of "
-      "this\n                  name, overridden by the path attach.name.key\n";
+  std::string text = kAttach;
   for (const AttachKey& key : attach_keys())
     text += fmt::format("    {:<18} {}\n", key.name, key.meaning);
   return text;
 }
 
 std::string tolerance_section() {
-  std::string text =
-      "  tolerances      what a careful builder can't know: standard deviations; nothing is off by "
-      "more\n                  than two of them\n";
+  std::string text = kTolerances;
   for (const ToleranceKey& key : tolerance_keys()) {
     text += fmt::format("    {:<18} {} [{}]; {:.4g} where absent\n", key.name, key.meaning,
                         unit_name(key.dimension), Tolerances{}.*key.member);
@@ -81,28 +101,8 @@ std::string tolerance_section() {
 }  // namespace
 
 std::string explain_robot() {
-  return kText +
-         section(
-             "  motors          joint: one motor of its pair\n"
-             "    kind               electric, envelope (a torque-speed curve, of which k_t, R and "
-             "saturation\n                       follow) or ideal (a torque, a force where the "
-             "joint "
-             "slides; takes torque_limit,\n                       speed_limit, frictions and, "
-             "where "
-             "it turns, rotor_inertia)\n"
-             "    knee_speed         of envelope: up to it there is torque_limit, before the gear "
-             "[rad/s]\n"
-             "    no_load_speed      of envelope: from the knee torque falls in a line to none "
-             "here, "
-             "at `voltage`,\n                       before the gear [rad/s]\n",
-             motor_keys()) +
-         section(
-             "  drag            name: aerodynamic drag of a tail, overridden by the path "
-             "name.drag.key\n"
-             "    link               the link that carries it; its joint is the pivot\n"
-             "    direction          [x, z] along the tail, in the link's frame; any length\n",
-             drag_keys()) +
-         attach_section() + tolerance_section();
+  return kText + section(kMotors, motor_keys()) + section(kDrag, drag_keys()) + attach_section() +
+         tolerance_section();
 }
 
 }  // namespace jaculus::model

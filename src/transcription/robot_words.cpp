@@ -60,14 +60,15 @@ void problem_read::apply_robot_words(Problem& problem) {
         spec->velocity.try_emplace(name, Bounds{0.0, 0.0});
   }
 
-  const auto fill = [](const std::map<std::string, double>& from,
-                       std::map<std::string, double>& pose) {
-    pose.insert(from.begin(), from.end());
-  };
+  // what the file states itself stays
   GuessSpec& guess = problem.guess;
-  fill(words.pose(guess.legs_of_pose, guess.node), guess.pose);
+  const auto add = [&](const std::string& name, std::map<std::string, double>& pose) {
+    const std::map<std::string, double>& legs = words.pose(name, guess.node);
+    pose.insert(legs.begin(), legs.end());
+  };
+  add(guess.legs_of_pose, guess.pose);
   for (std::size_t k = 0; k < guess.legs_of_poses.size(); ++k)
-    fill(words.pose(guess.legs_of_poses[k], guess.node), guess.poses[k]);
+    add(guess.legs_of_poses[k], guess.poses[k]);
 }
 
 }  // namespace jaculus::transcription
