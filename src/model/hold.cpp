@@ -27,11 +27,7 @@ SpatialTree hold_joints(const SpatialTree& spatial, const std::vector<HeldJoint>
 
 void hold_massless(SpatialTree& tree, const std::vector<PairSpec>& pairs,
                    Assumptions& assumptions) {
-  const auto below = [&](int link) {
-    double mass = 0.0;
-    for (const SpatialLink& l : subtree(tree, link).links) mass += l.mass;
-    return mass;
-  };
+  const auto below = [&](int link) { return subtree(tree, link).total_mass(); };
 
   for (SpatialJoint& joint : tree.joints) {
     if (joint.kind == SpatialJointKind::fixed || below(joint.child) > 0.0) continue;

@@ -209,16 +209,14 @@ class Converter {
     const int dof = m_.jnt_dofadr[j];
     const double armature = m_.dof_armature[dof];
     if (armature > 0.0 && !slides) robot_.armature[joint.name] = armature;
-    const double damping = m_.dof_damping[dof];
-    const double friction = m_.dof_frictionloss[dof];
+    joint.damping = m_.dof_damping[dof];
+    joint.friction = m_.dof_frictionloss[dof];
     const double stiffness = m_.jnt_stiffness[j];
     const double lost = slides ? armature : 0.0;
-    if (damping == 0.0 && friction == 0.0 && stiffness == 0.0 && lost == 0.0) return;
+    if (stiffness == 0.0 && lost == 0.0) return;
     robot_.notes.push_back(fmt::format(
-        "joint '{}': damping {:.4g}, friction {:.4g}, stiffness {:.4g}{} (SI) are no part of the "
-        "nominal robot; effects simulate them",
-        joint.name, damping, friction, stiffness,
-        lost > 0.0 ? fmt::format(", armature {:.4g}", lost) : ""));
+        "joint '{}': stiffness {:.4g}{} (SI) is no part of the nominal robot; effects simulate it",
+        joint.name, stiffness, lost > 0.0 ? fmt::format(", armature {:.4g}", lost) : ""));
   }
 
   /// The largest torque that actuators with limits give at a joint; infinite where none has any.

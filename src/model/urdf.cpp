@@ -81,6 +81,10 @@ void read_joint(const urdf::Joint& source, bool unlimited, SpatialJoint& joint,
   }
   joint.axis.normalize();
 
+  if (source.dynamics) {
+    joint.damping = source.dynamics->damping;
+    joint.friction = source.dynamics->friction;
+  }
   if (!source.limits) return;
   if (source.type != urdf::Joint::CONTINUOUS && !unlimited)
     joint.range = read_range(*source.limits, joint, assumptions);
@@ -182,6 +186,12 @@ int SpatialTree::joint_index(const std::string& joint) const {
     if (joints[i].name == joint) return i;
   }
   return -1;
+}
+
+double SpatialTree::total_mass() const {
+  double mass = 0.0;
+  for (const SpatialLink& link : links) mass += link.mass;
+  return mass;
 }
 
 /// Poses at joint zero, walking outwards; links that the walk never reaches hang in a cycle.

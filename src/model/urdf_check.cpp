@@ -187,14 +187,10 @@ class Checker {
       if (!limit) add_limit(e);
     }
 
-    if (limit)
+    if (limit || e.FirstChildElement("dynamics"))
       note_once(
-          "URDF: effort and velocity limits of joints are not read; motors in robot.yaml have "
-          "their own");
-
-    const TiXmlElement* dynamics = e.FirstChildElement("dynamics");
-    if (dynamics)
-      note_once("URDF: damping and friction of joints are not part of the nominal robot");
+          "URDF: effort, velocity, damping and friction of joints are what `robot import` proposes "
+          "for motors; those in robot.yaml count");
     return unlimited;
   }
 

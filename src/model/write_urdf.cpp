@@ -61,8 +61,9 @@ std::string shape_text(const SpatialShape& shape) {
       kind = fmt::format("<capsule radius=\"{}\" length=\"{}\"/>", s[0], 2.0 * s[2]);
       break;
   }
-  return fmt::format("    <collision>{}<geometry>{}</geometry></collision>\n",
-                     origin(shape.position, shape.rotation), kind);
+  return fmt::format("    <{0}>{1}<geometry>{2}</geometry></{0}>\n",
+                     shape.touches ? "collision" : "visual", origin(shape.position, shape.rotation),
+                     kind);
 }
 
 std::string link_text(const SpatialLink& link) {
@@ -100,8 +101,12 @@ std::string joint_text(const SpatialTree& tree, const SpatialJoint& joint) {
       ranged   ? fmt::format("lower=\"{}\" upper=\"{}\" ", joint.range.lower, joint.range.upper)
       : slides ? fmt::format("lower=\"{}\" upper=\"{}\" ", -kFar, kFar)
                : "";
-  return text + fmt::format("    <limit {}effort=\"{}\" velocity=\"{}\"/>\n  </joint>\n", range,
-                            known(joint.effort), known(joint.velocity));
+  text += fmt::format("    <limit {}effort=\"{}\" velocity=\"{}\"/>\n", range, known(joint.effort),
+                      known(joint.velocity));
+  if (joint.damping != 0.0 || joint.friction != 0.0)
+    text += fmt::format("    <dynamics damping=\"{}\" friction=\"{}\"/>\n", joint.damping,
+                        joint.friction);
+  return text + "  </joint>\n";
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "jaculus/model/mjcf.h"
 #include "jaculus/model/robot.h"
 #include "model/support.h"
 #include "support/input_error.h"
@@ -55,6 +56,18 @@ TEST(ForeignFile, TheArmItselfNeedsNoAssumption) {
   EXPECT_EQ(tree.joints[0].effort, 30.0);
   EXPECT_EQ(tree.joints[0].velocity, 5.0);
   EXPECT_FALSE(notes(tree, "assumed"));
+}
+
+TEST(ForeignFile, DampingAndFrictionAreReadAndWrittenBack) {
+  const SpatialTree tree = edited("velocity=\"5\"/>",
+                                  "velocity=\"5\"/>\n"
+                                  "<dynamics damping=\"0.1\" friction=\"0.2\"/>");
+  EXPECT_EQ(tree.joints[0].damping, 0.1);
+  EXPECT_EQ(tree.joints[0].friction, 0.2);
+  EXPECT_EQ(tree.joints[1].damping, 0.0);
+  const SpatialTree again = parse_urdf(write_urdf(tree), "again.urdf", Reading::strict);
+  EXPECT_EQ(again.joints[0].damping, 0.1);
+  EXPECT_EQ(again.joints[0].friction, 0.2);
 }
 
 TEST(ForeignFile, ForeignElementsAreSkippedAndCounted) {

@@ -335,6 +335,8 @@ TEST(Mjcf, ComesBackFromItsUrdfAndIsPlanar) {
   ASSERT_EQ(m.feet.size(), 1u);
   EXPECT_NEAR(m.feet[0].position.y(), -0.3, 1e-12);
   EXPECT_EQ(m.motors[0].rotor_inertia, 0.02);
+  EXPECT_EQ(m.motors[0].viscous_friction, 0.1);
+  EXPECT_EQ(m.motors[1].viscous_friction, 0.0);
 }
 
 TEST(Mjcf, IsToldFromUrdfByItsFirstElement) {

@@ -17,7 +17,7 @@ using Mat3 = Eigen::Matrix3d;
 
 enum class ShapeKind { sphere, box, cylinder, capsule };
 
-/// A shape that a link touches others with.
+/// A shape of a link.
 struct SpatialShape {
   ShapeKind kind = ShapeKind::sphere;
   /// half sizes [m]: a box's along its axes; radius, radius and half length along z of a cylinder
@@ -25,6 +25,7 @@ struct SpatialShape {
   Vec3 size = Vec3::Zero();
   Vec3 position = Vec3::Zero();      ///< of its centre in the link's frame [m]
   Mat3 rotation = Mat3::Identity();  ///< its axes in the link's frame
+  bool touches = true;               ///< others; else it only shows what the link looks like
 };
 
 struct SpatialLink {
@@ -53,6 +54,9 @@ struct SpatialJoint {
   Bounds range;                      ///< [rad or m]; infinite where continuous
   double effort = kInfinity;         ///< largest torque or force that the file states [N m or N]
   double velocity = kInfinity;       ///< fastest that the file states [rad/s or m/s]
+  double damping = 0.0;              ///< that the file states [N m s/rad or N s/m]
+  double friction = 0.0;             ///< the same, dry [N m or N]
+  bool attached = false;             ///< by robot.yaml; the robot's file doesn't have it
 };
 
 struct SpatialTree {
@@ -65,6 +69,7 @@ struct SpatialTree {
 
   [[nodiscard]] int link_index(const std::string& name) const;   ///< -1 where there is none
   [[nodiscard]] int joint_index(const std::string& name) const;  ///< -1 where there is none
+  [[nodiscard]] double total_mass() const;                       ///< of all links [kg]
 };
 
 /// Whether what a file of somebody else's gets wrong, but other tools live with, is noted with what

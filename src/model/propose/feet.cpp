@@ -239,12 +239,10 @@ void add_leg(Draft& draft, const SpatialTree& tree, const std::vector<Chain>& ch
 void find_feet(const ProposeOptions& options, Draft& draft) {
   if (!draft.floating) return;
   const SpatialTree tree = hold_joints(draft.tree, held_of(draft));
-  double mass = 0.0;
+  const double mass = tree.total_mass();
   double height = 0.0;
-  for (const SpatialLink& link : tree.links) {
-    mass += link.mass;
+  for (const SpatialLink& link : tree.links)
     height += link.mass * (link.p_BL + link.R_BL * link.com).z();
-  }
   if (mass > 0.0) height /= mass;
 
   std::vector<Chain> legs;

@@ -33,9 +33,7 @@ std::string why_held(const SpatialTree& tree, const SpatialJoint& joint) {
   if (joint.kind == SpatialJointKind::prismatic &&
       std::abs(axis.y()) > std::sqrt(1.0 - kAlong * kAlong))
     return "slides out of the plane";
-  double mass = 0.0;
-  for (const SpatialLink& link : subtree(tree, joint.child).links) mass += link.mass;
-  return mass > 0.0 ? "" : "carries nothing that has mass";
+  return subtree(tree, joint.child).total_mass() > 0.0 ? "" : "carries nothing that has mass";
 }
 
 /// Joints from the root outwards, in file order where they are equally far.

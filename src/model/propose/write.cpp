@@ -10,12 +10,7 @@
 namespace jaculus::model {
 namespace {
 
-/// A name as YAML reads it back as text.
-std::string quoted(const std::string& name) {
-  std::string out = "\"";
-  for (const char c : name) out.append(c == '"' || c == '\\' ? "\\" : "").push_back(c);
-  return out + "\"";
-}
+using yaml::quoted;
 
 std::string number(double value) {
   return fmt::format("{:.6g}", std::abs(value) < 1e-9 ? 0.0 : value);
@@ -107,7 +102,7 @@ bool is_dependent(const Draft& draft, const DraftJoint& joint) {
 /// What a file says of the motor at a joint.
 struct StatedMotor {
   std::string name;           ///< quoted
-  std::string keys;           ///< speed_limit and rotor_inertia
+  std::string keys;           ///< speed_limit, rotor_inertia, frictions
   double effort = kInfinity;  ///< [N m or N]
   bool fast_known = true;     ///< or slides, where no speed is assumed
 };
@@ -124,7 +119,25 @@ StatedMotor stated_motor(const Draft& draft, const DraftJoint& joint) {
   const auto armature = draft.armature.find(first.name);
   if (armature != draft.armature.end() && !slides)
     motor.keys += fmt::format(", rotor_inertia: {}", number(armature->second));
+  if (first.damping > 0.0)
+    motor.keys += fmt::format(", viscous_friction: {}", number(first.damping));
+  if (first.friction > 0.0) motor.keys += fmt::format(", dry_friction: {}", number(first.friction));
   return motor;
+}
+
+/// robot.yaml has the friction of motors alone, the left one's of a pair.
+void note_lost_friction(Draft& draft, const DraftJoint& joint, bool driven) {
+  const SpatialJoint& first = draft.tree.joints[joint.spatial.front()];
+  for (const int j : joint.spatial) {
+    const SpatialJoint& side = draft.tree.joints[j];
+    const bool same = side.damping == first.damping && side.friction == first.friction;
+    const bool none = side.damping == 0.0 && side.friction == 0.0;
+    if (driven ? same : none) continue;
+    draft.notes.push_back(fmt::format(
+        "'{}': damping {:.4g} and friction {:.4g} (SI) are left out: {}", side.name, side.damping,
+        side.friction,
+        driven ? "the left side's count" : "no motor is assumed there; effects simulate them"));
+  }
 }
 
 /// Files state an effort for joints that motors drive; where some have one, the others are passive.
@@ -139,9 +152,10 @@ std::string motors(Draft& draft) {
     names += (names.empty() ? "" : ", ") + name;
   };
   for (const DraftJoint& joint : joints) {
-    if (is_dependent(draft, joint)) continue;
     const StatedMotor motor = stated_motor(draft, joint);
     const bool known = std::isfinite(motor.effort);
+    note_lost_friction(draft, joint, !is_dependent(draft, joint) && (known || !any));
+    if (is_dependent(draft, joint)) continue;
     if (!known) list(unknown, joint.name);
     if (!motor.fast_known && known == any) list(unknown_speed, joint.name);
 
