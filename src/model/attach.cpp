@@ -36,6 +36,7 @@ SpatialJoint pivot(const Attachment& a, int parent, const SpatialTree& tree) {
   joint.origin = link.R_BL.transpose() * Vec3(a.at.x(), -link.p_BL.y(), a.at.y());
   joint.rotation = link.R_BL.transpose();
   joint.axis = Vec3::UnitY();
+  joint.attached = true;
   return joint;
 }
 
@@ -56,14 +57,17 @@ void attach_tail(const Attachment& a, SpatialTree& tree) {
   tree.joints.push_back(joint);
 }
 
-void attach_urdf(const Attachment& a, Reading reading, SpatialTree& tree) {
+SpatialTree read_part(const Attachment& a, Reading reading) {
   const std::filesystem::path file = a.node.file().parent_path() / a.urdf;
   if (!std::filesystem::is_regular_file(file)) {
     throw a.node.at("urdf").error(
         fmt::format("file '{}' not found; allowed: a URDF, relative to this file", file.string()));
   }
+  return read_urdf(file, reading);
+}
 
-  SpatialTree part = read_urdf(file, reading);
+void attach_urdf(const Attachment& a, Reading reading, SpatialTree& tree) {
+  const SpatialTree part = read_part(a, reading);
   refuse_taken(a, a.name, tree);
   SpatialJoint joint = pivot(a, carrier(a, tree), tree);
   const int links = count_of(tree.links), joints = count_of(tree.joints) + 1;
@@ -79,6 +83,7 @@ void attach_urdf(const Attachment& a, Reading reading, SpatialTree& tree) {
     refuse_taken(a, moved.name, tree);
     moved.parent += links;
     moved.child += links;
+    moved.attached = true;
     tree.joints.push_back(moved);
   }
   tree.notes.insert(tree.notes.end(), part.notes.begin(), part.notes.end());
@@ -139,6 +144,28 @@ void refuse_second_parts(const Attachment& a, const PlanarModel& model) {
   if (named(model.points, a.name + "_tip")) throw refuse("points", a.name + "_tip");
 }
 
+/// A rod and a plate, for eyes alone: a tail has no thickness.
+std::vector<SpatialShape> looks(const Attachment& tail) {
+  constexpr double kThickness = 0.01;  // of the length
+  const double shaft = tail.length - tail.scoop, thin = 0.5 * kThickness * tail.length;
+  std::vector<SpatialShape> shapes;
+  SpatialShape shape;
+  shape.touches = false;
+  if (shaft > 0.0) {
+    shape.kind = ShapeKind::cylinder;
+    shape.size = Vec3(thin, thin, 0.5 * shaft);
+    shape.position = Vec3(0.0, 0.0, 0.5 * shaft);
+    shapes.push_back(shape);
+  }
+  if (tail.scoop > 0.0) {
+    shape.kind = ShapeKind::box;
+    shape.size = Vec3(thin, std::max(thin, 0.5 * tail.width), 0.5 * tail.scoop);
+    shape.position = Vec3(0.0, 0.0, shaft + 0.5 * tail.scoop);
+    shapes.push_back(shape);
+  }
+  return shapes;
+}
+
 }  // namespace
 
 SpatialLink tail_link(const Attachment& tail) {
@@ -157,7 +184,23 @@ SpatialLink tail_link(const Attachment& tail) {
   link.mass = tail.mass;
   link.com = Vec3(0.0, 0.0, c);
   link.inertia = Vec3(pitch + across, pitch, across).asDiagonal();
+  link.shapes = looks(tail);
   return link;
+}
+
+Absent remove_absent(Reading reading, std::vector<Attachment>& attachments) {
+  Absent names;
+  for (const Attachment& a : attachments) {
+    if (a.kind != TailKind::none) continue;
+    names.insert(a.name);
+    if (a.urdf.empty()) continue;
+    const SpatialTree part = read_part(a, reading);
+    for (const SpatialLink& link : part.links) names.insert(link.name);
+    for (const SpatialJoint& joint : part.joints) names.insert(joint.name);
+  }
+
+  std::erase_if(attachments, [](const Attachment& a) { return a.kind == TailKind::none; });
+  return names;
 }
 
 void attach(const std::vector<Attachment>& attachments, Reading reading, SpatialTree& tree) {

@@ -19,7 +19,9 @@
 #include "jaculus/core/yaml.h"
 #include "jaculus/model/planar.h"
 #include "jaculus/model/urdf.h"
+#include "model/fields.h"
 #include "model/reduce.h"
+#include "model/sections.h"
 
 namespace jaculus::model {
 
@@ -46,17 +48,15 @@ struct Attachment {
   yaml::Node node;
 };
 
-/// An override of a key of `attach`: the path, and its value.
-struct AttachOverride {
-  std::string path;  ///< "attach.tail.kind"
-  yaml::Node value;
-};
-
-/// attach: {name: {...}}, with overrides in place of what stands there. `robot_mass` [kg] is what a
-/// share of it counts. Those of kind none are left out. InputError with the place of the fault.
+/// attach: {name: {...}}, with overrides ("attach.tail.kind") in place of what stands there.
+/// `robot_mass` [kg] is what a share of it counts. InputError with the place of the fault.
 std::vector<Attachment> read_attachments(const yaml::Node& robot,
-                                         const std::vector<AttachOverride>& overrides,
+                                         const std::vector<OverrideInput>& overrides,
                                          double robot_mass);
+
+/// Takes out those of kind none. Returns their links and joints, of which the rest of robot.yaml
+/// may still speak.
+Absent remove_absent(Reading reading, std::vector<Attachment>& attachments);
 
 /// Adds links and joints of all attachments to a tree whose R_BL and p_BL are set.
 void attach(const std::vector<Attachment>& attachments, Reading reading, SpatialTree& tree);

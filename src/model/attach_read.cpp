@@ -12,7 +12,6 @@ namespace jaculus::model {
 namespace {
 
 constexpr Bounds kAbove{1e-9, kInfinity};              ///< more than nothing
-constexpr double kAir = 1.225;                         ///< [kg/m^3] at 15 deg C and sea level
 constexpr double kScoopDrag = 2.0;                     ///< C_D of Minitaur's scoop on the bench [-]
 constexpr Bounds kTailRange{-M_PI / 2.0, M_PI / 2.0};  ///< Minitaur's [rad]
 
@@ -27,14 +26,13 @@ std::vector<std::string> key_names() {
 /// One entry of `attach`, its overrides in front of what the file says.
 class Keys {
  public:
-  Keys(const std::string& name, const yaml::Node& node,
-       const std::vector<AttachOverride>& overrides)
+  Keys(const std::string& name, const yaml::Node& node, const std::vector<OverrideInput>& overrides)
       : name_(name), node_(node), overrides_(overrides) {
     node.only(key_names());
   }
 
   [[nodiscard]] std::optional<yaml::Node> find(const std::string& key) const {
-    for (const AttachOverride& o : overrides_)
+    for (const OverrideInput& o : overrides_)
       if (o.path == "attach." + name_ + "." + key) return o.value;
     return node_.find(key);
   }
@@ -53,7 +51,7 @@ class Keys {
  private:
   const std::string& name_;
   const yaml::Node& node_;
-  const std::vector<AttachOverride>& overrides_;
+  const std::vector<OverrideInput>& overrides_;
 };
 
 /// kg, or a share of the robot's own mass: "10 %".
@@ -108,7 +106,7 @@ void read_tail(const Keys& keys, const yaml::Node& node, double robot_mass, Atta
   tail.width = drags ? keys.at("width").number(dimension::length, kAbove)
                      : keys.number("width", dimension::length, kAbove, 0.0);
   tail.coefficient = keys.number("coefficient", dimension::none, {0.0, kInfinity}, kScoopDrag);
-  tail.density = keys.number("density", dimension::density, {0.0, kInfinity}, kAir);
+  tail.density = keys.number("density", dimension::density, {0.0, kInfinity}, PlanarDrag{}.density);
   tail.range = kTailRange;
   if (const auto range = keys.find("range")) tail.range = range->bounds(dimension::angle);
   tail.motor = keys.at("motor");
@@ -116,7 +114,7 @@ void read_tail(const Keys& keys, const yaml::Node& node, double robot_mass, Atta
 }
 
 Attachment read_one(const std::string& name, const yaml::Node& node,
-                    const std::vector<AttachOverride>& overrides, double robot_mass) {
+                    const std::vector<OverrideInput>& overrides, double robot_mass) {
   const Keys keys(name, node, overrides);
   Attachment a;
   a.name = name;
@@ -162,7 +160,7 @@ const std::vector<AttachKey>& attach_keys() {
 }
 
 std::vector<Attachment> read_attachments(const yaml::Node& robot,
-                                         const std::vector<AttachOverride>& overrides,
+                                         const std::vector<OverrideInput>& overrides,
                                          double robot_mass) {
   const auto section = robot.find("attach");
   std::vector<std::string> paths;
@@ -171,16 +169,14 @@ std::vector<Attachment> read_attachments(const yaml::Node& robot,
       for (const AttachKey& key : attach_keys())
         paths.push_back(fmt::format("attach.{}.{}", name, key.name));
   }
-  for (const AttachOverride& o : overrides)
+  for (const OverrideInput& o : overrides)
     if (std::find(paths.begin(), paths.end(), o.path) == paths.end())
       throw unknown_name(o.value, "key of what is attached", o.path, paths);
 
   std::vector<Attachment> attachments;
   if (!section) return attachments;
-  for (const auto& [name, node] : section->entries()) {
-    Attachment a = read_one(name, node, overrides, robot_mass);
-    if (a.kind != TailKind::none) attachments.push_back(std::move(a));
-  }
+  for (const auto& [name, node] : section->entries())
+    attachments.push_back(read_one(name, node, overrides, robot_mass));
   return attachments;
 }
 

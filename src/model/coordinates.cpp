@@ -230,10 +230,11 @@ void add_group(Combination& first, std::vector<Combination>& all, PlanarModel& m
 
 /// Ranges of robot.yaml take the place of the URDF's.
 void read_ranges(const yaml::Node& robot, std::vector<Bounds>& joint_ranges,
-                 std::vector<Coordinate>& base, const PlanarModel& model) {
+                 std::vector<Coordinate>& base, const PlanarModel& model, const Absent& absent) {
   const std::optional<yaml::Node> section = robot.find("ranges");
   if (!section) return;
   for (const auto& [name, node] : section->entries()) {
+    if (absent.count(name) != 0) continue;
     const auto found = std::find_if(base.begin(), base.end(),
                                     [&, key = name](const Coordinate& c) { return c.name == key; });
     if (found != base.end()) {
@@ -297,13 +298,14 @@ void read_loops(const yaml::Node& robot, const Reduction& reduction, PlanarModel
   }
 }
 
-void read_coordinates(const yaml::Node& robot, const Reduction& reduction, PlanarModel& model) {
+void read_coordinates(const yaml::Node& robot, const Reduction& reduction, const Absent& absent,
+                      PlanarModel& model) {
   const auto bodies = std::ssize(model.bodies);
   if (model.base_free[0]) model.coordinates.push_back({"x", false, {}});
   if (model.base_free[1]) model.coordinates.push_back({"z", false, {}});
   if (model.base_free[2]) model.coordinates.push_back({"pitch", true, {}});
   std::vector<Bounds> ranges = reduction.ranges;
-  read_ranges(robot, ranges, model.coordinates, model);
+  read_ranges(robot, ranges, model.coordinates, model, absent);
   model.joint_map = Matrix::Zero(bodies, model.size());
   model.joint_offset = Vector::Zero(bodies);
 

@@ -57,12 +57,14 @@ std::vector<Field> model_fields(PlanarModel& model);
 /// The names of DragKind, as written in YAML.
 const std::vector<std::string>& drag_kinds();
 
-/// Applies overrides ("*" stands for any one part of a path; a path in full wins over one with "*";
-/// "=path" copies another value). Unknown path, one value set twice, a cycle: InputError.
+/// A path and the value to set there.
 struct OverrideInput {
   std::string path;
   yaml::Node value;
 };
+
+/// Applies overrides ("*" stands for any one part of a path; a path in full wins over one with "*";
+/// "=path" copies another value). Unknown path, one value set twice, a cycle: InputError.
 void apply_overrides(PlanarModel& model, const std::vector<OverrideInput>& overrides);
 
 }  // namespace jaculus::model

@@ -102,11 +102,11 @@ PlanarMotor read_motor(const std::string& joint, const yaml::Node& node, const P
   return motor;
 }
 
-void read_motors(const yaml::Node& robot, PlanarModel& model) {
+void read_motors(const yaml::Node& robot, const Absent& absent, PlanarModel& model) {
   const std::optional<yaml::Node> section = robot.find("motors");
   if (!section) return;
   for (const auto& [name, node] : section->entries())
-    model.motors.push_back(read_motor(name, node, model));
+    if (absent.count(name) == 0) model.motors.push_back(read_motor(name, node, model));
 }
 
 }  // namespace jaculus::model

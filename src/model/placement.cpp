@@ -18,8 +18,7 @@ Vec3 direction(const yaml::Node& node) {
   return v;
 }
 
-}  // namespace
-
+/// axes: file axes to the robot's, rows forward, left and up in the file's frame.
 Mat3 read_axes(const yaml::Node& robot) {
   const auto axes = robot.find("axes");
   if (!axes) return Mat3::Identity();
@@ -36,6 +35,8 @@ Mat3 read_axes(const yaml::Node& robot) {
   return R;
 }
 
+}  // namespace
+
 SpatialTree read_placement(const yaml::Node& robot, const SpatialTree& tree,
                            std::vector<std::string>& notes) {
   SpatialTree placed = tree;
@@ -51,12 +52,10 @@ SpatialTree read_placement(const yaml::Node& robot, const SpatialTree& tree,
     throw unknown_name(*base, "link", base->text(), names);
   }
 
-  double mass = 0.0;
-  for (const SpatialLink& link : placed.links) mass += link.mass;
-  placed = subtree(placed, root);
-  for (const SpatialLink& link : placed.links) mass -= link.mass;
-  notes.push_back(fmt::format("links above '{}', {:.3g} kg, are left out", base->text(), mass));
-  return placed;
+  const SpatialTree part = subtree(placed, root);
+  notes.push_back(fmt::format("links above '{}', {:.3g} kg, are left out", base->text(),
+                              placed.total_mass() - part.total_mass()));
+  return part;
 }
 
 }  // namespace jaculus::model

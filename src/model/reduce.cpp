@@ -204,7 +204,7 @@ class Reducer {
     const Vec3 axis_B = head.R_BL * joint.axis;
     const double phi = frame_of(parents_.at(body), right ? 1 : 0);
     result.joint = joint.name;
-    result.file_joints = {{joint.name, 1.0}};
+    result.file_joints = {{joint.name, 1.0, joint.attached}};
     result.parent = parents_.at(body);
     result.origin = unrotate(phi, in_plane(head.p_BL - parent.p_BL));
     result.angle_offset = wrap(frame_of(body, side) - phi);
@@ -243,7 +243,7 @@ class Reducer {
 
     if (body > 0 && left.mass == 0.0) {
       // keeps equations regular, is below every balance
-      const double speck = 1e-8 * total_mass();
+      const double speck = 1e-8 * tree_.total_mass();
       assumptions_.assume(
           head.line,
           fmt::format("link '{}' moves but has no mass; allowed: <inertial> with a mass above 0",
@@ -267,7 +267,8 @@ class Reducer {
     }
 
     add_side(left, right);
-    left.file_joints.push_back({pair.right, left.sign * right.sign});
+    left.file_joints.push_back(
+        {pair.right, left.sign * right.sign, right.file_joints.front().attached});
     left.joint = pair.name;
     left.name = planar_link_name(left.name, right.name);
     left.count = 2;
@@ -323,11 +324,10 @@ class Reducer {
   /// What the projection leaves out.
   void drop_notes() {
     double widest = 0.0;
-    double mass = 0.0;
+    const double mass = tree_.total_mass();
     double moment = 0.0;
     for (const SpatialLink& link : tree_.links) {
       widest = std::max(widest, std::abs(link.p_BL.y()));
-      mass += link.mass;
       moment += link.mass * (link.p_BL + link.R_BL * link.com).y();
     }
     if (widest > 0.0)
@@ -338,12 +338,6 @@ class Reducer {
           fmt::format("the centre of mass lies {:.4g} m to the left of the sagittal plane; dropped",
                       moment / mass));
     }
-  }
-
-  [[nodiscard]] double total_mass() const {
-    double mass = 0.0;
-    for (const SpatialLink& link : tree_.links) mass += link.mass;
-    return mass;
   }
 
   [[nodiscard]] double frame_of(int body, int side) const { return frames_[body][side]; }

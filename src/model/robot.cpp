@@ -51,6 +51,13 @@ std::vector<std::string> known_robots() {
   return {names.begin(), names.end()};
 }
 
+/// Read from robot.yaml, or what stands for it where there is none.
+struct Description {
+  yaml::Node node;
+  bool stated = true;  ///< there is a robot.yaml
+  fs::path urdf;       ///< file of the bodies and joints
+};
+
 /// A URDF without a robot.yaml is taken as it is: a fixed base, and a torque at every joint that
 /// moves.
 yaml::Node plain_robot(const fs::path& folder) {
@@ -71,6 +78,22 @@ void check_format(const yaml::Node& node) {
   (void)node.at("format").choice({kFormat});
 }
 
+Description read_description(const fs::path& folder) {
+  std::error_code code;
+  Description d;
+  d.stated = fs::exists(folder / "robot.yaml", code);
+  if (!d.stated && !fs::exists(folder / "robot.urdf", code)) {
+    throw InputError(fmt::format(
+        "{}: no robot here; allowed: a folder with robot.yaml and robot.urdf", folder.string()));
+  }
+
+  d.node = d.stated ? yaml::Node::load(folder / "robot.yaml") : plain_robot(folder);
+  check_format(d.node);
+  const auto urdf = d.node.find("urdf");
+  d.urdf = folder / (urdf ? urdf->text() : "robot.urdf");
+  return d;
+}
+
 void check_base(const yaml::Node& node, const PlanarModel& model) {
   const bool moves = model.base_free[0] || model.base_free[1] || model.base_free[2];
   if (moves && !(model.bodies.front().mass > 0.0)) {
@@ -86,72 +109,70 @@ void check_base(const yaml::Node& node, const PlanarModel& model) {
 
 bool concerns_attached(const Override& o) { return o.path.starts_with("attach."); }
 
-double mass_of(const SpatialTree& tree) {
-  double mass = 0.0;
-  for (const SpatialLink& link : tree.links) mass += link.mass;
-  return mass;
-}
+/// The bodies in space, in the robot's axes, with what robot.yaml attaches.
+struct Composed {
+  SpatialTree tree;
+  std::vector<Attachment> attachments;
+  Absent absent;
+  std::vector<std::string> notes;
+};
 
-/// What robot.yaml attaches to a tree, put there.
-std::vector<Attachment> put_attached(const yaml::Node& node, const std::vector<Override>& overrides,
-                                     double robot_mass, Reading reading, SpatialTree& tree) {
-  std::vector<AttachOverride> inputs;
+Composed compose(const Description& d, const std::vector<Override>& overrides, Reading reading) {
+  Composed c;
+  c.tree = read_placement(d.node, read_urdf(d.urdf, reading), c.notes);
+  std::vector<OverrideInput> inputs;
   for (const Override& o : overrides)
     if (concerns_attached(o)) inputs.push_back({o.path, o.value});
-  std::vector<Attachment> attachments = read_attachments(node, inputs, robot_mass);
-  attach(attachments, reading, tree);
-  return attachments;
+  c.attachments = read_attachments(d.node, inputs, c.tree.total_mass());
+  c.absent = remove_absent(reading, c.attachments);
+  attach(c.attachments, reading, c.tree);
+  for (const Attachment& a : c.attachments) c.notes.push_back(attached_note(a));
+  return c;
 }
 
 /// The bodies that move, and how robot.yaml names what they carry.
-void read_bodies(const yaml::Node& node, const SpatialTree& tree, Reading reading,
-                 const std::vector<Attachment>& attachments, Robot& robot) {
-  PlanarModel& model = robot.planar;
-  const std::vector<PairSpec> joints = read_pairs(node, "joints", tree);
-  const std::vector<PairSpec> links = read_pairs(node, "links", tree);
-  check_carriers(attachments, joints, tree);
-  const Reduction reduction = reduce(tree, joints, links, read_held(node, tree, joints), reading);
+void read_bodies(const yaml::Node& node, const Composed& composed, Reading reading, Robot& robot) {
+  const SpatialTree& tree = composed.tree;
+  Absent absent = composed.absent;
+  const std::vector<PairSpec> joints = read_pairs(node, "joints", tree, absent);
+  const std::vector<PairSpec> links = read_pairs(node, "links", tree, absent);
+  check_carriers(composed.attachments, joints, tree);
+  const Reduction reduction =
+      reduce(tree, joints, links, read_held(node, tree, joints, absent), reading);
   robot.notes.insert(robot.notes.end(), reduction.notes.begin(), reduction.notes.end());
+
+  PlanarModel& model = robot.planar;
   model.bodies = reduction.bodies;
   model.held = reduction.held;
   read_loops(node, reduction, model);
-  read_coordinates(node, reduction, model);
-  model.feet = read_points(node, "feet", reduction, model);
-  model.points = read_points(node, "points", reduction, model);
-  read_motors(node, model);
-  read_drags(node, reduction, model);
-  add_attached_parts(attachments, model);
-  robot.rest_pose = read_rest_pose(node, model);
+  read_coordinates(node, reduction, absent, model);
+  model.feet = read_points(node, "feet", reduction, model, absent);
+  model.points = read_points(node, "points", reduction, model, absent);
+  read_motors(node, absent, model);
+  read_drags(node, reduction, absent, model);
+  add_attached_parts(composed.attachments, model);
+  robot.rest_pose = read_rest_pose(node, model, absent);
 }
 
 /// The model as the files give it, before overrides of its values.
-Robot read_files(const fs::path& folder, yaml::Node& node, const std::vector<Override>& overrides,
-                 Reading reading) {
-  std::error_code code;
-  const bool described = fs::exists(folder / "robot.yaml", code);
-  if (!described && !fs::exists(folder / "robot.urdf", code)) {
-    throw InputError(fmt::format(
-        "{}: no robot here; allowed: a folder with robot.yaml and robot.urdf", folder.string()));
-  }
-  node = described ? yaml::Node::load(folder / "robot.yaml") : plain_robot(folder);
-  check_format(node);
-  const auto urdf = node.find("urdf");
+Robot read_files(const fs::path& folder, const Description& described,
+                 const std::vector<Override>& overrides, Reading reading) {
+  const yaml::Node& node = described.node;
+  const Composed composed = compose(described, overrides, reading);
+  const SpatialTree& tree = composed.tree;
   Robot robot;
-  const SpatialTree file = read_urdf(folder / (urdf ? urdf->text() : "robot.urdf"), reading);
-  SpatialTree tree = read_placement(node, file, robot.notes);
-  const std::vector<Attachment> attachments =
-      put_attached(node, overrides, mass_of(tree), reading, tree);
-  for (const Attachment& a : attachments) robot.notes.push_back(attached_note(a));
   robot.name = tree.name;
   robot.folder = folder;
-  if (!described)
+  robot.urdf = described.urdf;
+  robot.notes = composed.notes;
+  if (!described.stated)
     robot.notes.push_back(
         "no robot.yaml: the base is taken as fixed, every moving joint has an ideal motor");
   robot.notes.insert(robot.notes.end(), tree.notes.begin(), tree.notes.end());
+
   PlanarModel& model = robot.planar;
   read_base(node, model);
-  read_bodies(node, tree, reading, attachments, robot);
-
+  read_bodies(node, composed, reading, robot);
   const Bounds not_negative{0.0, kInfinity};
   if (const auto gravity = node.find("gravity"))
     model.gravity = gravity->number(dimension::acceleration, not_negative);
@@ -184,38 +205,28 @@ fs::path find_robot(const std::string& name, const fs::path& relative_to) {
 }
 
 Robot read_robot(const fs::path& folder, const std::vector<Override>& overrides, Reading reading) {
-  yaml::Node node;
-  Robot robot = read_files(folder, node, overrides, reading);
+  const Description described = read_description(folder);
+  Robot robot = read_files(folder, described, overrides, reading);
   std::vector<OverrideInput> inputs;
   for (const Override& o : overrides)
     if (!concerns_attached(o)) inputs.push_back({o.path, o.value});
   apply_overrides(robot.planar, inputs);
-  check_drags(node, robot.planar);
+  check_drags(described.node, robot.planar);
   return robot;
 }
 
-SpatialTree read_tree(const fs::path& folder) {
-  const yaml::Node node = yaml::Node::load(folder / "robot.yaml");
-  const auto urdf = node.find("urdf");
-  SpatialTree tree = read_urdf(folder / (urdf ? urdf->text() : "robot.urdf"));
-  std::vector<std::string> notes;
-  const double mass = mass_of(read_placement(node, tree, notes));
-
-  // what is attached stands upright in the robot's axes
-  tree.links[tree.root].R_BL = read_axes(node);
-  place_links(tree);
-  (void)put_attached(node, {}, mass, Reading::lenient, tree);
+SpatialTree read_tree(const fs::path& folder, const std::vector<Override>& overrides) {
+  SpatialTree tree = compose(read_description(folder), overrides, Reading::lenient).tree;
   tree.links[tree.root].R_BL = Mat3::Identity();
+  tree.links[tree.root].p_BL = Vec3::Zero();
   place_links(tree);
   return tree;
 }
 
 std::vector<std::string> override_paths(const fs::path& folder) {
-  Robot robot = read_robot(folder);
-  std::error_code code;
-  const bool described = fs::exists(folder / "robot.yaml", code);
-  std::vector<std::string> lines = described ? attach_paths(yaml::Node::load(folder / "robot.yaml"))
-                                             : std::vector<std::string>{};
+  const Description described = read_description(folder);
+  Robot robot = read_files(folder, described, {}, Reading::lenient);
+  std::vector<std::string> lines = attach_paths(described.node);
   for (const Field& field : model_fields(robot.planar))
     lines.push_back(field.path + " = " + field.shown());
   return lines;

@@ -93,7 +93,7 @@ void read_base(const yaml::Node& robot, PlanarModel& model) {
 }
 
 std::vector<PairSpec> read_pairs(const yaml::Node& robot, const std::string& kind,
-                                 const SpatialTree& tree) {
+                                 const SpatialTree& tree, Absent& absent) {
   std::vector<PairSpec> pairs;
   const std::optional<yaml::Node> all = robot.find("pairs");
   if (!all) return pairs;
@@ -108,6 +108,10 @@ std::vector<PairSpec> read_pairs(const yaml::Node& robot, const std::string& kin
     const std::vector<yaml::Node> sides = node.items();
     if (sides.size() != 2)
       throw node.error(fmt::format("{} names given; allowed: two, [left, right]", sides.size()));
+    if (absent.count(sides[0].text()) != 0 && absent.count(sides[1].text()) != 0) {
+      absent.insert(name);
+      continue;
+    }
     for (const yaml::Node& side : sides) {
       const std::string given = side.text();
       if (std::find(known.begin(), known.end(), given) == known.end()) {
@@ -133,11 +137,12 @@ std::vector<PairSpec> read_pairs(const yaml::Node& robot, const std::string& kin
 }
 
 std::vector<HeldJoint> read_held(const yaml::Node& robot, const SpatialTree& tree,
-                                 const std::vector<PairSpec>& pairs) {
+                                 const std::vector<PairSpec>& pairs, const Absent& absent) {
   std::vector<HeldJoint> held;
   const std::optional<yaml::Node> section = robot.find("fixed_joints");
   if (!section) return held;
   for (const auto& [name, node] : section->entries()) {
+    if (absent.count(name) != 0) continue;
     const int index = tree.joint_index(name);
     if (index < 0) throw unknown_name(node, "joint", name, names_of(tree.joints));
 
@@ -159,13 +164,15 @@ std::vector<HeldJoint> read_held(const yaml::Node& robot, const SpatialTree& tre
 }
 
 std::vector<PlanarPoint> read_points(const yaml::Node& robot, const std::string& key,
-                                     const Reduction& reduction, const PlanarModel& model) {
+                                     const Reduction& reduction, const PlanarModel& model,
+                                     const Absent& absent) {
   std::vector<PlanarPoint> points;
   const std::optional<yaml::Node> section = robot.find(key);
   if (!section) return points;
   for (const auto& [name, node] : section->entries()) {
     node.only({"link", "point"});
     const yaml::Node link = node.at("link");
+    if (absent.count(link.text()) != 0) continue;
     const LinkPlace& place = link_place(link, link.text(), reduction);
     PlanarPoint point;
     point.name = name;
@@ -177,7 +184,8 @@ std::vector<PlanarPoint> read_points(const yaml::Node& robot, const std::string&
   return points;
 }
 
-std::map<std::string, double> read_rest_pose(const yaml::Node& robot, const PlanarModel& model) {
+std::map<std::string, double> read_rest_pose(const yaml::Node& robot, const PlanarModel& model,
+                                             const Absent& absent) {
   std::map<std::string, double> pose;
   const std::optional<yaml::Node> section = robot.find("rest_pose");
   if (!section) return pose;
@@ -185,10 +193,9 @@ std::map<std::string, double> read_rest_pose(const yaml::Node& robot, const Plan
   std::vector<std::string> known;
   for (const PlanarMotor& motor : model.motors) known.push_back(motor.joint);
 
-  const auto attached = robot.find("attach");
   for (const auto& [name, node] : section->entries()) {
+    if (absent.count(name) != 0) continue;
     const int motor = model.motor_index(name);
-    if (motor < 0 && attached && attached->has(name)) continue;  // of kind none
     if (motor < 0) throw unknown_name(node, "joint with a motor", name, known);
 
     const int body = model.motors[motor].body;
@@ -198,7 +205,8 @@ std::map<std::string, double> read_rest_pose(const yaml::Node& robot, const Plan
   return pose;
 }
 
-void read_drags(const yaml::Node& robot, const Reduction& reduction, PlanarModel& model) {
+void read_drags(const yaml::Node& robot, const Reduction& reduction, const Absent& absent,
+                PlanarModel& model) {
   const std::optional<yaml::Node> section = robot.find("drag");
   if (!section) return;
   for (const auto& [name, node] : section->entries()) {
@@ -209,6 +217,7 @@ void read_drags(const yaml::Node& robot, const Reduction& reduction, PlanarModel
     PlanarDrag drag;
     drag.name = name;
     const yaml::Node link = node.at("link");
+    if (absent.count(link.text()) != 0) continue;
     const LinkPlace& place = link_place(link, link.text(), reduction);
     if (place.body == 0 || place.position.norm() > 1e-9) {
       throw link.error(fmt::format(

@@ -3,6 +3,7 @@
 // explain_robot().
 
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -12,46 +13,51 @@
 
 namespace jaculus::model {
 
+/// Joints and links of what `attach` has with kind none: they aren't there, and what robot.yaml
+/// says of them (pairs, fixed_joints, ranges, rest_pose, feet, points, motors, drag) is skipped.
+using Absent = std::set<std::string>;
+
 /// axes: {forward: +z, up: +y}, base_link: link; the tree with its root's axes turned to x forward
 /// and z up, and without what is above the base link, which is noted.
 SpatialTree read_placement(const yaml::Node& robot, const SpatialTree& tree,
                            std::vector<std::string>& notes);
 
-/// axes alone: file axes to the robot's, rows forward, left and up in the file's frame.
-Mat3 read_axes(const yaml::Node& robot);
-
 /// base: floating | fixed | {free: [...], pose: {...}}
 void read_base(const yaml::Node& robot, PlanarModel& model);
 
-/// pairs: {joints: {name: [left, right]}, links: {...}}
+/// pairs: {joints: {name: [left, right]}, links: {...}}; an absent pair's name is absent too
 std::vector<PairSpec> read_pairs(const yaml::Node& robot, const std::string& kind,
-                                 const SpatialTree& tree);
+                                 const SpatialTree& tree, Absent& absent);
 
 /// fixed_joints: {joint: value}
 std::vector<HeldJoint> read_held(const yaml::Node& robot, const SpatialTree& tree,
-                                 const std::vector<PairSpec>& pairs);
+                                 const std::vector<PairSpec>& pairs, const Absent& absent);
 
 /// loops: {name: {...}}; fills model.loops and model.dependent.
 void read_loops(const yaml::Node& robot, const Reduction& reduction, PlanarModel& model);
 
 /// coordinates and ranges; fills model.coordinates, joint_map, joint_offset and joint_ranges.
-void read_coordinates(const yaml::Node& robot, const Reduction& reduction, PlanarModel& model);
+void read_coordinates(const yaml::Node& robot, const Reduction& reduction, const Absent& absent,
+                      PlanarModel& model);
 
 /// feet, points: {name: {link, point}}
 std::vector<PlanarPoint> read_points(const yaml::Node& robot, const std::string& key,
-                                     const Reduction& reduction, const PlanarModel& model);
+                                     const Reduction& reduction, const PlanarModel& model,
+                                     const Absent& absent);
 
 /// motors: {joint: {...}}
-void read_motors(const yaml::Node& robot, PlanarModel& model);
+void read_motors(const yaml::Node& robot, const Absent& absent, PlanarModel& model);
 /// One of them, at a joint of the model.
 PlanarMotor read_motor(const std::string& joint, const yaml::Node& node, const PlanarModel& model);
 
 /// rest_pose: {joint: value}, of joints with a motor, where they are while the robot is carried
 /// [rad or m]
-std::map<std::string, double> read_rest_pose(const yaml::Node& robot, const PlanarModel& model);
+std::map<std::string, double> read_rest_pose(const yaml::Node& robot, const PlanarModel& model,
+                                             const Absent& absent);
 
 /// drag: {name: {link, direction, kind, ...}}
-void read_drags(const yaml::Node& robot, const Reduction& reduction, PlanarModel& model);
+void read_drags(const yaml::Node& robot, const Reduction& reduction, const Absent& absent,
+                PlanarModel& model);
 
 /// What only the whole model shows, after overrides: drag that needs a key which is not there, a
 /// strip that ends before it starts.

@@ -159,6 +159,7 @@ std::vector<MotorFigures> motor_figures(const model::PlanarModel& model) {
     f.torque_limit = m.torque_limit;
     f.current_limit = m.current_limit;
     f.voltage_limit = m.voltage;
+    f.speed_limit = m.speed_limit;
     f.gear = m.gear;
     f.efficiency = m.efficiency;
     f.torque_constant = m.torque_constant;

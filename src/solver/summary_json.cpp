@@ -80,6 +80,7 @@ constexpr MotorKey kMotorKeys[] = {
     {"torque_limit_N_m", &MotorFigures::torque_limit, kInfinity},
     {"current_limit_A", &MotorFigures::current_limit, kInfinity},
     {"voltage_limit_V", &MotorFigures::voltage_limit, kInfinity},
+    {"speed_limit_rad_s", &MotorFigures::speed_limit, kInfinity},
     {"gear", &MotorFigures::gear, kNaN},
     {"efficiency", &MotorFigures::efficiency, kNaN},
     {"torque_constant_N_m_A", &MotorFigures::torque_constant, kNaN},
@@ -91,7 +92,8 @@ Json motor(const MotorFigures& m) {
   Json json = {{"motor", m.joint}, {"count", m.count}, {"slides", m.slides}};
   json["joints"] = Json::array();
   for (const model::FileJoint& joint : m.file_joints)
-    json["joints"].push_back({{"joint", joint.name}, {"sign", joint.sign}});
+    json["joints"].push_back(
+        {{"joint", joint.name}, {"sign", joint.sign}, {"attached", joint.attached}});
   for (const MotorKey& key : kMotorKeys) json[key.key] = json_number(m.*key.field);
   return json;
 }
@@ -102,7 +104,8 @@ MotorFigures motor_from(const Json& json) {
   m.count = json.at("count").get<int>();
   m.slides = json.value("slides", false);  // this and the next are of later versions
   for (const Json& joint : json.value("joints", Json::array())) {
-    m.file_joints.push_back({joint.at("joint").get<std::string>(), joint.at("sign").get<double>()});
+    m.file_joints.push_back({joint.at("joint").get<std::string>(), joint.at("sign").get<double>(),
+                             joint.value("attached", false)});
   }
   for (const MotorKey& key : kMotorKeys) m.*key.field = number_or(json, key.key, key.none);
   return m;

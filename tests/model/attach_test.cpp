@@ -207,6 +207,57 @@ TEST(Attach, ASecondUrdfIsFixedAtThePivot) {
   EXPECT_NEAR(model.total_mass(), 7.5, 1e-12);
 }
 
+TEST(Attach, ASecondUrdfOfKindNoneTakesItsMotorsAlong) {
+  const Folder folder;
+  folder.write("robot.urdf", kUrdf);
+  folder.write("whip.urdf",
+               R"(<robot name="whip"><link name="mount"/>
+<link name="whip"><inertial><origin xyz="0 0 0.2"/><mass value="0.5"/>
+<inertia ixx="0.02" iyy="0.02" izz="0.001" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<joint name="root" type="continuous"><parent link="mount"/><child link="whip"/>
+<origin xyz="0 0 0.1"/><axis xyz="0 1 0"/></joint></robot>)");
+  std::string yaml = testing::replaced(kYaml, "motors:\n",
+                                       "rest_pose: {root: 0.1}\nranges: {root: [-1, 1]}\n"
+                                       "points: {lash: {link: whip, point: [0, 0.4]}}\n"
+                                       "motors:\n  root: {kind: ideal, torque_limit: 2 N m}\n");
+  yaml.resize(yaml.find("attach:"));
+  folder.write("robot.yaml",
+               yaml + "attach:\n  back: {to: trunk, at: [-0.2, 0.03], urdf: whip.urdf}\n");
+  EXPECT_EQ(read_robot(folder.path()).planar.motors.size(), 2u);
+  const yaml::Node none = yaml::Node::parse("{kind: none}", "problem.yaml");
+  const Robot without = read_robot(folder.path(), {{"attach.back.kind", none.at("kind")}});
+  EXPECT_EQ(without.planar.motors.size(), 1u);
+  EXPECT_TRUE(without.planar.points.empty());
+  EXPECT_NEAR(without.planar.total_mass(), 7.0, 1e-12);
+}
+
+TEST(Attach, JointsInSpaceSayThatTheFileDoesNotHaveThem) {
+  const PlanarModel model = robot_with().planar;
+  const auto joint = [&](const char* name) {
+    return model.bodies.at(model.body_of_joint(name)).file_joints.at(0);
+  };
+  EXPECT_TRUE(joint("tail").attached);
+  EXPECT_FALSE(joint("hip").attached);
+}
+
+TEST(Attach, TheTreeBeginsAtTheBaseLinkAndShowsTheTail) {
+  const Folder folder;
+  folder.write("robot.urdf", testing::replaced(kUrdf, "</robot>", R"(<link name="rail"/>
+<joint name="slide" type="prismatic"><parent link="rail"/><child link="trunk"/><origin xyz="0 0 1"/>
+<axis xyz="0 0 1"/><limit lower="-1" upper="2" effort="30" velocity="5"/></joint></robot>)"));
+  folder.write("robot.yaml",
+               testing::replaced(kYaml, "base: floating", "base_link: trunk\nbase: floating"));
+  const SpatialTree tree = read_tree(folder.path());
+  EXPECT_EQ(tree.links.at(tree.root).name, "trunk");
+  EXPECT_EQ(tree.joint_index("slide"), -1);
+  EXPECT_NEAR(tree.total_mass(), 7.7, 1e-12);
+  const SpatialLink& tail = tree.links.at(tree.link_index("tail"));
+  EXPECT_LT((tail.p_BL - Vec3(-0.2, 0.0, 0.03)).norm(), 1e-12);
+  ASSERT_EQ(tail.shapes.size(), 2u);
+  EXPECT_FALSE(tail.shapes[0].touches);
+  EXPECT_TRUE(holds(write_urdf(tree), "<visual><origin xyz=\"0 0 0.8\""));
+}
+
 TEST(Attach, FaultsNameFileLineAndWhatIsAllowed) {
   EXPECT_TRUE(holds(fault("to: trunk", "to: trunc"),
                     "robot.yaml:10: attach.tail.to: unknown link 'trunc', did you mean 'trunk'?"));

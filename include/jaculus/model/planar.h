@@ -21,10 +21,12 @@ namespace jaculus::model {
 
 enum class JointKind { revolute, prismatic };
 
-/// A joint of the robot's file that a planar joint stands for.
+/// A joint in space that a planar joint stands for: of the robot's file, or of what robot.yaml
+/// attaches.
 struct FileJoint {
   std::string name;
-  double sign = 1.0;  ///< its value is `sign` times the planar joint's [-]
+  double sign = 1.0;      ///< its value is `sign` times the planar joint's [-]
+  bool attached = false;  ///< by robot.yaml; the file doesn't have it
 };
 
 /// A joint of the robot's file that stands still in the plane.

@@ -18,6 +18,7 @@ namespace jaculus::model {
 struct Robot {
   std::string name;
   std::filesystem::path folder;
+  std::filesystem::path urdf;  ///< file of its bodies and joints
   PlanarModel planar;
   /// where joints with a motor are while it is carried or stands: rest_pose [rad or m]
   std::map<std::string, double> rest_pose;
@@ -46,9 +47,10 @@ std::filesystem::path find_robot(const std::string& name, const std::filesystem:
 Robot read_robot(const std::filesystem::path& folder, const std::vector<Override>& overrides = {},
                  Reading reading = Reading::lenient);
 
-/// The bodies in space: those of the URDF and what robot.yaml attaches to them. Lies as the file
-/// does, `axes` and `base_link` not applied.
-SpatialTree read_tree(const std::filesystem::path& folder);
+/// The bodies in space from `base_link` on, with what robot.yaml and overrides (those of `attach`;
+/// others are skipped) attach. They lie as the base's link does, `axes` are not applied.
+SpatialTree read_tree(const std::filesystem::path& folder,
+                      const std::vector<Override>& overrides = {});
 
 /// Every path that an override may name, with its present value and unit ("tail.drag.coefficient =
 /// 2 [-]").

@@ -52,6 +52,7 @@ struct MotorFigures {
   double torque_limit = kInfinity;   ///< before the gear [N m]
   double current_limit = kInfinity;  ///< [A]
   double voltage_limit = kInfinity;  ///< [V]
+  double speed_limit = kInfinity;    ///< before the gear [rad/s]
   double gear = 1.0;                 ///< [-]
   double efficiency = 1.0;           ///< [-]
   double torque_constant = kNaN;     ///< [N m/A]
