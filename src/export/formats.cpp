@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <functional>
 
 #include "jaculus/core/installation.h"
 #include "jaculus/core/json.h"
@@ -29,6 +30,25 @@ std::vector<double> times(double sign, std::vector<double> values) {
   return values;
 }
 
+/// "joint position [rad]"; units joint by joint where some slide.
+std::string caption(const Export& plan, const std::string& what, const char* Units::*unit) {
+  std::vector<std::string> units;
+  for (const PlayedJoint& joint : played_joints(plan))
+    units.push_back(units_of(*joint.motor).*unit);
+  const bool alike =
+      std::adjacent_find(units.begin(), units.end(), std::not_equal_to<>()) == units.end();
+  if (alike && !units.empty()) units.resize(1);
+  return fmt::format("{} [{}]", what, fmt::join(units, ", "));
+}
+
+/// Joints that the robot's own file doesn't have.
+std::vector<std::string> attached_joints(const Export& plan) {
+  std::vector<std::string> names;
+  for (const PlayedJoint& joint : played_joints(plan))
+    if (joint.attached) names.push_back(joint.name);
+  return names;
+}
+
 /// Which joints play what, and which are to be held.
 std::vector<std::string> joint_notes(const Export& plan) {
   std::vector<std::string> lines;
@@ -44,9 +64,18 @@ std::vector<std::string> joint_notes(const Export& plan) {
         "joints are the plan's, not the robot file's: no summary.json of this version, no --robot");
   }
 
+  const std::vector<std::string> attached = attached_joints(plan);
+  if (!attached.empty()) {
+    lines.push_back(fmt::format(
+        "{}: attached by robot.yaml, not in the robot's file; `jaculus robot urdf` writes one "
+        "that has it",
+        fmt::join(attached, ", ")));
+  }
   for (const model::HeldJoint& joint : plan.held_joints) {
-    lines.push_back(fmt::format("{} stands still at {:.6g}: to be held, its load is not planned",
-                                joint.joint, joint.value));
+    lines.push_back(
+        fmt::format("{} stands still at {:.6g} {}{}: to be held, its load is not planned",
+                    joint.joint, joint.value, joint.slides ? "m" : "rad",
+                    plan.side == Side::motor ? " behind its gear, of which nothing is known" : ""));
   }
   return lines;
 }
@@ -56,9 +85,11 @@ std::vector<std::string> notes(const Export& plan) {
   std::vector<std::string> lines = {
       fmt::format("jaculus {}, plan {}: {} samples at {:g} Hz, {:.6g} s", version(), plan.name,
                   plan.time.size(), plan.rate, plan.duration),
-      fmt::format("{} side{}; torque of one motor [N m], position [rad], velocity [rad/s]",
-                  name_of(plan.side),
-                  plan.side == Side::motor ? ", before the gear" : ", behind the gear"),
+      fmt::format("{} side{}; {}, {}, {}", name_of(plan.side),
+                  plan.side == Side::motor ? ", before the gear" : ", behind the gear",
+                  caption(plan, "torque of one motor", &Units::torque),
+                  caption(plan, "position", &Units::position),
+                  caption(plan, "velocity", &Units::velocity)),
       "joints, their signs and zeros are those of the robot's file",
       fmt::format("each sample is held until the next, its torque is the plan's mean over it; the "
                   "plan's inputs were {}",
@@ -107,7 +138,8 @@ std::string c_held_joints(const std::string& prefix, const Export& plan) {
   }
   const std::size_t count = names.size();
   return fmt::format(
-      "\n/* to be held */\nstatic const char *const {0}_held_joint[{1}] = {{{2}}};\n"
+      "\n/* to be held, on the joint's side of the gear [rad, m where it slides] */\nstatic const "
+      "char *const {0}_held_joint[{1}] = {{{2}}};\n"
       "static const float {0}_held_position[{1}] = {{{3}}};\n",
       prefix, count, fmt::join(names, ", "), fmt::join(positions, ", "));
 }
@@ -159,7 +191,7 @@ std::string to_csv(const Export& plan) {
   text += "\n";
   for (std::size_t k = 0; k < plan.time.size(); ++k) {
     text += fmt::format("{}", plan.time[k]);
-    for (const auto& [name, sign, m] : joints) {
+    for (const auto& [name, sign, m, attached] : joints) {
       text += fmt::format(",{},{},{}", sign * m->position[k], sign * m->velocity[k],
                           sign * m->torque[k]);
       if (!m->current.empty())
@@ -186,11 +218,12 @@ std::string to_json(const Export& plan) {
                {"time_s", plan.time}};
   json["joints"] = Json::array();
 
-  for (const auto& [name, sign, m] : played_joints(plan)) {
+  for (const auto& [name, sign, m, attached] : played_joints(plan)) {
     const auto [position, velocity, torque] = units_of(*m);
     Json joint = {{"name", name},
                   {"motor", m->joint},
                   {"sign", sign},
+                  {"attached", attached},
                   {"units", {position, velocity, torque}},
                   {"position", times(sign, m->position)},
                   {"velocity", times(sign, m->velocity)},
@@ -204,8 +237,10 @@ std::string to_json(const Export& plan) {
 
   json["held_joints"] = Json::array();
   for (const model::HeldJoint& joint : plan.held_joints)
-    json["held_joints"].push_back(
-        {{"name", joint.joint}, {"unit", joint.slides ? "m" : "rad"}, {"position", joint.value}});
+    json["held_joints"].push_back({{"name", joint.joint},
+                                   {"side", name_of(Side::joint)},
+                                   {"unit", joint.slides ? "m" : "rad"},
+                                   {"position", joint.value}});
   return json.dump(1) + "\n";
 }
 
@@ -221,7 +256,7 @@ std::string to_joint_trajectory(const Export& plan) {
 
   for (std::size_t k = 0; k < plan.time.size(); ++k) {
     std::vector<double> p, v, tau;
-    for (const auto& [name, sign, m] : joints) {
+    for (const auto& [name, sign, m, attached] : joints) {
       p.push_back(sign * m->position[k]);
       v.push_back(sign * m->velocity[k]);
       tau.push_back(sign * m->torque[k]);
@@ -260,9 +295,12 @@ std::string to_c(const Export& plan) {
   text += fmt::format("\nstatic const char *const {}_joint[{}] = {{{}}};\n", prefix, joints.size(),
                       fmt::join(names, ", "));
   text += c_held_joints(prefix, plan);
-  text += c_array(prefix + "_torque", side + " torque [N m]", plan, &ExportedMotor::torque);
-  text += c_array(prefix + "_position", side + " position [rad]", plan, &ExportedMotor::position);
-  text += c_array(prefix + "_velocity", side + " velocity [rad/s]", plan, &ExportedMotor::velocity);
+  text += c_array(prefix + "_torque", caption(plan, side + " torque", &Units::torque), plan,
+                  &ExportedMotor::torque);
+  text += c_array(prefix + "_position", caption(plan, side + " position", &Units::position), plan,
+                  &ExportedMotor::position);
+  text += c_array(prefix + "_velocity", caption(plan, side + " velocity", &Units::velocity), plan,
+                  &ExportedMotor::velocity);
 
   return text + "\n#endif\n";
 }

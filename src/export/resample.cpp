@@ -91,6 +91,8 @@ ExportedMotor sample(const Source& source, const solver::MotorFigures& figures, 
   LimitCheck torque{figures.joint, Quantity::torque, "N m", 0.0, 0.0, figures.torque_limit, false};
   LimitCheck current{figures.joint, Quantity::current, "A", 0.0, 0.0, figures.current_limit, false};
   LimitCheck voltage{figures.joint, Quantity::voltage, "V", 0.0, 0.0, figures.voltage_limit, false};
+  LimitCheck speed{figures.joint, Quantity::velocity,  "rad/s", 0.0,
+                   0.0,           figures.speed_limit, false};
   ExportedMotor out;
   out.joint = figures.joint;
   out.slides = figures.slides;
@@ -111,12 +113,14 @@ ExportedMotor sample(const Source& source, const solver::MotorFigures& figures, 
     raise(torque, held / (motor.gear * motor.efficiency), t);
     raise(current, out.current.back(), t);
     raise(voltage, out.voltage.back(), t);
-    raise(voltage, components::motor_voltage(motor, held, cubic(time, p, v, t0 + end)[1]).value,
-          end);
+    const double velocity_at_end = cubic(time, p, v, t0 + end)[1];
+    raise(voltage, components::motor_voltage(motor, held, velocity_at_end).value, end);
+    raise(speed, motor.gear * state[1], t);
+    raise(speed, motor.gear * velocity_at_end, end);
   }
 
   if (source.limits_known) {
-    for (LimitCheck* check : {&torque, &current, &voltage}) {
+    for (LimitCheck* check : {&torque, &current, &voltage, &speed}) {
       check->exceeded = check->peak > check->limit * (1.0 + kLimitMargin);
       checks.push_back(*check);
     }
@@ -137,7 +141,7 @@ std::vector<PlayedJoint> played_joints(const Export& plan) {
   std::vector<PlayedJoint> joints;
   for (const ExportedMotor& motor : plan.motors) {
     for (const model::FileJoint& joint : motor.file_joints)
-      joints.push_back({joint.name, joint.sign, &motor});
+      joints.push_back({joint.name, joint.sign, &motor, joint.attached});
   }
   return joints;
 }

@@ -129,6 +129,58 @@ TEST(ExportFormats, WhatSlidesIsInMetresAndNewtons) {
   EXPECT_TRUE(holds(text, "arm [m],arm_velocity [m/s],arm_torque [N]")) << text;
 }
 
+TEST(ExportFormats, CaptionsOfAHeaderHaveTheUnitsOfEachJoint) {
+  Source s = source(InputHold::held);
+  s.motors[0].slides = true;
+  EXPECT_TRUE(holds(to_c(resample(s, 10.0, Side::joint)), "/* joint torque [N] */"));
+  s.table.columns.insert(s.table.columns.end(),
+                         {{"leg", "rad"}, {"leg_velocity", "rad/s"}, {"leg_torque", "N m"}});
+  const Matrix one = s.table.values;
+  s.table.values.resize(3, 7);
+  s.table.values << one, one.rightCols(3);
+  s.motors.push_back(s.motors[0]);
+  s.motors[1].joint = "leg";
+  s.motors[1].slides = false;
+  EXPECT_TRUE(holds(to_c(resample(s, 10.0, Side::motor)), "/* motor position [m, rad] */"));
+}
+
+TEST(ExportFormats, AnAttachedJointIsSaidToBeNoneOfTheFile) {
+  Source s = source(InputHold::held);
+  s.motors[0].file_joints = {{"tail", 1.0, true}};
+  const Export plan = resample(s, 10.0, Side::joint);
+  EXPECT_TRUE(holds(to_c(plan), "tail: attached by robot.yaml, not in the robot's file"));
+  EXPECT_EQ(nlohmann::json::parse(to_json(plan))["joints"][0]["attached"], true);
+  EXPECT_EQ(nlohmann::json::parse(to_json(two_sided()))["joints"][0]["attached"], false);
+}
+
+TEST(ExportFormats, WhatIsHeldStaysOnItsJointsSideOfTheGear) {
+  Source s = source(InputHold::held);
+  s.held_joints = {{"roll", 0.25, false}};
+  const Export plan = resample(s, 10.0, Side::motor);
+  const auto held = nlohmann::json::parse(to_json(plan))["held_joints"][0];
+  EXPECT_EQ(held["position"], 0.25);
+  EXPECT_EQ(held["side"], "joint");
+  EXPECT_TRUE(holds(to_joint_trajectory(plan), "0.25 rad behind its gear, of which nothing"));
+}
+
+TEST(Resample, ASpeedLimitIsHeldBeforeTheGearAtBothEndsOfASample) {
+  Source s = source(InputHold::held);
+  // 3 t^2 at the end, 0.2 s, times the gear of 4
+  const double peak = 4.0 * 3.0 * 0.04;
+  const auto speed_of = [&](double limit) {
+    s.motors[0].speed_limit = limit;
+    const Export plan = resample(s, 7.0, Side::joint);
+    return *std::find_if(plan.checks.begin(), plan.checks.end(), [](const LimitCheck& c) {
+      return c.quantity == trajectory::Quantity::velocity;
+    });
+  };
+  EXPECT_NEAR(speed_of(kInfinity).peak, peak, 1e-12);
+  EXPECT_FALSE(speed_of(kInfinity).exceeded);
+  EXPECT_FALSE(speed_of(peak).exceeded);
+  EXPECT_TRUE(speed_of(0.99 * peak).exceeded);
+  EXPECT_NEAR(speed_of(0.99 * peak).time, 0.2, 1e-12);
+}
+
 TEST(ExportFormats, UnknownJointsAreSaidToBeThePlansOwn) {
   const Export plan = resample(source(InputHold::held), 10.0, Side::joint);
   EXPECT_FALSE(plan.file_joints_known);
@@ -157,7 +209,7 @@ TEST(Resample, MotorSideIsBeforeTheGear) {
 
 TEST(Resample, ChecksLimitsAtBothEndsOfASample) {
   const Export plan = resample(source(InputHold::held), 10.0, Side::joint);
-  ASSERT_EQ(plan.checks.size(), 3u);
+  ASSERT_EQ(plan.checks.size(), 4u);
   EXPECT_EQ(plan.checks[0].quantity, trajectory::Quantity::torque);
   EXPECT_NEAR(plan.checks[0].peak, 1.0, 1e-12);
   EXPECT_FALSE(plan.checks[0].exceeded);  // just at its limit

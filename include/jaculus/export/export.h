@@ -12,8 +12,9 @@
 // which has the plan's impulse, without the lag of half a sample that the torque at its start would
 // have. Limits are looked at where each sample begins and where it ends, with its torque.
 //
-// Joints are those of the robot's file: a planar joint that stands for a left and a right one is
-// written out as both, each with its own sign.
+// Joints are those of the robot's file, and of what its robot.yaml attaches: a planar joint that
+// stands for a left and a right one is written out as both, each with its own sign. Of a joint that
+// is only held nothing is known but its place, on the joint's side of its gear.
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -79,7 +80,7 @@ struct ExportedMotor {
 /// Peak of one quantity of one motor after resampling, held against its limit.
 struct LimitCheck {
   std::string joint;  ///< of the motor
-  /// torque (before the gear), current or voltage
+  /// torque, velocity (both before the gear), current or voltage
   trajectory::Quantity quantity = trajectory::Quantity::torque;
   std::string unit;          ///< of `peak` and `limit`
   double peak = 0.0;         ///< absolute value [unit]
@@ -102,14 +103,15 @@ struct Export {
   std::vector<LimitCheck> checks;             ///< empty where limits are unknown
 };
 
-/// One joint of the robot's file and the motor that it plays, `sign` times.
+/// One joint in space and the motor that it plays, `sign` times.
 struct PlayedJoint {
   std::string name;
   double sign = 1.0;
   const ExportedMotor* motor = nullptr;  ///< never null
+  bool attached = false;                 ///< by robot.yaml; the robot's file doesn't have it
 };
 
-/// All joints of the robot's file that move, motor by motor.
+/// All joints in space that move, motor by motor.
 std::vector<PlayedJoint> played_joints(const Export& plan);
 
 /// Resamples at `rate` [Hz], which must be positive.
