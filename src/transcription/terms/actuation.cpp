@@ -106,13 +106,14 @@ PathTerm motor_speed_term(const model::PlanarModel& model, int m) {
 
 void add_motor_limits(const TermSpec& spec, TermContext& context) {
   const model::PlanarModel& model = context.model();
+  const double sample_time = spec.values.number_or("sample_time", 0.0);
   bool any = false;
   for (int m = 0; m < count_of(model.motors); ++m) {
     const model::PlanarMotor& motor = model.motors[m];
     const double volts = context.problem.voltage.value_or(motor.voltage);
     for (int p : all_named(spec, "phases", context)) {
       if (electrical(motor) && std::isfinite(volts))
-        context.path[p].push_back(motor_voltage_term(model, m, volts, 0.0));
+        context.path[p].push_back(motor_voltage_term(model, m, volts, sample_time));
       if (std::isfinite(motor.speed_limit)) context.path[p].push_back(motor_speed_term(model, m));
     }
     any = any || electrical(motor) || std::isfinite(motor.speed_limit);
@@ -219,6 +220,15 @@ void add_electrical_energy(const TermSpec& spec, TermContext& context) {
   context.integral_costs.emplace_back(term, spec.weight);
 }
 
+/// `sample_time` of the controller that plays the plan.
+Key sample_time_key() {
+  return {"sample_time",
+          key::Number{dimension::time, {0.0, 0.1}},
+          "of a controller that holds torques from sample to sample, for which voltages hold too; "
+          "0: torques as planned",
+          {.value = "0"}};
+}
+
 }  // namespace
 
 TermType voltage() {
@@ -228,11 +238,7 @@ TermType voltage() {
                     key::Names{key::Of::motor},
                     "list of motors",
                     {.words = "all electric ones"}},
-                   {"sample_time",
-                    key::Number{dimension::time, {0.0, 0.1}},
-                    "of a controller that holds torques from sample to sample, for which voltages "
-                    "hold too; 0: torques as planned",
-                    {.value = "0"}},
+                   sample_time_key(),
                    phases_key()},
           .example = "sample_time: 2 ms",
           .make = add_voltage};
@@ -243,7 +249,8 @@ TermType motor_limits() {
           .meaning =
               "every motor within its voltage (limits.voltage) and speed_limit, where it has "
               "them; torque and current always are",
-          .keys = {phases_key()},
+          .keys = {sample_time_key(), phases_key()},
+          .example = "sample_time: 2 ms",
           .make = add_motor_limits};
 }
 
