@@ -52,10 +52,24 @@ void add_common(CLI::App& command, Common& common, const std::string& out_help) 
 
 namespace {
 
-std::string in_quotes(const std::string& text) {
-  std::string out = "\"";
-  for (const char c : text) out.append(c == '"' || c == '\\' ? "\\" : "").push_back(c);
-  return out + "\"";
+/// Stands for a file in messages about the lines that arguments are turned into.
+const char* const kCommandLine = "command line";
+
+/// A fault of an argument is told by the argument: neither by the line that stands for it nor by
+/// the problem's file, whose words it gives a meaning.
+InputError told_by_argument(const std::string& what, const ProblemChanges& changes) {
+  const std::size_t place = what.find(std::string(kCommandLine) + ":");
+  if (place == std::string::npos) {
+    std::string given = changes.robot.empty() ? "" : "--robot " + changes.robot;
+    for (const std::string& change : changes.overrides)
+      given += fmt::format("{}--override {}", given.empty() ? "" : " ", change);
+    return InputError(fmt::format("with {}: {}", given, what));
+  }
+
+  std::string fault = what.substr(what.find(": ", place) + 2);
+  constexpr std::string_view kOverride = "override.";
+  if (fault.starts_with(kOverride)) fault[kOverride.size() - 1] = ' ';
+  return InputError("--" + fault);
 }
 
 /// A problem that extends the file by what the command line says.
@@ -63,8 +77,8 @@ yaml::Node changed(const std::filesystem::path& file, const ProblemChanges& chan
   const std::string name = yaml::Node::load(file).at("name").text();
   std::string text =
       fmt::format("format: jaculus-problem/1\nextends: {}\nname: {}\n",
-                  in_quotes(std::filesystem::absolute(file).string()), in_quotes(name));
-  if (!changes.robot.empty()) text += "robot: " + in_quotes(changes.robot) + "\n";
+                  yaml::quoted(std::filesystem::absolute(file).string()), yaml::quoted(name));
+  if (!changes.robot.empty()) text += "robot: " + yaml::quoted(changes.robot) + "\n";
   if (!changes.overrides.empty()) text += "override:\n";
   for (const std::string& change : changes.overrides) {
     const std::size_t equals = change.find('=');
@@ -72,20 +86,15 @@ yaml::Node changed(const std::filesystem::path& file, const ProblemChanges& chan
       throw InputError(fmt::format(
           "--override: '{}' given; allowed: PATH=VALUE, as in attach.tail.kind=none", change));
     }
-    text +=
-        fmt::format("  {}: {}\n", in_quotes(change.substr(0, equals)), change.substr(equals + 1));
+    text += fmt::format("  {}: {}\n", yaml::quoted(change.substr(0, equals)),
+                        change.substr(equals + 1));
   }
-  return yaml::Node::parse(text, "command line");
+  return yaml::Node::parse(text, kCommandLine);
 }
 
-}  // namespace
-
-Loaded load(const std::filesystem::path& file, const Common& common,
-            const ProblemChanges& changes) {
+Loaded load_problem(const yaml::Node& node, const Common& common) {
   Loaded loaded;
-  const bool as_it_is = changes.robot.empty() && changes.overrides.empty();
-  loaded.problem = as_it_is ? transcription::read_problem(file)
-                            : transcription::read_problem(changed(file, changes));
+  loaded.problem = transcription::read_problem(node);
   if (common.seed) loaded.problem.solver.seed = *common.seed;
   loaded.robot = model::read_robot(loaded.problem.robot_folder, loaded.problem.overrides);
   transcription::check_problem(loaded.problem, loaded.robot.planar);
@@ -93,6 +102,20 @@ Loaded load(const std::filesystem::path& file, const Common& common,
   static_cast<void>(transcription::NonlinearProgram(
       loaded.problem, transcription::planning_model(loaded.problem, loaded.robot.planar)));
   return loaded;
+}
+
+}  // namespace
+
+Loaded load(const std::filesystem::path& file, const Common& common,
+            const ProblemChanges& changes) {
+  const bool as_it_is = changes.robot.empty() && changes.overrides.empty();
+  if (as_it_is) return load_problem(yaml::Node::load(file), common);
+  const yaml::Node node = changed(file, changes);
+  try {
+    return load_problem(node, common);
+  } catch (const InputError& error) {
+    throw told_by_argument(error.what(), changes);
+  }
 }
 
 void prepare_folder(const std::filesystem::path& folder) {

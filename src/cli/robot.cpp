@@ -11,6 +11,7 @@
 #include "cli/robot_leap.h"
 #include "cli/robot_tail.h"
 #include "cli/robot_trial.h"
+#include "cli/robot_xacro.h"
 #include "jaculus/core/error.h"
 #include "jaculus/model/mjcf.h"
 #include "jaculus/model/propose.h"
@@ -59,13 +60,6 @@ struct Source {
 };
 
 Source read_source(const fs::path& file, model::Reading reading) {
-  if (file.extension() == ".xacro") {
-    throw InputError(fmt::format(
-        "{}: a xacro file, which is no robot yet; allowed: URDF or MJCF. ROS's tool makes one: "
-        "xacro {} > robot.urdf",
-        file.string(), file.filename().string()));
-  }
-
   Source source;
   if (model::is_mjcf(file)) {
     model::MjcfRobot robot = model::read_mjcf(file);
@@ -78,7 +72,9 @@ Source read_source(const fs::path& file, model::Reading reading) {
     if (robot.floating) source.floating = true;
     return source;
   }
-  source.tree = model::read_urdf(file, reading);
+  if (file.extension() == ".xacro") source.urdf = expand_xacro(file);
+  source.tree = source.urdf.empty() ? model::read_urdf(file, reading)
+                                    : model::parse_urdf(source.urdf, file, reading);
   source.notes = source.tree.notes;
   return source;
 }
@@ -176,21 +172,32 @@ void write_urdf_file(const Source& source, const fs::path& file, const fs::path&
   }
 }
 
-int run_robot_import(const RobotOptions& options) {
-  if (options.common.out.empty())
-    throw InputError("--out: missing; allowed: the folder of the robot to write");
-  const fs::path out = options.common.out;
-  if (fs::exists(out / "robot.yaml") && !options.replace) {
-    throw InputError(fmt::format(
-        "--out {}: has a robot.yaml already; allowed: another folder, or --replace", out.string()));
+/// A folder that goes again where what it was made for fails.
+class NewFolder {
+ public:
+  explicit NewFolder(fs::path folder) : folder_(std::move(folder)), fresh_(!fs::exists(folder_)) {
+    prepare_folder(folder_);
   }
+  ~NewFolder() {
+    std::error_code code;
+    if (fresh_) fs::remove_all(folder_, code);
+  }
+  NewFolder(const NewFolder&) = delete;
+  NewFolder& operator=(const NewFolder&) = delete;
+  void keep() { fresh_ = false; }
 
+ private:
+  fs::path folder_;
+  bool fresh_ = true;
+};
+
+Written write_robot(const RobotOptions& options, const fs::path& out) {
   const auto reading = options.strict ? model::Reading::strict : model::Reading::lenient;
   Written w;
   w.source = read_source(options.file, reading);
   w.proposal = model::propose_robot(w.source.tree, propose_options(options, w.source));
 
-  prepare_folder(out);
+  NewFolder folder(out);
   write_urdf_file(w.source, options.file, out / "robot.urdf");
   trajectory::write_file(out / "robot.yaml", w.proposal.yaml);
   w.robot = model::read_robot(out, {}, reading);
@@ -199,9 +206,24 @@ int run_robot_import(const RobotOptions& options) {
     trajectory::write_file(out / "robot.yaml", w.proposal.yaml);
     w.robot = model::read_robot(out, {}, reading);
   }
+
   w.trial = write_first_trial(w.robot, w.proposal.rest, out);
   w.leap = write_first_leap(w.robot, w.proposal, out);
+  folder.keep();
+  return w;
+}
 
+int run_robot_import(const RobotOptions& options) {
+  if (options.common.out.empty())
+    throw InputError("--out: missing; allowed: the folder of the robot to write");
+  const fs::path out = options.common.out;
+  if (fs::exists(out / "robot.yaml") && !options.replace) {
+    throw InputError(fmt::format(
+        "--out {}: has a robot.yaml already; allowed: another folder, or --replace", out.string()));
+  }
+  check_tail_mass(options.tail);
+
+  const Written w = write_robot(options, out);
   if (options.common.json) {
     print(written_json(w).dump(1) + "\n");
   } else if (!options.common.quiet) {
@@ -219,8 +241,10 @@ int run_robot_urdf(const UrdfOptions& options) {
   if (options.common.out.empty())
     throw InputError("--out: missing; allowed: the URDF file to write");
   const fs::path folder = model::find_robot(options.robot, "");
-  (void)model::read_robot(folder);  // faults of robot.yaml are told before anything is written
-  trajectory::write_file(options.common.out, model::write_urdf(model::read_tree(folder)));
+  const model::Robot robot = model::read_robot(folder);
+  model::SpatialTree tree = model::read_tree(folder);
+  state_limits(robot.planar, tree);
+  trajectory::write_file(options.common.out, model::write_urdf(tree));
   if (!options.common.quiet) print(fmt::format("written to {}\n", options.common.out));
   return kDone;
 }
@@ -236,32 +260,35 @@ void add_robot_urdf(CLI::App& robot, Action& chosen) {
   urdf->callback([options, &chosen] { chosen = [options] { return run_robot_urdf(*options); }; });
 }
 
-}  // namespace
-
-void add_robot(CLI::App& app, Action& chosen) {
-  CLI::App* robot = app.add_subcommand("robot", "Robots from files of other people's.");
-  robot->require_subcommand(1);
-  add_robot_urdf(*robot, chosen);
-  auto options = std::make_shared<RobotOptions>();
-  CLI::App* import = robot->add_subcommand(
-      "import",
-      "Proposes robot.yaml for a URDF or MJCF file; prints what was assumed and dropped.");
-  import->footer("Example:\n  jaculus robot import a1.urdf --out models/a1");
-  import->add_option("file", options->file, "URDF or MJCF")->required();
-  import->add_option("--out", options->common.out, "folder of the robot");
-  import->add_option("--pose", options->pose,
-                     "JOINT=VALUE of joints that are held, or of the pose at rest; 0 where absent");
-  import->add_option("--base", options->base, "floating or fixed; default: told by the limbs")
+/// What the robot is, beyond what its file says.
+void add_statements(CLI::App& import, RobotOptions& options) {
+  import.add_option("--pose", options.pose,
+                    "JOINT=VALUE of joints that are held, or of the pose at rest; 0 where absent");
+  import.add_option("--base", options.base, "floating or fixed; default: told by the limbs")
       ->check(one_of({"floating", "fixed"}));
+
   const std::vector<std::string> axes = {"+x", "-x", "+y", "-y", "+z", "-z"};
-  import->add_option("--forward", options->forward, "axis of the file; default: told by names")
+  import.add_option("--forward", options.forward, "axis of the file; default: told by names")
       ->check(one_of(axes));
-  import->add_option("--up", options->up, "axis of the file; default: told by joints")
+  import.add_option("--up", options.up, "axis of the file; default: told by joints")
       ->check(one_of(axes));
-  import->add_option("--tail", options->tail,
-                     "adds a tail of this mass (1.2 kg, or 10 % of the robot's) to robot.yaml");
-  import->add_flag("--apart", options->apart, "left and right are joints of their own, no pairs");
-  import->add_flag("--open", options->open, "two chains from one hip stay apart, no five-bars");
+
+  import.add_option("--tail", options.tail,
+                    "adds a tail of this mass (1.2 kg, or 10 % of the robot's) to robot.yaml");
+  import.add_flag("--apart", options.apart, "left and right are joints of their own, no pairs");
+  import.add_flag("--open", options.open, "two chains from one hip stay apart, no five-bars");
+}
+
+void add_robot_import(CLI::App& robot, Action& chosen) {
+  auto options = std::make_shared<RobotOptions>();
+  CLI::App* import = robot.add_subcommand(
+      "import", "Proposes robot.yaml for a robot file; prints what was assumed and dropped.");
+  import->footer("Example:\n  jaculus robot import a1.urdf --out models/a1");
+  import->add_option("file", options->file, "URDF, MJCF, or xacro where ROS's tool is there")
+      ->required();
+  import->add_option("--out", options->common.out, "folder of the robot");
+  add_statements(*import, *options);
+
   import->add_flag("--strict", options->strict, "refuse what would be assumed");
   import->add_flag("--replace", options->replace, "write over a robot.yaml that is there");
   import->add_flag("--quiet", options->common.quiet, "print nothing but errors");
@@ -269,8 +296,17 @@ void add_robot(CLI::App& app, Action& chosen) {
                    "machine-readable result on standard output, nothing else there");
   import->callback([options, &chosen] { chosen = [options] { return run_robot_import(*options);
 };
-}  // namespace jaculus::cli
+}  // namespace
 );
+}  // namespace jaculus::cli
+
+}  // namespace
+
+void add_robot(CLI::App& app, Action& chosen) {
+  CLI::App* robot = app.add_subcommand("robot", "Robots from files of other people's.");
+  robot->require_subcommand(1);
+  add_robot_import(*robot, chosen);
+  add_robot_urdf(*robot, chosen);
 }
 
 }  // namespace jaculus::cli

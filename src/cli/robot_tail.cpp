@@ -2,11 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <charconv>
 #include <cmath>
 #include <string>
 
+#include "cli/robot_leap.h"
 #include "jaculus/components/motor.h"
 #include "jaculus/core/error.h"
+#include "jaculus/core/yaml.h"
 #include "jaculus/transcription/robot_size.h"
 
 namespace jaculus::cli {
@@ -18,8 +21,6 @@ constexpr double kScoopOfTail = 0.4;
 constexpr double kWidthOfTail = 0.18;
 /// Its tail's largest torque, 3 N m behind a gear of 4, over weight (60 N) times leg length [-].
 constexpr double kTorqueOfTail = 0.6;
-/// What leap.yaml assumes of motors whose torque nobody stated, in the same measure [-].
-constexpr double kTorqueAssumed = 0.25;
 
 double three_digits(double value) { return std::stod(fmt::format("{:.3g}", value)); }
 
@@ -28,8 +29,7 @@ double three_digits(double value) { return std::stod(fmt::format("{:.3g}", value
 std::string tail_section(const model::Robot& robot, const std::string& mass) {
   const model::PlanarModel& model = robot.planar;
   const int foot = model.foot_index("rear_foot");
-  int hip = foot < 0 ? 0 : model.feet[foot].body;
-  while (hip > 0 && model.bodies[hip].parent > 0) hip = model.bodies[hip].parent;
+  const int hip = foot < 0 ? 0 : transcription::first_of_leg(model, model.feet[foot]);
   const int motor = hip > 0 ? model.motor_index(model.bodies[hip].joint) : -1;
   if (motor < 0) {
     throw InputError(
@@ -49,12 +49,39 @@ std::string tail_section(const model::Robot& robot, const std::string& mass) {
   return fmt::format(
       "\n# Minitaur's tail in proportion to these legs; kind: drag, inertial (no air acts) or "
       "none.\n"
-      "attach:\n  tail:\n    kind: drag\n    to: \"{}\"\n    at: [{:.4g} m, {:.4g} m]\n"
+      "attach:\n  tail:\n    kind: drag\n    to: {}\n    at: [{:.4g} m, {:.4g} m]\n"
       "    length: {} m\n    scoop: {} m\n    width: {:.3g} m\n    mass: {}\n"
-      "    motor: \"{}\"   # one like it\n    gear: {:.3g}   # its largest torque is then 0.6 of "
+      "    motor: {}   # one like it\n    gear: {:.3g}   # its largest torque is then 0.6 of "
       "weight times leg length, as Minitaur's\n",
-      model.bodies.front().name, at.x(), at.y(), length, scoop, kWidthOfTail * length, mass,
-      model.motors[motor].joint, gear);
+      yaml::quoted(model.bodies.front().name), at.x(), at.y(), length, scoop, kWidthOfTail * length,
+      mass, yaml::quoted(model.motors[motor].joint), gear);
+}
+
+void check_tail_mass(const std::string& mass) {
+  if (mass.empty()) return;
+  constexpr Bounds kSome{1e-9, kInfinity};
+  const bool share = mass.find('%') != std::string::npos;
+  try {
+    const yaml::Node node = yaml::Node::parse("{mass: " + yaml::quoted(mass) + "}", "--tail");
+    (void)node.at("mass").number(share ? dimension::none : dimension::mass, kSome);
+  } catch (const InputError& error) {
+    // a plain number is in kg
+    double value = 0.0;
+    const auto [end, code] = std::from_chars(mass.data(), mass.data() + mass.size(), value);
+    if (code == std::errc() && end == mass.data() + mass.size() && value > 0.0) return;
+    throw InputError(fmt::format("--tail: '{}' given; allowed: a mass, as 1.2 kg or 10 %", mass));
+  }
+}
+
+void state_limits(const model::PlanarModel& model, model::SpatialTree& tree) {
+  for (const model::PlanarMotor& motor : model.motors) {
+    for (const model::FileJoint& side : model.bodies[motor.body].file_joints) {
+      model::SpatialJoint& joint = tree.joints[tree.joint_index(side.name)];
+      if (!std::isfinite(joint.effort))
+        joint.effort = components::largest_joint_torque(motor).value;
+      if (!std::isfinite(joint.velocity)) joint.velocity = motor.speed_limit / motor.gear;
+    }
+  }
 }
 
 }  // namespace jaculus::cli

@@ -12,4 +12,11 @@ namespace jaculus::cli {
 /// InputError where the robot has no rear_foot or no motor in that leg.
 std::string tail_section(const model::Robot& robot, const std::string& mass);
 
+/// InputError where `mass` is neither a mass nor a share in percent; empty is none.
+void check_tail_mass(const std::string& mass);
+
+/// Gives joints that state no largest torque or speed those of their motors, as joints of what is
+/// attached, for other programs.
+void state_limits(const model::PlanarModel& model, model::SpatialTree& tree);
+
 }  // namespace jaculus::cli

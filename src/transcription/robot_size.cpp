@@ -17,13 +17,6 @@ InputError of_robot(const model::Robot& robot, const std::string& what) {
   return InputError(fmt::format("robot '{}': {}", robot.name, what));
 }
 
-/// Body whose joint begins the leg of a foot.
-int first_of_leg(const PlanarModel& model, const model::PlanarPoint& foot) {
-  int body = foot.body;
-  while (body > 0 && model.bodies[body].parent > 0) body = model.bodies[body].parent;
-  return body;
-}
-
 double leg_length(const PlanarModel& model, const model::PlanarPoint& foot) {
   double length = foot.position.norm();
   for (int b = foot.body; b > 0 && model.bodies[b].parent > 0; b = model.bodies[b].parent)
@@ -90,6 +83,12 @@ std::vector<int> legs_of(const PlanarModel& model, Feet& feet, int foot) {
 }
 
 }  // namespace
+
+int first_of_leg(const PlanarModel& model, const model::PlanarPoint& foot) {
+  int body = foot.body;
+  while (body > 0 && model.bodies[body].parent > 0) body = model.bodies[body].parent;
+  return body;
+}
 
 RobotSize robot_size(const model::Robot& robot) {
   const PlanarModel& model = robot.planar;

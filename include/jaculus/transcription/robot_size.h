@@ -25,6 +25,9 @@ struct RobotSize {
   double floor_friction = 0.0;   ///< robot.yaml's friction [-]
 };
 
+/// The body whose joint begins the leg of a foot; 0 where the base itself bears the foot.
+int first_of_leg(const model::PlanarModel& model, const model::PlanarPoint& foot);
+
 /// InputError where the robot has no feet or nothing pulls it down.
 RobotSize robot_size(const model::Robot& robot);
 
