@@ -17,6 +17,7 @@
 
 #include "jaculus/model/robot.h"
 #include "long/mujoco_file.h"
+#include "long/planar_pose.h"
 
 namespace {
 
@@ -104,18 +105,10 @@ Files read_files(const fs::path& folder) {
 
 /// What the planar model adds up to, every joint where `angles` says.
 Lump planar(const model::PlanarModel& model, const std::map<std::string, double>& angles) {
-  std::vector<Eigen::Vector3d> pose{Eigen::Vector3d::Zero()};
+  const std::vector<Vec3> pose = test::place_bodies(model, Vec3::Zero(), angles);
   Lump sum;
   for (std::size_t b = 0; b < model.bodies.size(); ++b) {
     const model::PlanarBody& body = model.bodies[b];
-    if (b > 0) {
-      const double theta = angles.at(body.joint);
-      const Eigen::Vector3d& p = pose[static_cast<std::size_t>(body.parent)];
-      const Vec2 at = Eigen::Rotation2Dd(-p[2]) * (body.origin + body.axis * theta);
-      const bool turns = body.kind == model::JointKind::revolute;
-      pose.emplace_back(p[0] + at.x(), p[1] + at.y(),
-                        p[2] + body.angle_offset + (turns ? body.sign * theta : 0.0));
-    }
     const Vec2 com = pose[b].head<2>() + Eigen::Rotation2Dd(-pose[b][2]) * body.com;
     add(sum, {body.mass, com, body.inertia});
   }

@@ -1,0 +1,241 @@
+#include "long/played_robot.h"
+
+#include <unistd.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+#include "long/planar_pose.h"
+
+namespace jaculus::test {
+namespace {
+
+namespace fs = std::filesystem;
+using Mat3 = Eigen::Matrix3d;
+using Vec3 = Eigen::Vector3d;
+
+constexpr double kFootRadius = 2e-3;  ///< [m]
+constexpr int kRoot = 1;              ///< MuJoCo's body of the base; 0 is the world
+
+std::string numbers(const Vec3& v) { return fmt::format("{} {} {}", v.x(), v.y(), v.z()); }
+
+/// A link that is attached, with the joint that carries it and all that hang on it, as MJCF.
+std::string body_text(const model::SpatialTree& tree, int index) {
+  const model::SpatialLink& link = tree.links[static_cast<std::size_t>(index)];
+  const model::SpatialJoint& joint = tree.joints[static_cast<std::size_t>(link.joint)];
+  const Eigen::Quaterniond q(joint.rotation);
+  std::string text = fmt::format("<body name=\"{}\" pos=\"{}\" quat=\"{} {} {} {}\">", link.name,
+                                 numbers(joint.origin), q.w(), q.x(), q.y(), q.z());
+  if (joint.kind != model::SpatialJointKind::fixed) {
+    const bool slides = joint.kind == model::SpatialJointKind::prismatic;
+    text += fmt::format("<joint name=\"{}\" type=\"{}\" axis=\"{}\"/>", joint.name,
+                        slides ? "slide" : "hinge", numbers(joint.axis));
+  }
+  if (link.mass > 0.0) {
+    const Mat3& I = link.inertia;
+    text += fmt::format("<inertial pos=\"{}\" mass=\"{}\" fullinertia=\"{} {} {} {} {} {}\"/>",
+                        numbers(link.com), link.mass, I(0, 0), I(1, 1), I(2, 2), I(0, 1), I(0, 2),
+                        I(1, 2));
+  }
+
+  for (const model::SpatialJoint& next : tree.joints)
+    if (next.parent == index) text += body_text(tree, next.child);
+  return text + "</body>";
+}
+
+}  // namespace
+
+PlayedRobot::PlayedRobot(const model::PlanarModel& planar, const fs::path& file,
+                         const model::SpatialTree& tree, const Ends& ends)
+    : planar_(planar), model_(load_mujoco(file)), data_(nullptr, mj_deleteData) {
+  text_ = as_mjcf();
+  insert_after("<body name=\"" + name_of(kRoot) + "\"", "<freejoint/>");
+  add_attached(tree);
+  load();
+  set_state(ends);
+  add_contact(ends);
+  const std::vector<std::array<BodyPoint, 2>> pins = add_pins(ends);
+  load();
+  for (std::size_t i = 0; i < pins.size(); ++i) {
+    for (std::size_t side = 0; side < 2; ++side)
+      std::copy(pins[i][side].at.data(), pins[i][side].at.data() + 3,
+                model_->eq_data + mjNEQDATA * i + 3 * side);
+  }
+  settle();
+  set_state(ends);
+}
+
+int PlayedRobot::joint(const std::string& name) const {
+  const int j = mj_name2id(model_.get(), mjOBJ_JOINT, name.c_str());
+  if (j < 0)
+    throw InputError("neither the robot's file nor what is attached has a joint '" + name + "'");
+  return j;
+}
+
+Vec3 PlayedRobot::base() const {
+  const Mat3 R = rotation(kRoot);
+  const double* p = data_->xpos + 3 * kRoot;
+  return {p[0], p[2], std::atan2(R(0, 2), R(0, 0))};
+}
+
+std::array<double, 2> PlayedRobot::out_of_plane() const {
+  return {data_->xpos[3 * kRoot + 1], std::acos(std::clamp(rotation(kRoot)(1, 1), -1.0, 1.0))};
+}
+
+Mat3 PlayedRobot::rotation(int body) const {
+  using Rows = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+  return Eigen::Map<const Rows>(data_->xmat + 9 * body);
+}
+
+std::vector<int> PlayedRobot::sides(int body) const {
+  if (body == 0) return {kRoot};
+  std::vector<int> found;
+  for (const model::FileJoint& side : planar_.bodies[static_cast<std::size_t>(body)].file_joints)
+    found.push_back(model_->jnt_bodyid[joint(side.name)]);
+  return found;
+}
+
+/// A point of a planar body on MuJoCo's body, while both are in the state of `ends`.
+BodyPoint PlayedRobot::point(int body, int side, const Vec2& at, const Ends& ends) const {
+  const Vec3 place =
+      place_bodies(planar_, ends.first_base, ends.first)[static_cast<std::size_t>(body)];
+  const Vec2 p = place.head<2>() + Eigen::Rotation2Dd(-place[2]) * at;
+  const double* origin = data_->xpos + 3 * side;
+  return {side, rotation(side).transpose() *
+                    (Vec3(p.x(), origin[1], p.y()) - Vec3(origin[0], origin[1], origin[2]))};
+}
+
+/// What was read, as MuJoCo writes it.
+std::string PlayedRobot::as_mjcf() {
+  const fs::path file = fs::temp_directory_path() / fmt::format("play_export_{}.xml", ::getpid());
+  std::array<char, 1000> error{};
+  if (mj_saveLastXML(file.c_str(), model_.get(), error.data(), 1000) == 0)
+    throw InputError(fmt::format("MuJoCo can't write what it read: {}", error.data()));
+  const std::string text = read_text_file(file, "MJCF");
+  fs::remove(file);
+  return text;
+}
+
+std::string PlayedRobot::name_of(int body) const {
+  return mj_id2name(model_.get(), mjOBJ_BODY, body);
+}
+
+void PlayedRobot::insert_after(const std::string& tag, const std::string& more) {
+  const std::size_t at = text_.find(tag);
+  if (at == std::string::npos) throw InputError("MuJoCo's file has no " + tag);
+  text_.insert(text_.find('>', at) + 1, more);
+}
+
+void PlayedRobot::load() {
+  model_ = load_mujoco_text(text_);
+  data_.reset(mj_makeData(model_.get()));
+}
+
+void PlayedRobot::set_state(const Ends& ends) {
+  mj_resetData(model_.get(), data_.get());
+  const Eigen::Quaterniond q(Eigen::AngleAxisd(ends.first_base[2], Vec3::UnitY()));
+  const std::array<double, 7> pose{
+      ends.first_base[0], 0.0, ends.first_base[1], q.w(), q.x(), q.y(), q.z()};
+  std::copy(pose.begin(), pose.end(), data_->qpos);
+  for (const model::PlanarBody& body : planar_.bodies) {
+    for (const model::FileJoint& side : body.file_joints) {
+      const int at = model_->jnt_qposadr[joint(side.name)];
+      data_->qpos[at] = model_->qpos0[at] + side.sign * ends.first.at(body.joint);
+    }
+  }
+  for (const model::HeldJoint& held : planar_.held) {
+    const int at = model_->jnt_qposadr[joint(held.joint)];
+    data_->qpos[at] = model_->qpos0[at] + held.value;
+  }
+  mj_kinematics(model_.get(), data_.get());
+}
+
+/// What robot.yaml attaches; MuJoCo balances rods whose moments rounding leaves out of a triangle.
+void PlayedRobot::add_attached(const model::SpatialTree& tree) {
+  insert_after("<mujoco", "<compiler balanceinertia=\"true\" boundinertia=\"1e-14\"/>");
+  for (const model::SpatialJoint& joint : tree.joints) {
+    const model::SpatialLink& parent = tree.links[static_cast<std::size_t>(joint.parent)];
+    const bool on_attached =
+        parent.joint >= 0 && tree.joints[static_cast<std::size_t>(parent.joint)].attached;
+    if (!joint.attached || on_attached) continue;
+    const std::string name = parent.name == "world" ? "jaculus_world" : parent.name;
+    insert_after("<body name=\"" + name + "\"", body_text(tree, joint.child));
+  }
+}
+
+void PlayedRobot::add_contact(const Ends& ends) {
+  for (const model::PlanarPoint& foot : planar_.feet) {
+    for (const int side : sides(foot.body)) {
+      const BodyPoint p = point(foot.body, side, foot.position, ends);
+      insert_after(
+          fmt::format("<body name=\"{}\"", name_of(side)),
+          fmt::format("<geom name=\"foot_of_play_{}_{}\" type=\"sphere\" size=\"{}\" mass=\"0\" "
+                      "pos=\"{} {} {}\"/>",
+                      foot.name, side, kFootRadius, p.at.x(), p.at.y(), p.at.z()));
+    }
+  }
+  insert_after("<worldbody", fmt::format("<geom name=\"floor_of_play\" type=\"plane\" "
+                                         "size=\"0 0 1\" pos=\"0 0 {}\"/>",
+                                         -kFootRadius));
+}
+
+/// One equality a pin and side; where its ends are is set after loading, for MuJoCo would take
+/// them from its zero, at which loops are open.
+std::vector<std::array<BodyPoint, 2>> PlayedRobot::add_pins(const Ends& ends) {
+  std::vector<std::array<BodyPoint, 2>> pins;
+  std::string equalities;
+  for (const model::PlanarLoop& loop : planar_.loops) {
+    const std::vector<int> a = sides(loop.body_a), b = sides(loop.body_b);
+    for (std::size_t side = 0; side < std::min(a.size(), b.size()); ++side) {
+      pins.push_back({point(loop.body_a, a[side], loop.point_a, ends),
+                      point(loop.body_b, b[side], loop.point_b, ends)});
+      equalities += fmt::format("<connect body1=\"{}\" body2=\"{}\" anchor=\"0 0 0\"/>",
+                                name_of(a[side]), name_of(b[side]));
+    }
+  }
+  if (!pins.empty())
+    text_.insert(text_.rfind("</mujoco>"), "<equality>" + equalities + "</equality>");
+  return pins;
+}
+
+/// Stiff contact and pins, and nothing that touches but feet and floor.
+void PlayedRobot::settle() {
+  mjModel& m = *model_;
+  m.opt.timestep = kStep;
+  m.opt.cone = mjCONE_ELLIPTIC;
+  m.opt.impratio = 100.0;
+  m.opt.iterations = 200;
+  m.opt.gravity[0] = m.opt.gravity[1] = 0.0;
+  m.opt.gravity[2] = -planar_.gravity;
+
+  for (int g = 0; g < m.ngeom; ++g) {
+    const char* name = mj_id2name(&m, mjOBJ_GEOM, g);
+    const bool ours = name != nullptr && std::string(name).find("_of_play") != std::string::npos;
+    m.geom_contype[g] = m.geom_conaffinity[g] = 0;
+    if (!ours) continue;
+    const bool floor = std::string(name).starts_with("floor");
+    m.geom_contype[g] = floor ? 1 : 2;
+    m.geom_conaffinity[g] = floor ? 2 : 1;
+    m.geom_friction[3 * g] = planar_.friction;
+    m.geom_solref[2 * g] = 10.0 * kStep;
+  }
+  for (int e = 0; e < m.neq; ++e) m.eq_solref[2 * e] = 10.0 * kStep;
+  settle_motors();
+}
+
+/// Rotors and friction of the motors, on top of what the file says of its joints where the plan
+/// knows nothing of that.
+void PlayedRobot::settle_motors() {
+  mjModel& m = *model_;
+  for (const model::PlanarMotor& motor : planar_.motors) {
+    const auto& body = planar_.bodies[static_cast<std::size_t>(motor.body)];
+    for (const model::FileJoint& side : body.file_joints) {
+      const int dof = m.jnt_dofadr[joint(side.name)];
+      m.dof_armature[dof] += motor.gear * motor.gear * motor.rotor_inertia;
+      if (motor.viscous_friction > 0.0) m.dof_damping[dof] = motor.viscous_friction;
+      if (motor.dry_friction > 0.0) m.dof_frictionloss[dof] = motor.dry_friction;
+    }
+  }
+}
+
+}  // namespace jaculus::test

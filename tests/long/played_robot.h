@@ -1,0 +1,78 @@
+#pragma once
+// A robot in MuJoCo as its file has it: on a free base, with feet, a floor, and pins where the file
+// can't say that loops close.
+//
+// The bodies are MuJoCo's own of the file (URDF). What robot.yaml attaches is put on them as bodies
+// of MuJoCo with the same joints. What a file can't say comes from the planar model: feet, pins,
+// rotors, friction of motors. Contact: feet are spheres of 2 mm on a plane; nothing else touches.
+
+#include <array>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "jaculus/model/robot.h"
+#include "long/mujoco_file.h"
+
+namespace jaculus::test {
+
+/// First state and last pose of the plan.
+struct Ends {
+  Eigen::Vector3d first_base, last_base;  ///< x, z [m], pitch [rad]
+  std::map<std::string, double> first;    ///< joints of the plan [rad or m]
+};
+
+/// A point on one side of a planar body, on MuJoCo's body.
+struct BodyPoint {
+  int body = 0;
+  Eigen::Vector3d at = Eigen::Vector3d::Zero();  ///< in its frame [m]
+};
+
+class PlayedRobot {
+ public:
+  static constexpr double kStep = 1e-4;  ///< of the integration [s]
+
+  /// `file`: of the robot's bodies; `tree`: the same with what is attached; `ends`: the plan's.
+  PlayedRobot(const model::PlanarModel& planar, const std::filesystem::path& file,
+              const model::SpatialTree& tree, const Ends& ends);
+
+  [[nodiscard]] mjModel& model() { return *model_; }
+  [[nodiscard]] mjData& data() { return *data_; }
+
+  /// MuJoCo's number of a joint. InputError where there is none.
+  [[nodiscard]] int joint(const std::string& name) const;
+
+  /// x, z [m] and pitch [rad] of the base.
+  [[nodiscard]] Eigen::Vector3d base() const;
+  /// y of the base [m] and the angle that its axis leans [rad].
+  [[nodiscard]] std::array<double, 2> out_of_plane() const;
+
+  [[nodiscard]] Eigen::Matrix3d rotation(int body) const;
+
+  /// The bodies of MuJoCo that a planar body stands for, left first; the base's is the root.
+  [[nodiscard]] std::vector<int> sides(int body) const;
+
+ private:
+  using Data = std::unique_ptr<mjData, void (*)(mjData*)>;
+
+  [[nodiscard]] std::string as_mjcf();
+  [[nodiscard]] std::string name_of(int body) const;
+  [[nodiscard]] BodyPoint point(int body, int side, const Vec2& at, const Ends& ends) const;
+  void insert_after(const std::string& tag, const std::string& more);
+  void load();
+  void set_state(const Ends& ends);
+  void add_attached(const model::SpatialTree& tree);
+  void add_contact(const Ends& ends);
+  [[nodiscard]] std::vector<std::array<BodyPoint, 2>> add_pins(const Ends& ends);
+  void settle();
+  void settle_motors();
+
+  const model::PlanarModel& planar_;
+  MujocoModel model_;
+  Data data_;
+  std::string text_;
+};
+
+}  // namespace jaculus::test
