@@ -22,15 +22,16 @@ namespace jaculus::simulation {
 /// Left and right of a pair: values of one joint, counted `count` times as its motor is.
 struct JointFriction {
   std::string joint;
-  double coulomb = 0.0;         ///< [N m]
-  double viscous = 0.0;         ///< [N m s/rad]
-  double stribeck = 0.0;        ///< added at rest, fades with speed [N m]
-  double stribeck_rate = 1.0;   ///< [rad/s]
-  double load = 0.0;            ///< share of the motor's torque that friction takes [-]
-  double smoothing_rate = 0.1;  ///< [rad/s]
-  double positive = 0.0;        ///< dry friction while the joint's angle grows alone [N m]
-  double negative = 0.0;        ///< and while it falls alone [N m]
-  double load_stribeck = 0.0;   ///< share of the motor's torque added at rest, fades with speed [-]
+  double coulomb = 0.0;        ///< [N m]
+  double viscous = 0.0;        ///< [N m s/rad]
+  double stribeck = 0.0;       ///< added at rest, fades with speed [N m]
+  double stribeck_rate = 1.0;  ///< [rad/s]
+  double load = 0.0;           ///< share of the motor's torque that friction takes [-]
+  /// below it a joint counts as at rest, where dry friction holds it; 0.3 deg/s [rad/s, m/s]
+  double smoothing_rate = 0.005;
+  double positive = 0.0;       ///< dry friction while the joint's angle grows alone [N m]
+  double negative = 0.0;       ///< and while it falls alone [N m]
+  double load_stribeck = 0.0;  ///< share of the motor's torque added at rest, fades with speed [-]
   double load_stribeck_rate = 1.0;  ///< [rad/s]
 };
 

@@ -104,7 +104,8 @@ const ContactRows* PlantEquations::rows(const State& y, const std::vector<int>& 
 }
 
 double PlantEquations::fastest_rate(const State& y) {
-  return weigh(y) ? passive_.fastest_rate(mechanism_, inertia_) : 0.0;
+  if (!passive_.has_fast_parts() || !weigh(y)) return 0.0;
+  return passive_.fastest_rate(mechanism_, inertia_, drive_.motors, y.data(), y.data() + size());
 }
 
 /// force_ and free_, everything up to the acceleration without rigid contacts. Weighed at y.

@@ -67,7 +67,7 @@ class PlantEquations {
   const std::vector<ContactState>* contacts(const State& y);
   const Inertia* inertia(const State& y);
   const ContactRows* rows(const State& y, const std::vector<int>& touching);
-  /// Fastest rate at which parts that hang loosely on the robot move at y [1/s].
+  /// Fastest rate at which hinges settle at y, or joints that rub come to rest [1/s].
   double fastest_rate(const State& y);
   /// Generalised forces less the bias, Q - h, without rigid contacts.
   const double* balance(double t, const State& y, const std::vector<Touch>& modes);

@@ -119,9 +119,7 @@ Outcome start_run(Run& run) {
   if (Outcome failed = resolve_impact(equations, tolerance, s)) return failed;
   if (equations.inputs().waiting())
     if (Outcome failed = hold_pose(equations, tolerance, s)) return failed;
-  if (Outcome failed = begin_step(run)) return failed;
-  run.stepper.expect(equations.fastest_rate(s.y));
-  return {};
+  return begin_step(run);
 }
 
 namespace {
@@ -140,6 +138,7 @@ Outcome take_step(Run& run, double limit, Step& step, const Evaluation*& at_end)
   step.t = run.state.t;
   step.y = run.state.y;
   step.dydt = run.state.dydt;
+  run.stepper.expect(run.equations.fastest_rate(step.y));
   const auto rates = [&run, &at_end](double t, const State& y, State& dydt) {
     at_end = run.equations.evaluate(t, y, run.state.modes, dydt);
     return at_end != nullptr;

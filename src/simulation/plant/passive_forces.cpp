@@ -27,6 +27,16 @@ double angle_left(double cross, double dot, double& sense) {
   return folded;
 }
 
+/// Of dry friction at a rate, `sign` the smoothed sign of which, and a motor's torque `load`.
+double dry_level(const JointFriction& law, double rate, double sign, double load) {
+  const double ratio = rate / law.stribeck_rate, slow = rate / law.load_stribeck_rate;
+  const double load_at_rest = law.load_stribeck * load;
+  return law.coulomb + law.load * load +
+         (law.stribeck == 0.0 ? 0.0 : law.stribeck * std::exp(-ratio * ratio)) +
+         (load_at_rest == 0.0 ? 0.0 : load_at_rest * std::exp(-slow * slow)) +
+         0.5 * (law.positive * (1.0 + sign) + law.negative * (1.0 - sign));
+}
+
 }  // namespace
 
 PassiveForces::PassiveForces(const Plant& plant) : plant_(plant) {
@@ -83,33 +93,26 @@ void PassiveForces::add_motor_friction(const Mechanism& mechanism, const double*
   }
 }
 
+PassiveForces::Rubbing PassiveForces::rubbing(const Friction& f, const Mechanism& mechanism,
+                                              const double* q, const double* v) const {
+  if (f.motor >= 0) return {mechanism.motor_rate(f.motor, v), mechanism.motor_row[f.motor]};
+
+  JointState joint;
+  mechanism.joint(f.body, q, v, joint);
+  const model::PlanarBody& link = plant_.model.bodies[f.body];
+  return {link.sign * (mechanism.frame(f.body).omega - mechanism.frame(link.parent).omega),
+          joint.row};
+}
+
 void PassiveForces::add_friction(const Mechanism& mechanism, const std::vector<MotorState>& motors,
                                  const double* q, const double* v, double* force) const {
   for (const Friction& f : friction_) {
-    const JointFriction& law = *f.law;
-    double rate, load = 0.0, load_at_rest = 0.0;
-    JointState joint;
-    const Row* row = &joint.row;
-    if (f.motor >= 0) {
-      rate = mechanism.motor_rate(f.motor, v);
-      row = &mechanism.motor_row[f.motor];
-      load = law.load * std::abs(motors[f.motor].torque);
-      load_at_rest = law.load_stribeck * std::abs(motors[f.motor].torque);
-    } else {
-      mechanism.joint(f.body, q, v, joint);
-      const model::PlanarBody& link = plant_.model.bodies[f.body];
-      rate = link.sign * (mechanism.frame(f.body).omega - mechanism.frame(link.parent).omega);
-    }
-
-    const double ratio = rate / law.stribeck_rate;
-    const double slow = rate / law.load_stribeck_rate;
-    const double sign = std::tanh(rate / law.smoothing_rate);
-    const double level = law.coulomb + load +
-                         (law.stribeck == 0.0 ? 0.0 : law.stribeck * std::exp(-ratio * ratio)) +
-                         (load_at_rest == 0.0 ? 0.0 : load_at_rest * std::exp(-slow * slow)) +
-                         0.5 * (law.positive * (1.0 + sign) + law.negative * (1.0 - sign));
-    const double torque = -f.count * (sign * level + law.viscous * rate);
-    for (int i = 0; i < mechanism.n; ++i) force[i] += torque * (*row)[i];
+    const Rubbing joint = rubbing(f, mechanism, q, v);
+    const double load = f.motor < 0 ? 0.0 : std::abs(motors[f.motor].torque);
+    const double sign = std::tanh(joint.rate / f.law->smoothing_rate);
+    const double torque =
+        -f.count * (sign * dry_level(*f.law, joint.rate, sign, load) + f.law->viscous * joint.rate);
+    for (int i = 0; i < mechanism.n; ++i) force[i] += torque * joint.row[i];
   }
 }
 
@@ -134,8 +137,19 @@ void PassiveForces::add_springs(const Mechanism& mechanism, const Inertia& inert
   }
 }
 
-double PassiveForces::fastest_rate(const Mechanism& mechanism, const Inertia& inertia) const {
+double PassiveForces::fastest_rate(const Mechanism& mechanism, const Inertia& inertia,
+                                   const std::vector<MotorState>& motors, const double* q,
+                                   const double* v) const {
   double fastest = 0.0;
+  for (const Friction& f : friction_) {
+    Rubbing joint = rubbing(f, mechanism, q, v);
+    const double load = f.motor < 0 ? 0.0 : std::abs(motors[f.motor].torque);
+    const double s = f.law->smoothing_rate, sign = std::tanh(joint.rate / s);
+    const double level = dry_level(*f.law, joint.rate, sign, load);
+    inertia.forward(joint.row.data());
+    const double a = dot(joint.row, joint.row.data(), mechanism.n);
+    fastest = std::max(fastest, f.count * a * ((1.0 - sign * sign) * level / s + f.law->viscous));
+  }
   for (std::size_t k = 0; k < springs_.size(); ++k) {
     Row unit{};
     unit[mechanism.hinges[k].coordinate] = 1.0;

@@ -33,9 +33,14 @@ class PassiveForces {
   /// what each makes now; load friction goes by it.
   void add(const Mechanism& mechanism, const Inertia& inertia,
            const std::vector<MotorState>& motors, const double* q, const double* v, double* force);
-  /// Of the hinges' springs and dampers after the first add(): with a the acceleration of a hinge
-  /// by a unit of its torque, the largest of c a and sqrt(k a) [1/s]. 0: no hinge.
-  [[nodiscard]] double fastest_rate(const Mechanism& mechanism, const Inertia& inertia) const;
+  /// Whether there are hinges or joints that rub.
+  [[nodiscard]] bool has_fast_parts() const { return !springs_.empty() || !friction_.empty(); }
+  /// With a the acceleration of a hinge or joint by a unit of its torque, the largest of c a and
+  /// sqrt(k a) of the hinges' springs and dampers and d a of joints that rub, d = dtau/dw there
+  /// [1/s]. After the first add(), at its motors.
+  [[nodiscard]] double fastest_rate(const Mechanism& mechanism, const Inertia& inertia,
+                                    const std::vector<MotorState>& motors, const double* q,
+                                    const double* v) const;
 
  private:
   struct Friction {
@@ -43,6 +48,11 @@ class PassiveForces {
     int body;   ///< the joint's link
     int motor;  ///< index, -1: of no motor
     int count;  ///< left and right
+  };
+  /// A joint that rubs, as it moves.
+  struct Rubbing {
+    double rate;  ///< [rad/s, m/s]
+    Row row;      ///< d(rate)/dv
   };
   struct Spring {
     double stiffness;      ///< [N m/rad]
@@ -61,6 +71,8 @@ class PassiveForces {
     double torque;  ///< of left and right together [N m]
   };
   void add_motor_friction(const Mechanism& mechanism, const double* v, double* force) const;
+  [[nodiscard]] Rubbing rubbing(const Friction& f, const Mechanism& mechanism, const double* q,
+                                const double* v) const;
   void add_friction(const Mechanism& mechanism, const std::vector<MotorState>& motors,
                     const double* q, const double* v, double* force) const;
   void add_springs(const Mechanism& mechanism, const Inertia& inertia, const double* q,
