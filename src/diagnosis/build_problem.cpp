@@ -134,8 +134,8 @@ ProblemBuilder builder_of(const DiagnoseOptions& options) {
   return [list, settings = options.settings](Observations observations) {
     PlantForward forward = plant_forward(observations, list, settings);
     return BuiltProblem{
-        std::make_shared<const Problem>(
-            Problem{std::move(observations), forward.hypotheses, forward.predict, settings}),
+        std::make_shared<const Problem>(Problem{std::move(observations), forward.hypotheses,
+                                                forward.predict, settings, forward.tolerance_part}),
         forward};
   };
 }
@@ -153,9 +153,9 @@ BuiltProblem build_problem(const std::vector<trajectory::Dataset>& datasets,
   Observations observations = observe(datasets, robots_of(datasets), options.settings);
   if (!observations.datasets.empty() && observations.insufficient.empty())
     return builder_of(options)(std::move(observations));
-  return {
-      std::make_shared<const Problem>(Problem{std::move(observations), {}, {}, options.settings}),
-      {}};
+  return {std::make_shared<const Problem>(
+              Problem{std::move(observations), {}, {}, options.settings, {}}),
+          {}};
 }
 
 Prepared prepare(BuiltProblem built, const ProblemBuilder& rebuild) {
@@ -217,7 +217,7 @@ Comparison first_comparison(const Problem& problem, NoiseModel noise) {
 Fit fit_members_by_slopes(const Problem& problem, const Whitening& whitening,
                           const LinearTolerances& linear, const std::vector<int>& members) {
   FitOptions options;
-  if (linear.slopes.cols() > 0) options.by_slopes = &linear;
+  options.by_slopes = &linear;
   Fit model = fit_model(problem, whitening, problem.hypotheses.nuisances(), {linear.p}, options);
   for (int k = 0; k < count_of(members) && model.valid; ++k) {
     const Standing standing = standing_of(problem, whitening, model);

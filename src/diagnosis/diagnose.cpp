@@ -62,6 +62,8 @@ Diagnosis answered(const Prepared& prepared, const Selection& selection,
   out.stated = statement.stated;
   out.none = statement.none;
   out.model = statement.model;
+  out.theta = statement.theta;
+  out.tolerated = statement.tolerated;
   out.predictions = selection.search.predictions;
   out.noise = std::make_shared<const NoiseModel>(selection.comparison.noise);
   return out;

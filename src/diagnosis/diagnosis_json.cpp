@@ -29,6 +29,7 @@ Json share_json(const std::optional<EffectShare>& share) {
   return {{"alone", json_number(share->alone)},
           {"last", json_number(share->last)},
           {"shapley", json_number(share->shapley)},
+          {"tolerances", json_number(share->tolerances)},
           {"ci95", pair(share->ci95)}};
 }
 
@@ -46,6 +47,14 @@ Json effects_json(const Diagnosis& d) {
                     {"share", share_json(e.share)},
                     {"like", e.indistinguishable}});
   }
+  return list;
+}
+
+Json tolerated_json(const Diagnosis& d) {
+  Json list = Json::array();
+  for (const Tolerated& t : d.tolerated)
+    list.push_back(
+        {{"name", t.name}, {"deviations", json_number(t.value)}, {"ci95", pair(t.ci95)}});
   return list;
 }
 
@@ -177,11 +186,11 @@ Json gap_json(const Diagnosis& d) {
 }
 
 /// `name:parameter=value,...` of one chosen effect.
-std::string effect_text(const Diagnosis& d, int candidate) {
+std::string effect_text(const Diagnosis& d, int candidate, const Vector& theta) {
   const Candidate& c = d.problem->hypotheses.candidates[candidate];
   std::vector<std::string> parts;
   for (std::size_t k = 0; k < c.parameters.size(); ++k)
-    parts.push_back(fmt::format("{}={}", c.effect->parameters[k].name, d.model.p[c.parameters[k]]));
+    parts.push_back(fmt::format("{}={}", c.effect->parameters[k].name, theta[count_of(parts)]));
   return fmt::format("{}:{}", c.name, fmt::join(parts, ","));
 }
 
@@ -212,6 +221,7 @@ std::string diagnosis_json(const Diagnosis& d) {
                 {{"where", summary.where}, {"which", summary.which}, {"how_far", summary.how_far}}},
                {"reasons", d.reasons},
                {"effects", effects_json(d)},
+               {"within_tolerances", tolerated_json(d)},
                {"ranking", ranking},
                {"where", where_json(d)},
                {"gap", gap_json(d)},
@@ -242,10 +252,11 @@ std::string augmented_yaml(const Diagnosis& d) {
   for (const auto& [path, value] : observed.dataset.overrides) overrides.emplace_back(path, value);
   std::string effects;
   PlanarModel model = observed.model;
-  for (const int c : d.model.candidates) {
+  for (int i = 0; i < count_of(d.model.candidates); ++i) {
+    const int c = d.model.candidates[i];
     const Candidate& candidate = d.problem->hypotheses.candidates[c];
     if (candidate.effect == nullptr || !candidate.effect->applies(model)) continue;
-    const Vector theta = candidate.theta(d.model.p);
+    const Vector& theta = d.theta[i];
     for (const ModelOverride& value : candidate.effect->overrides(theta, model)) {
       std::erase_if(overrides, [&](const ModelOverride& o) { return o.first == value.first; });
       overrides.push_back(value);
@@ -254,7 +265,7 @@ std::string augmented_yaml(const Diagnosis& d) {
         model);  // a second effect's overrides count on top of the first one's
     candidate.effect->apply(theta, plant);
     model = plant.model;
-    effects += fmt::format("  - \"{}\"\n", effect_text(d, c));
+    effects += fmt::format("  - \"{}\"\n", effect_text(d, c, theta));
   }
 
   text +=

@@ -12,6 +12,8 @@
 namespace jaculus::diagnosis {
 namespace {
 
+constexpr std::size_t kMostTolerated = 4;  // tolerances in a line
+
 std::string shown_number(double value) {
   return std::isfinite(value) ? fmt::format("{:.4g}", value) : "-";
 }
@@ -48,6 +50,18 @@ std::string effects_text(const Diagnosis& d) {
           fmt::format("    not told apart here from: {}\n", fmt::join(e.indistinguishable, ", "));
   }
   return text;
+}
+
+/// Where the robot is off its files within its builder's tolerances.
+std::string tolerated_text(const Diagnosis& d) {
+  if (d.tolerated.empty()) return {};
+  std::vector<std::string> rows;
+  for (const Tolerated& t : d.tolerated)
+    if (rows.size() < kMostTolerated)
+      rows.push_back(
+          fmt::format("{} {:+.1f} [{:.1f}, {:.1f}]", t.name, t.value, t.ci95.lower, t.ci95.upper));
+  return fmt::format("within the builder's tolerances, in deviations: {}{}\n",
+                     fmt::join(rows, ", "), d.tolerated.size() > rows.size() ? ", ..." : "");
 }
 
 /// "0.71 mm to 0.5 s".
@@ -117,6 +131,7 @@ std::string diagnosis_text(const Diagnosis& d) {
                                  to_text(d.verdict), summary.where, summary.which, summary.how_far);
   for (const std::string& reason : d.reasons) text += "  " + reason + "\n";
   text += effects_text(d);
+  text += tolerated_text(d);
   text += gap_text(d);
   text += events_text(d);
   text += agreement_text(d.agreement);

@@ -103,10 +103,10 @@ TEST(Widening, IsOneOnTheMeanWhereTheCovarianceIsTrue) {
   const int draws = 300;
   for (int i = 0; i < draws; ++i) {
     fit.residual = V.matrixL() * normal_matrix(240, 1, 1000 + i);
-    squares += std::pow(widening(whitening, fit, 0), 2) / draws;
+    squares += std::pow(widening(whitening, fit, Vector::Unit(fit.jacobian.cols(), 0)), 2) / draws;
     // A misfit that goes the same way in every window widens.
     fit.residual += 0.8 * fit.jacobian.col(0).cwiseAbs2();
-    repeated += std::pow(widening(whitening, fit, 0), 2) / draws;
+    repeated += std::pow(widening(whitening, fit, Vector::Unit(fit.jacobian.cols(), 0)), 2) / draws;
   }
   // At least 1 each, of ratios that scatter by sqrt(2/40) about 1.
   EXPECT_NEAR(squares, 1.0 + std::sqrt(2.0 / 40.0) / std::sqrt(2.0 * std::numbers::pi), 0.06);

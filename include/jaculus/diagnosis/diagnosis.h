@@ -87,6 +87,13 @@ struct FittedModel {
   Vector p;                     ///< all parameters
 };
 
+/// How far a robot is off its files within its builder's tolerances, as data tell.
+struct Tolerated {
+  std::string name;    ///< "friction of elbow"
+  double value = 0.0;  ///< [deviations that the builder vouches for]
+  Bounds ci95;         ///< [deviations]
+};
+
 struct Diagnosis {
   Verdict verdict = Verdict::insufficient;
   std::string rule;  ///< of verdict/rules.h that decided; empty where the data stopped it
@@ -109,6 +116,9 @@ struct Diagnosis {
   FittedModel stated;               ///< as files have it, unknown gains fitted
   FittedModel none;                 ///< the same with the builder's tolerances fitted
   FittedModel model;  ///< whose gap is stated: what the verdict names, else the most evident one
+  /// Parameters of each effect of `model`, with what tolerances of the same quantity add.
+  std::vector<Vector> theta;
+  std::vector<Tolerated> tolerated;  ///< of `model`, the farthest first, one deviation off or more
   long predictions = 0;
   Settings settings;
   /// As diagnosed; null where nothing could be.

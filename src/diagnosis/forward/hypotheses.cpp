@@ -44,12 +44,17 @@ std::vector<int> Hypotheses::nuisances() const {
   return all;
 }
 
-std::vector<int> Hypotheses::freed_by(const std::vector<int>& members) const {
-  std::vector<int> free;
+std::vector<int> Hypotheses::parameters_of(const std::vector<int>& members) const {
+  std::vector<int> all;
   for (const int c : members) {
     const std::vector<int>& own = candidates[c].parameters;
-    free.insert(free.end(), own.begin(), own.end());
+    all.insert(all.end(), own.begin(), own.end());
   }
+  return all;
+}
+
+std::vector<int> Hypotheses::freed_by(const std::vector<int>& members) const {
+  std::vector<int> free = parameters_of(members);
   const std::vector<int> fitted = nuisances();
   free.insert(free.end(), fitted.begin(), fitted.end());
   return free;

@@ -70,6 +70,8 @@ struct Hypotheses {
   [[nodiscard]] Vector unscaled(const std::vector<int>& free, const Vector& u, Vector p) const;
   /// Unknown gains, then tolerances: what every model fits.
   [[nodiscard]] std::vector<int> nuisances() const;
+  /// Indices of the parameters of some candidates, in the order of these.
+  [[nodiscard]] std::vector<int> parameters_of(const std::vector<int>& members) const;
   /// Indices of the parameters that a model of some candidates frees: theirs, then the nuisances.
   [[nodiscard]] std::vector<int> freed_by(const std::vector<int>& members) const;
   [[nodiscard]] int candidate(const std::string& name) const;  ///< index, -1 where there is none

@@ -13,7 +13,7 @@
 #include "diagnosis/forward/missing_forces.h"
 #include "diagnosis/forward/sized_effects.h"
 #include "diagnosis/forward/start_directions.h"
-#include "diagnosis/forward/tolerance_directions.h"
+#include "diagnosis/forward/tolerance_part.h"
 #include "diagnosis/forward/unknown_gains.h"
 #include "jaculus/simulation/experiment.h"
 
@@ -65,6 +65,8 @@ Base base_of(const ObservedDataset& observed, const Settings& settings) {
     base.tolerances =
         tolerance_directions(observed.model, simulation::dataset_robot(observed.dataset).tolerances,
                              observed.measured_input, settings.lever);
+  if (settings.tolerances_granted != 0 && observed.measured_input)
+    base.tolerances.push_back(input_clock(settings.shift_deviation));
   return base;
 }
 
@@ -211,8 +213,8 @@ Vector sample_times(const ObservedDataset& observed, const Segment& segment, con
                            first + settings.grid * steps);
 }
 
-/// A logged input that acts later than it is stamped: the log itself moves, for what acts first is
-/// known too.
+/// A logged input that acts later than it is stamped, or sooner: the log itself moves, for what
+/// acts first is known too.
 void delay_log(const ObservedDataset& observed, const Segment& segment, double step,
                SimulationSetup& setup) {
   simulation::Actuation& actuation = setup.plant.actuation;
@@ -336,6 +338,22 @@ Prediction predict_segment(const Model& model, int dataset, int segment, const V
   return sum;
 }
 
+/// Of the first dataset whose robot can have the candidate.
+Matrix tolerance_part_of(const Model& model, int candidate, const Vector& p) {
+  const Candidate& own = model.hypotheses.candidates[candidate];
+  const std::vector<int>& tolerances = model.hypotheses.tolerances;
+  Matrix all = Matrix::Zero(count_of(own.parameters), count_of(tolerances));
+  for (int d = 0; d < count_of(model.bases); ++d) {
+    const Base& base = model.bases[d];
+    if (!own.effect->applies(model.observations.datasets[d].model)) continue;
+    const Matrix part = tolerance_part(base.plant, *own.effect, own.theta(p), base.tolerances);
+    for (Eigen::Index j = 0; j < part.cols(); ++j)
+      all.col(index_of(tolerances, base.tolerance_of[j])) = part.col(j);
+    return all;
+  }
+  return all;
+}
+
 /// Of names of a dataset's unknowns: which controller it is, where the datasets have several.
 std::string controller_suffix(const std::vector<ObservedDataset>& datasets, int dataset) {
   const auto like = [&](int own) {
@@ -370,13 +388,15 @@ PlantForward plant_forward(const Observations& observations,
   add_tolerances(*model);
   add_forces(*model);
 
-  return {model->hypotheses,
-          [model](int dataset, int segment, const Vector& p) {
-            return predict_segment(*model, dataset, segment, p);
-          },
-          [model](int dataset, int segment, const Vector& p) {
-            return setup_of(*model, dataset, segment, p);
-          }};
+  return {
+      model->hypotheses,
+      [model](int dataset, int segment, const Vector& p) {
+        return predict_segment(*model, dataset, segment, p);
+      },
+      [model](int candidate, const Vector& p) { return tolerance_part_of(*model, candidate, p); },
+      [model](int dataset, int segment, const Vector& p) {
+        return setup_of(*model, dataset, segment, p);
+      }};
 }
 
 }  // namespace jaculus::diagnosis

@@ -22,6 +22,7 @@ struct SimulationSetup {
 struct PlantForward {
   Hypotheses hypotheses;
   ForwardModel predict;
+  TolerancePart tolerance_part;
   /// Set-up of a segment at parameters p.
   std::function<SimulationSetup(int dataset, int segment, const Vector& p)> setup;
 };

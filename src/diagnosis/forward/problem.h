@@ -1,6 +1,7 @@
 #pragma once
 // What is diagnosed: data, hypotheses and the map from parameters to predictions. A constant value.
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -14,11 +15,15 @@ struct Problem;
 /// at the nominal model hold; under a plan they grow over the whole motion.
 bool in_windows(const Problem& problem);
 
+/// D of a candidate at p (tolerance_part.h), its parameters x all tolerances.
+using TolerancePart = std::function<Matrix(int candidate, const Vector& p)>;
+
 struct Problem {
   Observations observations;
   Hypotheses hypotheses;
   ForwardModel forward;
   Settings settings{};
+  TolerancePart tolerance_part{};  ///< null for models that are no plant
 };
 
 /// Predictions of all datasets at one point; segments that share a simulation share an entry.

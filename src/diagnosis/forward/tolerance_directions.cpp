@@ -19,13 +19,23 @@ using Directions = std::vector<ToleranceDirection>;
 constexpr Bounds kWithin{-2.0, 2.0};
 constexpr Bounds kNotNegative{0.0, 2.0};
 
-void add(Directions& directions, double deviation, const std::string& name,
-         std::function<void(double, Plant&)> move, bool geometry = false) {
+using Move = std::function<void(double, Plant&)>;
+using Read = std::function<double(const Plant&)>;
+
+Read in_deviations(Read read, double deviation) {
+  if (!read) return {};
+  return
+      [read = std::move(read), deviation](const Plant& plant) { return read(plant) / deviation; };
+}
+
+void add(Directions& directions, double deviation, const std::string& name, Move move, Read read,
+         bool geometry = false) {
   if (deviation == 0.0) return;
   directions.push_back({name, kWithin, geometry,
                         [deviation, move = std::move(move)](double e, Plant& plant, Controller&) {
                           move(deviation * e, plant);
-                        }});
+                        },
+                        in_deviations(std::move(read), deviation)});
 }
 
 /// Everything that is fixed to a body at a distance from its joint.
@@ -57,38 +67,74 @@ void add_link(Directions& directions, const PlanarModel& model, int b, const mod
   const bool base_held =
       b == 0 && !model.base_free[0] && !model.base_free[1] && !model.base_free[2];
   if (body.mass > 0.0 && !base_held) {
-    add(directions, t.mass, "mass of " + body.name,
-        [b](double d, Plant& plant) { plant.model.bodies[b].mass *= 1.0 + d; });
-    add(directions, t.inertia, "inertia of " + body.name,
-        [b](double d, Plant& plant) { plant.model.bodies[b].inertia *= 1.0 + d; });
-    add(directions, t.com, "com x of " + body.name,
-        [b](double d, Plant& plant) { plant.model.bodies[b].com.x() += d; });
-    add(directions, t.com, "com z of " + body.name,
-        [b](double d, Plant& plant) { plant.model.bodies[b].com.y() += d; });
+    const double mass = body.mass, inertia = body.inertia;
+    add(
+        directions, t.mass, "mass of " + body.name,
+        [b](double d, Plant& plant) { plant.model.bodies[b].mass *= 1.0 + d; },
+        [b, mass](const Plant& plant) { return plant.model.bodies[b].mass / mass; });
+    if (inertia > 0.0)
+      add(
+          directions, t.inertia, "inertia of " + body.name,
+          [b](double d, Plant& plant) { plant.model.bodies[b].inertia *= 1.0 + d; },
+          [b, inertia](const Plant& plant) { return plant.model.bodies[b].inertia / inertia; });
+    add(
+        directions, t.com, "com x of " + body.name,
+        [b](double d, Plant& plant) { plant.model.bodies[b].com.x() += d; },
+        [b](const Plant& plant) { return plant.model.bodies[b].com.x(); });
+    add(
+        directions, t.com, "com z of " + body.name,
+        [b](double d, Plant& plant) { plant.model.bodies[b].com.y() += d; },
+        [b](const Plant& plant) { return plant.model.bodies[b].com.y(); });
   }
   if (!base_held && has_length(model, b))
     add(
         directions, t.length, "length of " + body.name,
-        [b](double d, Plant& plant) { stretch(d, b, plant.model); }, true);
+        [b](double d, Plant& plant) { stretch(d, b, plant.model); }, {}, true);
+}
+
+/// Dry friction at a joint, the mean of both ways [N m, N where it slides].
+double dry_friction(const Plant& plant, const std::string& joint) {
+  double sum = 0.0;
+  for (const simulation::JointFriction& f : plant.friction)
+    if (f.joint == joint) sum += f.coulomb + 0.5 * (f.positive + f.negative);
+  return sum;
 }
 
 void add_motor(Directions& directions, const PlanarModel& model, int m, const model::Tolerances& t,
                double lever) {
   const PlanarMotor& motor = model.motors[m];
   const std::string& joint = motor.joint;
-  add(directions, t.torque_constant, "torque constant of " + joint,
+  add(
+      directions, t.torque_constant, "torque constant of " + joint,
       [m, joint](double d, Plant& plant) {
         plant.model.motors[m].torque_constant *= 1.0 + d;
         plant.actuation.torque_scale.try_emplace(joint, 1.0).first->second *= 1.0 + d;
+      },
+      [joint](const Plant& plant) {
+        const auto scale = plant.actuation.torque_scale.find(joint);
+        return scale == plant.actuation.torque_scale.end() ? 1.0 : scale->second;
       });
-  if (!motor.ideal())
-    add(directions, t.resistance, "resistance of " + joint,
-        [m](double d, Plant& plant) { plant.model.motors[m].resistance *= 1.0 + d; });
+  if (!motor.ideal()) {
+    const double resistance = motor.resistance;
+    add(
+        directions, t.resistance, "resistance of " + joint,
+        [m](double d, Plant& plant) { plant.model.motors[m].resistance *= 1.0 + d; },
+        [m, resistance](const Plant& plant) {
+          return plant.model.motors[m].resistance / resistance;
+        });
+  }
   const double friction = t.joint_friction * large_force(model, motor, lever);
   if (friction == 0.0) return;
-  add(directions, friction, "friction of " + joint, [joint](double d, Plant& plant) {
-    plant.friction.push_back({joint, d});
-  });
+  simulation::JointFriction law{joint};
+  const bool slides = model.bodies[motor.body].kind == model::JointKind::prismatic;
+  if (slides) law.smoothing_rate *= lever;
+  add(
+      directions, friction, "friction of " + joint,
+      [law](double d, Plant& plant) {
+        plant.friction.push_back(law);
+        plant.friction.back().coulomb = d;
+      },
+      [joint](const Plant& plant) { return dry_friction(plant, joint); });
   directions.back().range = kNotNegative;
 }
 
@@ -101,16 +147,23 @@ void add_loop(Directions& directions, const PlanarModel& model, const model::Tol
         [joint](double d, Plant& plant) {
           plant.sensing.offset.try_emplace(joint, 0.0).first->second += d;
         },
+        [joint](const Plant& plant) {
+          const auto offset = plant.sensing.offset.find(joint);
+          return offset == plant.sensing.offset.end() ? 0.0 : offset->second;
+        },
         true);
     for (const bool derivative : {false, true}) {
       if (t.gain == 0.0) continue;
       const double deviation = t.gain;
-      directions.push_back({std::string(derivative ? "kd of " : "kp of ") + joint, kWithin, false,
+      directions.push_back({std::string(derivative ? "kd of " : "kp of ") + joint,
+                            kWithin,
+                            false,
                             [=](double e, Plant&, Controller& controller) {
                               const int m = index_of(controller.reference.motors, joint);
                               Vector& gain = derivative ? controller.kd : controller.kp;
                               if (m >= 0 && m < gain.size()) gain[m] *= 1.0 + deviation * e;
-                            }});
+                            },
+                            {}});
     }
   }
 }
@@ -125,10 +178,21 @@ std::vector<ToleranceDirection> tolerance_directions(const PlanarModel& model,
   for (int m = 0; m < count_of(model.motors); ++m)
     add_motor(directions, model, m, tolerances, lever);
   if (!measured_input) add_loop(directions, model, tolerances);
-  if (!model.feet.empty() && model.base_free[1])
-    add(directions, tolerances.floor_friction, "friction of the floor",
-        [](double d, Plant& plant) { plant.ground.friction *= 1.0 + d; });
+  if (!model.feet.empty() && model.base_free[1] && model.friction > 0.0)
+    add(
+        directions, tolerances.floor_friction, "friction of the floor",
+        [](double d, Plant& plant) { plant.ground.friction *= 1.0 + d; },
+        [friction = model.friction](const Plant& plant) {
+          return plant.ground.friction / friction;
+        });
   return directions;
+}
+
+ToleranceDirection input_clock(double deviation) {
+  return {
+      "clock of the input", kWithin, false,
+      [deviation](double e, Plant& plant, Controller&) { plant.actuation.delay += deviation * e; },
+      [deviation](const Plant& plant) { return plant.actuation.delay / deviation; }};
 }
 
 }  // namespace jaculus::diagnosis

@@ -18,6 +18,9 @@ struct ToleranceDirection {
   Bounds range{};         ///< of e
   bool geometry = false;  ///< whether the robot stands otherwise
   std::function<void(double e, simulation::Plant& plant, simulation::Controller& controller)> move;
+  /// The quantity that it moves, as a plant has it [deviations]; null where effects move no such
+  /// one.
+  std::function<double(const simulation::Plant& plant)> read;
 };
 
 /// Those that can matter for a robot; gains and encoders' zeros only where a loop reads them.
@@ -25,5 +28,8 @@ struct ToleranceDirection {
 std::vector<ToleranceDirection> tolerance_directions(const model::PlanarModel& model,
                                                      const model::Tolerances& tolerances,
                                                      bool measured_input, double lever);
+
+/// The stamps of a logged input beside those of the motion: the log acts `deviation` [s] later.
+ToleranceDirection input_clock(double deviation);
 
 }  // namespace jaculus::diagnosis

@@ -94,7 +94,7 @@ std::vector<double> log_evidences(const std::vector<Dataset>& datasets,
   LinearTolerances linear = linear_tolerances(problem, comparison.whitening, comparison.noise.p);
   linear.p = p;  // the same tolerances, without the first rival
   FitOptions by_slopes;
-  if (linear.slopes.cols() > 0) by_slopes.by_slopes = &linear;
+  by_slopes.by_slopes = &linear;
   for (std::size_t r = 0; r < rivals.size(); ++r) {
     const FittedModel start = start_at(problem, rivals[r]);
     const std::vector<int> free = problem.hypotheses.freed_by(start.candidates);

@@ -3,8 +3,6 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
-#include <memory>
 #include <numbers>
 
 #include "diagnosis/selection/minimise.h"

@@ -41,6 +41,9 @@ struct Fit {
   double log_evidence = 0.0;
   double log_complete = 0.0;  ///< the same where the plant lacks no force: S = 0
   long predictions = 0;       ///< sets of simulations that it took
+
+  /// Whether tolerances were not simulated, so that p is no point of the forward model.
+  [[nodiscard]] bool by_slopes() const { return p != simulated; }
 };
 
 struct FitOptions {
@@ -53,7 +56,8 @@ struct FitOptions {
   /// Slopes of the tolerances to set out with, white rows x tolerances (residual.h); empty: those
   /// at the start.
   Matrix known{};
-  /// Tolerances by their slopes alone (residual.h); null: simulated. Has to outlive the fit.
+  /// Tolerances by their slopes alone (residual.h); null or without slopes: simulated. Has to
+  /// outlive the fit.
   const LinearTolerances* by_slopes = nullptr;
   /// Whether forces are granted from the first round on, at `scales`; else it is plain least
   /// squares.
@@ -85,8 +89,8 @@ Fit fit_around(const Problem& problem, const Whitening& whitening, Fit fit,
 ///   (H^-1 sum_w g_w g_w^T H^-1)_ii/(H^-1 sum_w J_w^T (V^-1)_ww J_w H^-1)_ii,
 /// what they are over what they would be if V were true (White 1982), at least 1. Where a model's
 /// form is wrong its misfit repeats with the motion and does not average out as noise does.
-/// `place`: of the parameter among those that are free.
-double widening(const Whitening& whitening, const Fit& fit, Eigen::Index place);
+/// Of the sum a^T u of the free parameters, a: `along`.
+double widening(const Whitening& whitening, const Fit& fit, const Vector& along);
 
 /// 95 % interval of one free parameter: +-1.96 standard deviations, cut at the bounds, where the
 /// cost there rises as the curvature says within `profile_tolerance`; else ends where the profile
@@ -94,5 +98,18 @@ double widening(const Whitening& whitening, const Fit& fit, Eigen::Index place);
 /// another.
 Bounds interval95(const Problem& problem, const Whitening& whitening, const Fit& fit,
                   int parameter);
+
+/// A parameter of an effect, and its 95 % interval.
+struct Estimate {
+  double value = 0.0;
+  Bounds ci95;
+};
+/// The k-th parameter of a candidate that a fit frees, with what tolerances of the same quantity
+/// add to it (tolerance_part.h). Where they do, the interval is that of the sum by the covariance,
+/// widened likewise and cut at the bounds; else it is interval95.
+Estimate with_tolerances(const Problem& problem, const Whitening& whitening, const Fit& fit,
+                         int candidate, int k);
+/// The value alone.
+double value_with_tolerances(const Problem& problem, const Fit& fit, int candidate, int k);
 
 }  // namespace jaculus::diagnosis

@@ -11,8 +11,6 @@ namespace jaculus::diagnosis {
 
 namespace {
 
-constexpr double kNothingPromised = 1.0;  ///< log evidence, "not worth more than a bare mention"
-
 /// From a model that this one contains, with the forces that it lacks: where plain least squares
 /// lead away.
 Fit fit_beside(const Problem& problem, const Whitening& whitening, const Fit& base,
@@ -28,8 +26,9 @@ Fit fit_beside(const Problem& problem, const Whitening& whitening, const Fit& ba
 double promised(const Problem& problem, double score) {
   const Settings& settings = problem.settings;
   if (in_windows(problem)) return settings.start_reached * score;
-  if (score < kNothingPromised) return -kInfinity;
-  return std::min(score - kNothingPromised, settings.start_reached_under_plan * score);
+  const double most = score - settings.bare_mention;
+  if (most < 0.0) return -kInfinity;
+  return std::min(most, settings.start_reached_under_plan * score);
 }
 
 Fit better(const Fit& a, const Fit& b) {
@@ -262,8 +261,7 @@ void FittedModels::refine(ModelFit& model) {
   Fit exact = fit_model(problem_, comparison_.whitening, free, starts, options);
   predictions_ += exact.predictions;
   exact.predictions += model.fit.predictions;
-  const bool by_slopes = model.fit.p != model.fit.simulated;
-  if (exact.valid && (by_slopes || exact.log_evidence > model.fit.log_evidence))
+  if (exact.valid && (model.fit.by_slopes() || exact.log_evidence > model.fit.log_evidence))
     model.fit = std::move(exact);
 }
 
@@ -279,7 +277,7 @@ void FittedModels::fit(const std::vector<Job>& jobs) {
     const Fit& base = jobs[i].base;
     FitOptions options;
     options.enough = jobs[i].enough;
-    if (linear_.slopes.cols() > 0) options.by_slopes = &linear_;
+    options.by_slopes = &linear_;
     if (!models_.empty()) {
       options.scales = none().fit.scales;
       options.rounds = 1;

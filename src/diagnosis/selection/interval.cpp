@@ -30,8 +30,7 @@ class Profile {
     }
     slopes_ = fit.jacobian(Eigen::all, columns);
     along_ = fit.covariance.col(place)(columns) / fit.covariance(place, place);
-    // A fit by slopes is no point of what is simulated.
-    cost_ = fit.p == fit.simulated ? fit.cost : reached(value());
+    cost_ = fit.by_slopes() ? reached(value()) : fit.cost;
   }
 
   [[nodiscard]] const FreeParameter& own() const {
@@ -94,18 +93,42 @@ double interval_end(const Profile& profile, const Settings& settings, double dev
   return 0.5 * (inside + outside);
 }
 
+/// A parameter and what tolerances add to it.
+struct Sum {
+  double value = 0.0;  ///< in the parameter's unit, within its bounds
+  Vector along;        ///< d(value)/du of the free parameters
+};
+
+Sum sum_with_tolerances(const Problem& problem, const Fit& fit, int candidate, int k) {
+  const Hypotheses& hypotheses = problem.hypotheses;
+  const int i = hypotheses.candidates[candidate].parameters[k];
+  const FreeParameter& own = hypotheses.parameters[i];
+  Sum sum{fit.p[i], own.scale * Vector::Unit(count_of(fit.free), index_of(fit.free, i))};
+  if (!problem.tolerance_part || hypotheses.tolerances.empty()) return sum;
+
+  const Matrix part = problem.tolerance_part(candidate, fit.p);
+  for (int j = 0; j < count_of(hypotheses.tolerances); ++j) {
+    const int tolerance = hypotheses.tolerances[j], place = index_of(fit.free, tolerance);
+    if (place < 0 || part(k, j) == 0.0) continue;
+    sum.value += part(k, j) * fit.p[tolerance];
+    sum.along[place] = part(k, j) * hypotheses.parameters[tolerance].scale;
+  }
+  sum.value = std::clamp(sum.value, own.bounds.lower, own.bounds.upper);
+  return sum;
+}
+
 }  // namespace
 
-double widening(const Whitening& whitening, const Fit& fit, Eigen::Index place) {
+double widening(const Whitening& whitening, const Fit& fit, const Vector& along) {
   const std::vector<RandomBlock>& blocks = whitening.random.blocks;
   // Parameters that the data tell: a tolerance that they don't moves no score.
   const auto windows = static_cast<double>(blocks.size()),
              free = static_cast<double>(fit.jacobian.cols()) - fit.covariance.trace();
   if (windows < 2.0 * free) return 1.0;  // too few to tell
 
-  // With j = J (H^-1)_i: observed sum of (j_w^T V^-1 r_w)^2, expected sum of j_w^T (V^-1)_ww j_w.
+  // With j = J H^-1 a: observed sum of (j_w^T V^-1 r_w)^2, expected sum of j_w^T (V^-1)_ww j_w.
   const RandomWeights weights(whitening.random, fit.scales);
-  const Vector r = weights.inverse(fit.residual), j = fit.jacobian * fit.covariance.col(place);
+  const Vector r = weights.inverse(fit.residual), j = fit.jacobian * (fit.covariance * along);
   double observed = 0.0, expected = 0.0;
   for (const RandomBlock& block : blocks) {
     Vector own = Vector::Zero(j.size());
@@ -122,12 +145,31 @@ Bounds interval95(const Problem& problem, const Whitening& whitening, const Fit&
   const Profile profile(problem, whitening, fit, place);
   const FreeParameter& own = profile.own();
   const double deviation = own.scale * std::sqrt(fit.covariance(place, place));
-  const double wider = widening(whitening, fit, place), value = profile.value();
+  const Vector own_alone = Vector::Unit(fit.jacobian.cols(), place);
+  const double wider = widening(whitening, fit, own_alone), value = profile.value();
   const auto end = [&](double side) {
     const double told = interval_end(profile, problem.settings, deviation, side) - value;
     return std::clamp(value + wider * told, own.bounds.lower, own.bounds.upper);
   };
   return {end(-1.0), end(1.0)};
+}
+
+Estimate with_tolerances(const Problem& problem, const Whitening& whitening, const Fit& fit,
+                         int candidate, int k) {
+  const int i = problem.hypotheses.candidates[candidate].parameters[k];
+  const FreeParameter& own = problem.hypotheses.parameters[i];
+  const Sum sum = sum_with_tolerances(problem, fit, candidate, k);
+  if ((sum.along.array() != 0.0).count() == 1)
+    return {sum.value, interval95(problem, whitening, fit, i)};
+
+  const double half = quantiles::kTwoSided95 * widening(whitening, fit, sum.along) *
+                      std::sqrt(sum.along.dot(fit.covariance * sum.along));
+  const auto within = [&](double x) { return std::clamp(x, own.bounds.lower, own.bounds.upper); };
+  return {sum.value, {within(sum.value - half), within(sum.value + half)}};
+}
+
+double value_with_tolerances(const Problem& problem, const Fit& fit, int candidate, int k) {
+  return sum_with_tolerances(problem, fit, candidate, k).value;
 }
 
 }  // namespace jaculus::diagnosis

@@ -75,7 +75,8 @@ struct Line {
     for (std::size_t d = 0; d < rows.size(); ++d) rows[d] -= base.rows[d];
     const Columns moved = columns_of(random, -whitening.apply(rows));
     const Columns there = first_moved(standing.model, moved);
-    const Followed followed = followed_by(problem, random, there.products, base.scales);
+    const Followed followed = followed_by(problem, random, there.products, base.scales,
+                                          problem.settings.screening_scale_steps);
     const double evidence = followed.linear.log_evidence - 0.5 * u * u;
     const double energy = weigh(random, moved.products, followed.scales).gram(0, 0);
     const double width = 0.5 * std::log1p(energy / (u * u));
@@ -128,10 +129,9 @@ Point past_threshold(const Line& line, Point near, Point far, long& predictions)
 }  // namespace
 
 Followed followed_by(const Problem& problem, const RandomEffects& random, const Products& products,
-                     const Vector& scales) {
-  const Settings& settings = problem.settings;
-  ScaleEstimate estimate = estimated_scales(random, products, scales,
-                                            settings.screening_scale_steps, settings.scale_spread);
+                     const Vector& scales, int steps) {
+  ScaleEstimate estimate =
+      estimated_scales(random, products, scales, steps, problem.settings.scale_spread);
   LinearEvidence linear = linear_evidence(random, products, estimate.scales);
   linear.log_evidence += estimate.log_cost;
   return {std::move(estimate.scales), std::move(linear)};
@@ -140,8 +140,9 @@ Followed followed_by(const Problem& problem, const RandomEffects& random, const 
 Standing standing_of(const Problem& problem, const Whitening& whitening, const Fit& base) {
   const RandomEffects& random = whitening.random;
   Columns model = columns_of(random, linear_model(problem, base));
-  const double evidence =
-      followed_by(problem, random, model.products, base.scales).linear.log_evidence;
+  const double evidence = followed_by(problem, random, model.products, base.scales,
+                                      problem.settings.screening_scale_steps)
+                              .linear.log_evidence;
   return {std::move(model), evidence};
 }
 

@@ -23,9 +23,9 @@ struct Followed {
   Vector scales;          ///< the deviations
   LinearEvidence linear;  ///< by them; its log evidence has what their choice costs
 };
-/// A few steps from `scales`.
+/// At most `steps` from `scales`.
 Followed followed_by(const Problem& problem, const RandomEffects& random, const Products& products,
-                     const Vector& scales);
+                     const Vector& scales, int steps);
 
 /// A base model as screening sees it: [r0 -J], and its log evidence by such deviations.
 struct Standing {

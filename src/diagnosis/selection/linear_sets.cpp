@@ -83,14 +83,11 @@ LinearSet evaluated(const Problem& problem, const Whitening& whitening, const Fi
   columns.insert(columns.end(), table.nuisances.begin(), table.nuisances.end());
 
   const Products products = picked(table.products, columns);
-  const RandomEffects& random = whitening.random;
-  const ScaleEstimate scales =
-      estimated_scales(random, products, fit.scales, problem.settings.set_scale_steps,
-                       problem.settings.scale_spread);
-  const LinearEvidence linear = linear_evidence(random, products, scales.scales);
-  set.mean = linear.mean.head(parameters);
-  set.scales = scales.scales;
-  if (on_their_sides(problem, set)) set.log_evidence = linear.log_evidence + scales.log_cost;
+  const Followed followed = followed_by(problem, whitening.random, products, fit.scales,
+                                        problem.settings.set_scale_steps);
+  set.mean = followed.linear.mean.head(parameters);
+  set.scales = followed.scales;
+  if (on_their_sides(problem, set)) set.log_evidence = followed.linear.log_evidence;
   return set;
 }
 

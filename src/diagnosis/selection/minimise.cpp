@@ -47,8 +47,8 @@ class WeighedSlopes {
     const Vector w = weights_.stacked(secant.missed), &s = secant.along;
     const Vector v = W_.rightCols(n).transpose() * w;
     W_.rightCols(n).noalias() += w * s.transpose();
-    auto nuisances = gram_.bottomRightCorner(n, n);
-    nuisances += v * s.transpose() + s * v.transpose() + w.squaredNorm() * (s * s.transpose());
+    auto tolerances = gram_.bottomRightCorner(n, n);
+    tolerances += v * s.transpose() + s * v.transpose() + w.squaredNorm() * (s * s.transpose());
   }
 
   const RandomWeights& weights_;

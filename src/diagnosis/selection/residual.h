@@ -3,8 +3,8 @@
 //
 //   r(u) = T (y - A m - f(p)) (noise/whitening.h),  u = (p - nominal)/scale of the free parameters
 // A slope by differences is a simulation of everything. Effects have a few parameters, but a robot
-// has some eighty tolerances; so on the way the nuisances' slopes N follow by secants,
-//   N += (dr - E du_e - N du_n) du_n^T/|du_n|^2,
+// has some eighty tolerances; so on the way the tolerances' slopes N follow by secants,
+//   N += (dr - E du_e - N dt) dt^T/|dt|^2,
 // E the mean of the effects' slopes at both ends (Broyden 1965), and where they are renewed it is
 // those of the strong ones: what changes a slope by a tenth moves the others' rows by less than
 // noise. While models are sought, tolerances go by their slopes at one point,
@@ -68,7 +68,6 @@ class Residual {
   [[nodiscard]] long predictions() const { return predictions_; }
   [[nodiscard]] const std::string& message() const { return message_; }
   [[nodiscard]] const std::vector<Vector>& predicted() const { return rows_; }
-  [[nodiscard]] int rows() const { return whitening_.rows; }
   [[nodiscard]] Eigen::Index size() const { return count_of(free_); }
 
  private:

@@ -57,7 +57,9 @@ struct Base {
 LinearEvidence with_columns(const Base& base, const Matrix& own) {
   const RandomEffects& random = base.whitening.random;
   const Products products = side_by_side(base.standing.model, columns_of(random, own)).products;
-  return followed_by(base.problem, random, products, base.fit.scales).linear;
+  return followed_by(base.problem, random, products, base.fit.scales,
+                     base.problem.settings.screening_scale_steps)
+      .linear;
 }
 
 /// Raises the probe's score and estimate to what these columns reach; whether they do.

@@ -79,10 +79,9 @@ FoundEffect found_effect(const Problem& problem, const Whitening& whitening,
   for (int k = 0; k < count_of(candidate.parameters); ++k) {
     const int i = candidate.parameters[k];
     const FreeParameter& parameter = problem.hypotheses.parameters[i];
-    const double value = model->fit.p[i];
-    const Bounds noise = interval95(problem, whitening, model->fit, i);
-    const Bounds ci = with_form_error(parameter, value, noise, problem.settings.form_error);
-    found.parameters.push_back(shown(candidate, k, value, ci));
+    const Estimate own = with_tolerances(problem, whitening, model->fit, c, k);
+    const Bounds ci = with_form_error(parameter, own.value, own.ci95, problem.settings.form_error);
+    found.parameters.push_back(shown(candidate, k, own.value, ci));
   }
   return found;
 }
@@ -94,12 +93,40 @@ std::vector<FoundParameter> values_of(const Problem& problem, const ModelFit& mo
     const Candidate& candidate = problem.hypotheses.candidates[c];
     for (int k = 0; k < count_of(candidate.parameters); ++k) {
       FoundParameter value =
-          shown(candidate, k, model.fit.p[candidate.parameters[k]], {kNaN, kNaN});
+          shown(candidate, k, value_with_tolerances(problem, model.fit, c, k), {kNaN, kNaN});
       value.name = candidate.name + "." + value.name;
       values.push_back(value);
     }
   }
   return values;
+}
+
+/// Parameters of an effect with what tolerances add.
+Vector theta_of(const Problem& problem, const Fit& fit, int candidate) {
+  Vector theta(count_of(problem.hypotheses.candidates[candidate].parameters));
+  for (int k = 0; k < theta.size(); ++k)
+    theta[k] = value_with_tolerances(problem, fit, candidate, k);
+  return theta;
+}
+
+/// Tolerances by which a fit is a deviation off its files or more, and surely off them.
+std::vector<Tolerated> tolerated_by(const Problem& problem, const Fit& fit) {
+  std::vector<Tolerated> found;
+  for (const int i : problem.hypotheses.tolerances) {
+    const int place = index_of(fit.free, i);
+    if (place < 0) continue;
+    const FreeParameter& own = problem.hypotheses.parameters[i];
+    const double half = quantiles::kTwoSided95 * std::sqrt(fit.covariance(place, place));
+    if (std::abs(fit.p[i]) < std::max(1.0, half)) continue;
+    found.push_back({own.name,
+                     fit.p[i],
+                     {std::max(own.bounds.lower, fit.p[i] - half),
+                      std::min(own.bounds.upper, fit.p[i] + half)}});
+  }
+  std::stable_sort(found.begin(), found.end(), [](const Tolerated& a, const Tolerated& b) {
+    return std::abs(a.value) > std::abs(b.value);
+  });
+  return found;
 }
 
 /// What a model lacks, along every coordinate of which the data tell something.
@@ -202,7 +229,10 @@ void add_shares(HeldOutGaps& gaps, const ModelFit& chosen, std::vector<FoundEffe
       effect.share = members[place];
     } else if (const ModelFit* rival = gaps.posterior().find({c})) {
       effect.share = shares_of(gaps, *rival).front();
-      if (effect.share) effect.share = EffectShare{effect.share->alone};
+      if (effect.share) {
+        const EffectShare own = *effect.share;
+        effect.share = EffectShare{.alone = own.alone, .tolerances = own.tolerances};
+      }
     }
   }
 }
@@ -236,6 +266,8 @@ Statement state_verdict(const Problem& problem, const Selection& selection, bool
   out.stated = {{}, stated.p};
   out.none = {{}, none.p};
   out.model = {chosen.candidates, chosen.fit.p};
+  for (const int c : chosen.candidates) out.theta.push_back(theta_of(problem, chosen.fit, c));
+  out.tolerated = tolerated_by(problem, chosen.fit);
 
   append(proposal.reasons, out.reasons);
   append({rule.reason}, out.reasons);

@@ -21,7 +21,9 @@ struct Statement {
   std::vector<LackingForce> lacking;
   std::vector<FittedModel> rivals;
   FittedModel stated, none, model;
-  Posterior posterior;  ///< as held-out data leave it
+  std::vector<Vector> theta;         ///< of `model`'s effects, as Diagnosis has it
+  std::vector<Tolerated> tolerated;  ///< of `model`
+  Posterior posterior;               ///< as held-out data leave it
 };
 
 /// Judges a selection by held-out data and states what follows. `one_trial`: nothing tells the
