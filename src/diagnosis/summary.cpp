@@ -109,7 +109,11 @@ std::string explaining(const Diagnosis& d) {
   for (std::size_t i = 1; i < effects.size(); ++i) others.push_back(effect_phrase(effects[i]));
   const double before = d.gap.before * d.gap.before - 1.0;
   const double all = 1.0 - (d.gap.after * d.gap.after - 1.0) / before;
-  if (!others.empty()) text += fmt::format(", with {} {}", listed(others), clipped(all));
+  const double tolerances = effects[0].share->tolerances;
+  if (!others.empty())
+    text += fmt::format(", with {} {}", listed(others), clipped(all - tolerances));
+  if (tolerances >= kWorthAWord)
+    text += fmt::format(", beside the builder's tolerances ({})", clipped(tolerances));
   return text;
 }
 

@@ -31,10 +31,12 @@ struct FoldGap {
 
 /// What one effect of a set explains of the held-out gap's energy (validation/shares.h).
 struct EffectShare {
-  double alone = kNaN;      ///< it alone against none [-]
+  double alone = kNaN;      ///< it alone, beyond the tolerances [-]
   double last = kNaN;       ///< lost where it is dropped from the set [-]
   double shapley = kNaN;    ///< mean over the orders in which the set's effects join [-]
   Bounds ci95{kNaN, kNaN};  ///< of shapley
+  /// What the builder's tolerances explain as the set has them, without any effect [-].
+  double tolerances = 0.0;
 };
 
 struct HeldOut {

@@ -183,11 +183,7 @@ const ModelFit& HeldOutGaps::subset(const ModelFit& model, const std::vector<int
     if (std::binary_search(members.begin(), members.end(), c)) continue;
     for (const int i : hypotheses.candidates[c].parameters) p[i] = hypotheses.parameters[i].nominal;
   }
-  std::vector<int> free;
-  for (const int c : members) {
-    const std::vector<int>& own = hypotheses.candidates[c].parameters;
-    free.insert(free.end(), own.begin(), own.end());
-  }
+  std::vector<int> free = hypotheses.parameters_of(members);
   free.insert(free.end(), hypotheses.gains.begin(), hypotheses.gains.end());
   FitOptions options;
   options.scales = model.fit.scales;
@@ -210,8 +206,8 @@ const HeldOut& HeldOutGaps::of(const ModelFit& model) {
   const Key key{model.candidates, model.fit.free};
   const auto known = gaps_.find(key);
   if (known != gaps_.end()) return known->second;
-  const JudgedFit own =
-      model.candidates.empty() ? none_ : judge_fit(problem_, comparison_, folds_, model.fit);
+  const bool none = model.candidates.empty() && model.fit.free == problem_.hypotheses.nuisances();
+  const JudgedFit own = none ? none_ : judge_fit(problem_, comparison_, folds_, model.fit);
   return gaps_.emplace(key, held_out(problem_, folds_, stated_, none_, own)).first->second;
 }
 

@@ -35,8 +35,6 @@ Explained explained_by(const HeldOut& gap, const Settings& settings) {
   return out;
 }
 
-Explained nothing_explained(std::size_t folds) { return {0.0, std::vector<double>(folds, 0.0)}; }
-
 /// v of all subsets that are needed, by bits of the members' places.
 using Subsets = std::map<unsigned, Explained>;
 
@@ -59,7 +57,8 @@ double shapley(const Subsets& v, int n, int i, Value&& value) {
 EffectShare share_of(const Subsets& v, int n, int i) {
   const unsigned all = (1u << n) - 1u, own = 1u << i;
   EffectShare share;
-  share.alone = v.at(own).all;
+  share.tolerances = v.at(0).all;
+  share.alone = v.at(own).all - share.tolerances;
   share.last = v.at(all).all - v.at(all & ~own).all;
   if (n > kMostOrdered) return share;
 
@@ -80,10 +79,9 @@ std::vector<std::optional<EffectShare>> shares_of(HeldOutGaps& gaps, const Model
   if (!whole.valid || whole.before < gaps.settings().plain_gap) return shares;
 
   Subsets v;
-  v[0] = nothing_explained(whole.by_fold.size());
-  for (unsigned set = 1; set < 1u << n; ++set) {
+  for (unsigned set = 0; set < 1u << n; ++set) {
     const int size = std::popcount(set);
-    if (n > kMostOrdered && size != 1 && size < n - 1) continue;
+    if (n > kMostOrdered && size > 1 && size < n - 1) continue;
     std::vector<int> members;
     for (int i = 0; i < n; ++i)
       if ((set >> i & 1u) != 0) members.push_back(model.candidates[i]);

@@ -34,9 +34,15 @@ bool no_better_prediction(const VerdictEvidence& e, const Settings& s) {
   return e.gap.log_gain <= s.worth || e.gap.after >= most;
 }
 
+/// Of a gap's energy, what another gap has [-].
+double share_left(double before, double after) {
+  const double all = before * before - 1.0, left = after * after - 1.0;
+  return all > 0.0 ? std::clamp(left / all, 0.0, 1.0) : 0.0;
+}
+
 bool less_than_is_left(const VerdictEvidence& e, const Settings& s) {
-  if (!e.gap.valid || e.gap.before < s.plain_gap) return false;
-  return remaining_share(e.gap) * s.named_beside > 1.0;
+  if (!e.gap.valid || e.gap.adjusted < s.plain_gap) return false;
+  return share_left(e.gap.adjusted, e.gap.after) * s.named_beside > 1.0;
 }
 
 bool more_is_there(const VerdictEvidence& e, const Settings& s) {
@@ -84,8 +90,9 @@ const std::vector<VerdictRule>& verdict_rules() {
        "builder's tolerances (settings worth, least_improvement)",
        no_better_prediction},
       {"less than is left", Verdict::unexplained,
-       "the fitted effects explain less of the held-out gap than they leave, so that what is named "
-       "could be the shadow of something else (setting named_beside)",
+       "of the held-out gap that builder's tolerances leave, the fitted effects explain less than "
+       "they "
+       "leave, so that what is named could be the shadow of something else (setting named_beside)",
        less_than_is_left},
       {"more is there", Verdict::partial,
        "what is named is established, but it is not all: forces remain that it doesn't explain "
@@ -99,9 +106,7 @@ const std::vector<VerdictRule>& verdict_rules() {
 }
 
 double remaining_share(const HeldOut& gap) {
-  if (!gap.valid) return 0.0;
-  const double before = gap.before * gap.before - 1.0, after = gap.after * gap.after - 1.0;
-  return before > 0.0 ? std::clamp(after / before, 0.0, 1.0) : 0.0;
+  return gap.valid ? share_left(gap.before, gap.after) : 0.0;
 }
 
 const VerdictRule& decide(const VerdictEvidence& evidence, const Settings& settings) {
