@@ -64,9 +64,10 @@ TEST(Drop, WithoutDragTheBodyStopsWhereTheTailDoes) {
 TEST(Drop, FreeBodyFallsAndTurnsAsThePinnedOne) {
   // A pivot at the centre of mass of a body that falls free: gravity changes nothing but the fall
   // where the tail has no mass.
-  model::PlanarModel model = model::read_robot(model::find_robot("self_righting", "")).planar;
-  const Simulation pinned = drop({"", "", model, {}, {}, {}}, 0.1);
-  model::PlanarModel free = model;
+  model::Robot robot;  // without stops
+  robot.planar = model::read_robot(model::find_robot("self_righting", "")).planar;
+  const Simulation pinned = drop(robot, 0.1);
+  model::PlanarModel free = robot.planar;
   free.base_free = {true, true, true};
   free.gravity = kGravity;
   free.bodies[1].inertia += free.bodies[1].mass * free.bodies[1].com.squaredNorm();
@@ -74,7 +75,7 @@ TEST(Drop, FreeBodyFallsAndTurnsAsThePinnedOne) {
   free.coordinates.clear();
   free = with_coordinates(free, {"tail"});
   Plant plant = nominal_plant(free);
-  plant.drag_smoothing = nominal_plant(model).drag_smoothing;
+  plant.drag_smoothing = nominal_plant(robot.planar).drag_smoothing;
   const Simulation s = simulate(plant, full_voltage(free, 16.0),
                                 start_at({0, 1, 0, 0}, {0, 0, 0, 0}), options_for(0.1, 2));
   ASSERT_EQ(s.status, SimulationStatus::done) << s.message;
