@@ -6,11 +6,13 @@
 // Every component parameter below has a nominal value at which the plant does bit for bit what it
 // does without the component.
 
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
 
 #include "jaculus/model/planar.h"
+#include "jaculus/simulation/law.h"
 
 namespace jaculus::simulation {
 
@@ -85,6 +87,9 @@ struct Sensing {
   std::map<std::string, double> scale;    ///< [-]
   /// SI; also seen by the controller where it reads the channel
   std::map<std::string, double> offset;
+  /// What a log has in place of a value, scaled and offset, at the time t it is of [s]; in the
+  /// channel's unit. The controller reads without it.
+  std::map<std::string, std::function<double(double value, double t)>> laws;
 };
 
 /// Floor under every contact point. Rigid where compliance is 0; else a spring-damper pushing only:
@@ -131,6 +136,7 @@ struct Plant {
   /// points of the model that may hit the floor, besides its feet
   std::vector<std::string> ground_points;
   std::vector<Push> pushes;
+  std::vector<Law> laws;         ///< of users
   double drag_smoothing = 0.02;  ///< eps of tail_drag.h [m/s]
   /// by which gravity leans from -z towards +x: of a base that is held nose-down by it [rad]
   double gravity_tilt = 0.0;

@@ -39,6 +39,9 @@ Prediction prediction_of(const ObservedDataset& observed, const simulation::Plan
     const double offset = value_or(plant.sensing.offset, channel.name, 0.0);
     prediction.values.row(c) =
         scale * raw_channel(plant.model, simulation, channel.name).array() + offset;
+    if (const auto law = plant.sensing.laws.find(channel.name); law != plant.sensing.laws.end())
+      for (Eigen::Index k = 0; k < simulation.time.size(); ++k)
+        prediction.values(c, k) = law->second(prediction.values(c, k), simulation.time[k]);
 
     const double stamped = value_or(plant.sensing.latency, channel.stream, 0.0);
     const double late = plant.actuation.late_start + plant.actuation.delay + stamped;

@@ -19,6 +19,7 @@ PlantEquations::PlantEquations(const Plant& plant, const Controller& controller)
       drive_(plant, controller.quantity),
       inputs_(plant, controller),
       passive_(plant),
+      laws_(plant),
       ground_(plant),
       unilaterals_(unilaterals_of(plant)) {
   warm_ = plant.winding.heat != 0.0 || plant.winding.initial != 0.0;
@@ -36,7 +37,9 @@ PlantEquations::PlantEquations(const Plant& plant, const Controller& controller)
 
 int PlantEquations::bristles() const { return windings() + (warm_ ? count_of(drive_.motors) : 0); }
 
-int PlantEquations::states() const { return bristles() + (compliant_ ? points_ : 0); }
+int PlantEquations::law_states() const { return bristles() + (compliant_ ? points_ : 0); }
+
+int PlantEquations::states() const { return law_states() + laws_.states(); }
 
 // What acts on it
 // -------------------------------------------------------------------------------------------------
@@ -115,6 +118,8 @@ void PlantEquations::set_forces(double t, const State& y, const std::vector<Touc
   read_motors(y);
   const Command* commands =
       inputs_.commands(t, at_.motor_position.data(), at_.motor_velocity.data());
+  const double* own = y.data() + law_states();
+  if (!laws_.empty()) take_changes(laws_.before_motors(mechanism_, inertia_, t, q, v, own));
   at_.bus = drive_.set(inputs_.quantity(), commands, at_.motor_velocity.data(),
                        warm_ ? &y[windings()] : nullptr);
 
@@ -123,11 +128,18 @@ void PlantEquations::set_forces(double t, const State& y, const std::vector<Touc
     for (int i = 0; i < size(); ++i) force_[i] += torque * mechanism_.motor_row[m][i];
   }
   passive_.add(mechanism_, inertia_, drive_.motors, q, v, force_.data());
+  if (!laws_.empty()) laws_.add(mechanism_, drive_.motors, at_.bus, q, v, force_.data());
   if (compliant_) add_ground(y, modes);
   for (const Push* push : inputs_.pushes()) add_push(*push, q, v);
 
   for (int i = 0; i < size(); ++i) free_[i] = balance_[i] = force_[i] - inertia_.bias(i);
   inertia_.forward(free_.data());
+}
+
+void PlantEquations::take_changes(const PlantChanges& changes) {
+  drive_.change(changes);
+  for (Unilateral& u : unilaterals_)
+    if (!u.stop()) u.mu = plant_.ground.friction * changes.friction_scale;
 }
 
 void PlantEquations::add_push(const Push& push, const double* q, const double* v) {
@@ -227,10 +239,12 @@ bool PlantEquations::add_contacts(const State& y, const std::vector<Touch>& mode
   return true;
 }
 
-/// Rates of what is no coordinate: soles and windings.
+/// Rates of what is no coordinate: soles, states of laws, windings.
 void PlantEquations::set_slow_rates(const State& y, State& dydt) const {
   if (compliant_)
     for (int i = 0; i < points_; ++i) dydt[bristles() + i] = at_.soles[i].bristle_rate;
+
+  std::copy(laws_.rates().begin(), laws_.rates().end(), dydt.begin() + law_states());
 
   if (!warm_) return;
   for (int m = 0; m < count_of(drive_.motors); ++m) {

@@ -3,17 +3,18 @@
 //     M a + h = B tau + Q_passive + Q_push + J^T lambda,   J a + gamma = 0 on closed rows,
 // by Cholesky M = L L^T and Delassus' matrix of the rows that touch (contact_law.h).
 //
-// State y = (q, v, windings' temperatures, soles' deflections), q with the hinges behind the
-// model's coordinates. What follows from what is in the types: contacts() of a state, then its
-// inertia(), then rows() of contacts; evaluate() is the whole right-hand side. Each works out for
-// itself what it needs, and what stands at the same (q, v) already is taken as it is: no call's
-// result depends on the calls before it.
+// State y = (q, v, windings' temperatures, soles' deflections, states of laws), q with the hinges
+// behind the model's coordinates. What follows from what is in the types: contacts() of a state,
+// then its inertia(), then rows() of contacts; evaluate() is the whole right-hand side. Each works
+// out for itself what it needs, and what stands at the same (q, v) already is taken as it is: no
+// call's result depends on the calls before it.
 
 #include <vector>
 
 #include "simulation/contact/compliant_ground.h"
 #include "simulation/contact/contact_rows.h"
 #include "simulation/control/inputs.h"
+#include "simulation/plant/laws.h"
 #include "simulation/plant/passive_forces.h"
 
 namespace jaculus::simulation::detail {
@@ -44,10 +45,13 @@ class PlantEquations {
   /// Coordinates, hinges included; those of the model alone come first.
   [[nodiscard]] int size() const { return mechanism_.n; }
   [[nodiscard]] int model_size() const { return mechanism_.n_model; }
-  /// Indices in the state of the first winding, of the first sole, and past the last of all.
+  /// Indices in the state of the first winding, of the first sole, of the first state of laws, and
+  /// past the last of all.
   [[nodiscard]] int windings() const { return 2 * size(); }
   [[nodiscard]] int bristles() const;
+  [[nodiscard]] int law_states() const;
   [[nodiscard]] int states() const;
+  [[nodiscard]] const Laws& laws() const { return laws_; }
   /// Whether a contact is with compliant ground: a force, no constraint.
   [[nodiscard]] bool compliant(int i) const { return compliant_ && i < points_; }
   /// A weight, beside which forces are small or large [N].
@@ -90,6 +94,7 @@ class PlantEquations {
   void add_push(const Push& push, const double* q, const double* v);
   void set_accelerations();
   bool add_contacts(const State& y, const std::vector<Touch>& modes, double* acceleration);
+  void take_changes(const PlantChanges& changes);
   void set_slow_rates(const State& y, State& dydt) const;
 
   const Plant& plant_;
@@ -97,6 +102,7 @@ class PlantEquations {
   Drive drive_;
   Inputs inputs_;
   PassiveForces passive_;
+  Laws laws_;
   CompliantGround ground_;
   std::vector<Unilateral> unilaterals_;
   int points_ = 0;  ///< feet and ground points, which come first among the unilaterals

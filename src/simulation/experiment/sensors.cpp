@@ -30,9 +30,11 @@ Eigen::RowVectorXd read_channel(const SensorStream& spec, const std::string& nam
   const double scale = value_or(plant.sensing.scale, name, 1.0);
   const double offset = value_or(plant.sensing.offset, name, 0.0);
   const double noise = value_or(spec.noise, name, 0.0);
+  const auto law = plant.sensing.laws.find(name);
   Eigen::RowVectorXd out(stamps.size());
   for (Eigen::Index k = 0; k < stamps.size(); ++k) {
     out[k] = scale * (interpolate(raw, kTruthStep, stamps[k] - late) - zero) + offset;
+    if (law != plant.sensing.laws.end()) out[k] = law->second(out[k], stamps[k] - late);
     if (noise > 0.0) out[k] += noise * random.normal();
   }
   return out;

@@ -31,6 +31,7 @@ RunState start_state(const PlantEquations& equations, const StartState& start) {
   }
   for (int i = equations.windings(); i < equations.bristles(); ++i)
     state.y[i] = equations.plant().winding.initial;
+  equations.laws().start(state.y.data() + equations.law_states());
   return state;
 }
 

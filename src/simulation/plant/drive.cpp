@@ -40,6 +40,11 @@ Drive::Drive(const Plant& plant, Quantity quantity)
   motors.resize(data_.size());
 }
 
+void Drive::change(const PlantChanges& changes) {
+  for (std::size_t m = 0; m < data_.size(); ++m) data_[m].changed = changes.torque_scale[m];
+  drop_ = changes.bus_drop;
+}
+
 MotorState Drive::one(std::size_t m, Quantity quantity, const Command& command, double rate,
                       double temperature, double bus) const {
   if (!command.on) return {};
@@ -47,7 +52,7 @@ MotorState Drive::one(std::size_t m, Quantity quantity, const Command& command, 
   const model::PlanarMotor& d = motor.data;
   if (d.ideal()) {
     const double t = std::clamp(command.value, -motor.largest, motor.largest);
-    return {motor.scale * motor.ratio * t, 0.0, 0.0, cut(command.value, t)};
+    return {motor.scale * motor.changed * motor.ratio * t, 0.0, 0.0, cut(command.value, t)};
   }
 
   const double strength = 1.0 - 0.001 * temperature;
@@ -92,7 +97,7 @@ MotorState Drive::one(std::size_t m, Quantity quantity, const Command& command, 
     if (t != free) state.voltage = resistance * state.current + emf;
   }
 
-  state.torque = motor.scale * motor.ratio * t;
+  state.torque = motor.scale * motor.changed * motor.ratio * t;
   return state;
 }
 
@@ -100,10 +105,10 @@ double Drive::set_at(double bus, Quantity quantity, const Command* commands, con
                      const double* temperatures) {
   double power = 0.0;
   for (std::size_t m = 0; m < data_.size(); ++m) {
-    const double limit = std::min(bus, data_[m].data.voltage);
+    const double own = data_[m].data.voltage - drop_, limit = std::min(bus, own);
     motors[m] =
         one(m, quantity, commands[m], rates[m], temperatures == nullptr ? 0.0 : temperatures[m],
-            resistance_ == 0.0 ? data_[m].data.voltage : limit);
+            resistance_ == 0.0 ? own : limit);
     power += data_[m].data.count * motors[m].voltage * motors[m].current;
   }
   return power;
@@ -111,27 +116,27 @@ double Drive::set_at(double bus, Quantity quantity, const Command* commands, con
 
 double Drive::set(Quantity quantity, const Command* commands, const double* rates,
                   const double* temperatures) {
-  if (resistance_ == 0.0 || std::isinf(open_voltage_)) {
-    set_at(open_voltage_, quantity, commands, rates, temperatures);
-    return open_voltage_;
+  const double open = open_voltage_ - drop_;
+  if (resistance_ == 0.0 || std::isinf(open)) {
+    set_at(open, quantity, commands, rates, temperatures);
+    return open;
   }
 
   // V_0 - R_b P(V)/V - V falls with V near the working point. Motors at their voltage limit take
   // less at less voltage, so that there is one even below half of V_0, where a battery gives no
   // more power.
   const auto gap = [&](double bus) {
-    return open_voltage_ -
-           resistance_ * set_at(bus, quantity, commands, rates, temperatures) / bus - bus;
+    return open - resistance_ * set_at(bus, quantity, commands, rates, temperatures) / bus - bus;
   };
 
-  double low = kBrownOut * open_voltage_, high = open_voltage_;
+  double low = kBrownOut * open, high = open;
   double at_low = gap(low), at_high = gap(high);
   // braking motors feed it
-  while (at_high > 0.0 && high < 4.0 * open_voltage_) at_high = gap(high *= 1.25);
+  while (at_high > 0.0 && high < 4.0 * open) at_high = gap(high *= 1.25);
   double bus = at_low <= 0.0 ? low : high;
   if (at_low > 0.0 && at_high < 0.0) {
     std::uintmax_t iterations = 60;
-    const auto close = [&](double a, double b) { return b - a <= 1e-13 * open_voltage_; };
+    const auto close = [&](double a, double b) { return b - a <= 1e-13 * open; };
     const auto root =
         boost::math::tools::toms748_solve(gap, low, high, at_low, at_high, close, iterations);
     bus = 0.5 * (root.first + root.second);

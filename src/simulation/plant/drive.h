@@ -35,11 +35,20 @@ struct MotorState {
   bool limited = false;  ///< by voltage, current or torque
 };
 
+/// What laws change of motors, battery and ground at an instant.
+struct PlantChanges {
+  std::vector<double> torque_scale;  ///< one a motor, on the torque that arrives [-]
+  double bus_drop = 0.0;             ///< of the battery's voltage [V]
+  double friction_scale = 1.0;       ///< on the ground's coefficient of friction [-]
+};
+
 class Drive {
  public:
   /// InputError where a motor can't take a command of `quantity`.
   Drive(const Plant& plant, Quantity quantity);
 
+  /// Until the next change(); none at first.
+  void change(const PlantChanges& changes);
   /// States of all motors by their commands, at their joints' rates [rad/s] and windings'
   /// temperatures [K] (null: cold). Returns the bus voltage.
   double set(Quantity quantity, const Command* commands, const double* rates,
@@ -55,12 +64,14 @@ class Drive {
 
   struct Motor {
     model::PlanarMotor data;
-    double ratio;    ///< G eta
-    double largest;  ///< motor torque by current and torque limits [N m]
-    double scale;    ///< torque that arrives [-]
+    double ratio;          ///< G eta
+    double largest;        ///< motor torque by current and torque limits [N m]
+    double scale;          ///< torque that arrives [-]
+    double changed = 1.0;  ///< on top of it, by laws [-]
   };
   std::vector<Motor> data_;
   double resistance_, open_voltage_;
+  double drop_ = 0.0;  ///< of all voltages, by laws [V]
   bool warm_;
 };
 

@@ -1,0 +1,219 @@
+#include "simulation/plant/laws.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+#include "jaculus/core/error.h"
+
+namespace jaculus::simulation::detail {
+
+namespace {
+
+bool of_motors(ReadingKind kind) {
+  return kind == ReadingKind::motor_torque || kind == ReadingKind::motor_current ||
+         kind == ReadingKind::motor_voltage;
+}
+
+bool of_joint(ReadingKind kind) {
+  return of_motors(kind) || kind == ReadingKind::joint_position ||
+         kind == ReadingKind::joint_rate || kind == ReadingKind::joint_load;
+}
+
+bool of_joint(ActionKind kind) {
+  return kind == ActionKind::joint_torque || kind == ActionKind::torque_scale;
+}
+
+/// Generalised force less the motors' that a joint feels, by its row: -row.h/(row.row).
+double load_at(const Row& row, const Inertia& inertia) {
+  double along = 0.0, square = 0.0;
+  for (int i = 0; i < inertia.size(); ++i) {
+    along -= row[i] * inertia.bias(i);
+    square += row[i] * row[i];
+  }
+  return square > 0.0 ? along / square : 0.0;
+}
+
+int body_named(const model::PlanarModel& model, const std::string& name) {
+  for (int b = 0; b < count_of(model.bodies); ++b)
+    if (model.bodies[b].name == name) return b;
+  return -1;
+}
+
+}  // namespace
+
+Laws::Laws(const Plant& plant) {
+  const model::PlanarModel& model = plant.model;
+
+  for (const Law& law : plant.laws) {
+    const auto joint = [&](const std::string& name, bool needs_motor) {
+      Place place;
+      place.motor = model.motor_index(name);
+      place.body = model.body_of_joint(name);
+      if (place.body < 0)
+        throw InputError(fmt::format("{}: the robot has no joint '{}'", law.name, name));
+      if (needs_motor && place.motor < 0)
+        throw InputError(fmt::format("{}: no motor turns joint '{}'", law.name, name));
+      place.count =
+          place.motor < 0 ? model.bodies[place.body].count : model.motors[place.motor].count;
+      return place;
+    };
+    const auto body = [&](const std::string& name, const Vec2& point) {
+      Place place{-1, body_named(model, name), point, 1};
+      if (place.body < 0)
+        throw InputError(fmt::format("{}: the robot has no body '{}'", law.name, name));
+      place.count = model.bodies[place.body].count;
+      return place;
+    };
+
+    Own own{&law, law.functions(), {}, {}, {}, {}, {}, {}};
+    for (const Reading& r : law.readings) {
+      const bool whole = r.kind == ReadingKind::time || r.kind == ReadingKind::bus_voltage;
+      own.read_at.push_back(whole              ? Place{}
+                            : of_joint(r.kind) ? joint(r.of, of_motors(r.kind))
+                                               : body(r.of, r.point));
+    }
+    int values = 0;
+    for (const Action& a : law.actions) {
+      own.act_at.push_back(a.kind == ActionKind::bus_drop || a.kind == ActionKind::friction_scale
+                               ? Place{}
+                           : of_joint(a.kind) ? joint(a.of, a.kind == ActionKind::torque_scale)
+                                              : body(a.of, a.point));
+      own.before = own.before || a.before_motors();
+      values += a.values();
+    }
+
+    own.readings.assign(law.readings.size(), 0.0);
+    own.actions.assign(values, 0.0);
+    own.states.assign(law.states.size(), 0.0);
+    own.rates.assign(law.states.size(), 0.0);
+    states_ += count_of(law.states);
+    laws_.push_back(std::move(own));
+  }
+
+  rates_.assign(states_, 0.0);
+  changes_.torque_scale.assign(model.motors.size(), 1.0);
+}
+
+void Laws::start(double* states) const {
+  for (const Own& own : laws_)
+    for (const LawState& state : own.law->states) *states++ = state.initial / state.scale;
+}
+
+/// All but motors and battery.
+void Laws::read(Own& own, const Mechanism& mechanism, const Inertia& inertia, double t,
+                const double* q, const double* v) {
+  PointState point{};
+  const Place* pointed = nullptr;  // whose point is in `point`
+  for (std::size_t i = 0; i < own.readings.size(); ++i) {
+    const Place& place = own.read_at[i];
+    const ReadingKind kind = own.law->readings[i].kind;
+    double& value = own.readings[i];
+    const bool at_point = kind >= ReadingKind::point_x && kind <= ReadingKind::point_rate_z;
+    if (at_point &&
+        (pointed == nullptr || pointed->body != place.body || pointed->point != place.point)) {
+      mechanism.point(place.body, place.point, point);
+      pointed = &place;
+    }
+    if (of_joint(kind) && !of_motors(kind)) {
+      JointState joint;
+      if (place.motor >= 0) {
+        joint = {mechanism.motor_angle(place.motor, q), mechanism.motor_rate(place.motor, v), 0.0,
+                 mechanism.motor_row[place.motor]};
+      } else {
+        mechanism.joint(place.body, q, v, joint);
+      }
+      value = kind == ReadingKind::joint_position ? joint.value : joint.rate;
+      if (kind == ReadingKind::joint_load) value = load_at(joint.row, inertia) / place.count;
+      continue;
+    }
+    if (kind == ReadingKind::time) value = t;
+    if (kind == ReadingKind::point_x) value = point.px;
+    if (kind == ReadingKind::point_z) value = point.pz;
+    if (kind == ReadingKind::point_rate_x) value = point.vx;
+    if (kind == ReadingKind::point_rate_z) value = point.vz;
+    if (kind == ReadingKind::body_rate) value = mechanism.frame(place.body).omega;
+    if (kind == ReadingKind::body_angle)
+      value = std::atan2(mechanism.frame(place.body).s, mechanism.frame(place.body).c);
+    if (of_motors(kind) || kind == ReadingKind::bus_voltage) value = 0.0;
+  }
+}
+
+void Laws::read_motors(Own& own, const std::vector<MotorState>& motors, double bus) {
+  for (std::size_t i = 0; i < own.readings.size(); ++i) {
+    const int motor = own.read_at[i].motor;
+    const ReadingKind kind = own.law->readings[i].kind;
+    if (kind == ReadingKind::motor_torque) own.readings[i] = motors[motor].torque;
+    if (kind == ReadingKind::motor_current) own.readings[i] = motors[motor].current;
+    if (kind == ReadingKind::motor_voltage) own.readings[i] = motors[motor].voltage;
+    if (kind == ReadingKind::bus_voltage) own.readings[i] = bus;
+  }
+}
+
+const PlantChanges& Laws::before_motors(const Mechanism& mechanism, const Inertia& inertia,
+                                        double t, const double* q, const double* v,
+                                        const double* states) {
+  std::fill(changes_.torque_scale.begin(), changes_.torque_scale.end(), 1.0);
+  changes_.bus_drop = 0.0;
+  changes_.friction_scale = 1.0;
+  for (Own& own : laws_) {
+    read(own, mechanism, inertia, t, q, v);
+    for (std::size_t k = 0; k < own.states.size(); ++k)
+      own.states[k] = *states++ * own.law->states[k].scale;
+    if (!own.before) continue;
+
+    assert(own.functions.before && "an action before the motors has its function");
+    own.functions.before(own.readings.data(), own.states.data(), own.actions.data());
+    const double* value = own.actions.data();
+    for (std::size_t a = 0; a < own.act_at.size(); ++a) {
+      const Action& action = own.law->actions[a];
+      if (action.kind == ActionKind::torque_scale)
+        changes_.torque_scale[own.act_at[a].motor] *= *value;
+      if (action.kind == ActionKind::bus_drop) changes_.bus_drop += *value;
+      if (action.kind == ActionKind::friction_scale)
+        changes_.friction_scale *= std::max(0.0, *value);
+      value += action.values();
+    }
+  }
+  return changes_;
+}
+
+void Laws::act(const Own& own, const Mechanism& mechanism, const double* q, const double* v,
+               double* force) const {
+  const double* value = own.actions.data();
+  for (std::size_t a = 0; a < own.act_at.size(); ++a) {
+    const Action& action = own.law->actions[a];
+    const Place& place = own.act_at[a];
+    if (action.kind == ActionKind::joint_torque) {
+      JointState joint;
+      if (place.motor < 0) mechanism.joint(place.body, q, v, joint);
+      const Row& row = place.motor < 0 ? joint.row : mechanism.motor_row[place.motor];
+      for (int i = 0; i < mechanism.n; ++i) force[i] += place.count * value[0] * row[i];
+    } else if (action.kind == ActionKind::point_force) {
+      PointState point;
+      mechanism.point(place.body, place.point, point);
+      for (int i = 0; i < mechanism.n; ++i)
+        force[i] += place.count * (value[0] * point.jx[i] + value[1] * point.jz[i]);
+    } else if (action.kind == ActionKind::body_moment) {
+      const Frame& frame = mechanism.frame(place.body);
+      for (int i = 0; i < mechanism.n; ++i) force[i] += place.count * value[0] * frame.w[i];
+    }
+    value += action.values();
+  }
+}
+
+void Laws::add(const Mechanism& mechanism, const std::vector<MotorState>& motors, double bus,
+               const double* q, const double* v, double* force) {
+  double* rate = rates_.data();
+  for (Own& own : laws_) {
+    read_motors(own, motors, bus);
+    own.functions.act(own.readings.data(), own.states.data(), own.actions.data(), own.rates.data());
+    act(own, mechanism, q, v, force);
+    for (std::size_t k = 0; k < own.rates.size(); ++k)
+      *rate++ = own.rates[k] / own.law->states[k].scale;
+  }
+}
+
+}  // namespace jaculus::simulation::detail

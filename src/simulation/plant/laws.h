@@ -1,0 +1,61 @@
+#pragma once
+// The laws of a plant (law.h) in a run: what they read where the mechanism stands, what they do to
+// it, the rates of their states.
+
+#include <array>
+#include <vector>
+
+#include "jaculus/simulation/plant.h"
+#include "simulation/plant/drive.h"
+#include "simulation/plant/inertia.h"
+#include "simulation/plant/mechanism.h"
+
+namespace jaculus::simulation::detail {
+
+class Laws {
+ public:
+  /// InputError where a law names a joint, motor or body that the robot lacks.
+  explicit Laws(const Plant& plant);
+
+  [[nodiscard]] bool empty() const { return laws_.empty(); }
+  /// States of all laws.
+  [[nodiscard]] int states() const { return states_; }
+  /// Sets all states to their start, each over its scale.
+  void start(double* states) const;
+
+  /// What laws change of motors, battery and ground; `states` as start() left them, integrated.
+  const PlantChanges& before_motors(const Mechanism& mechanism, const Inertia& inertia, double t,
+                                    const double* q, const double* v, const double* states);
+  /// Adds the generalised forces; sets what rates() gives. After before_motors() at the same state.
+  void add(const Mechanism& mechanism, const std::vector<MotorState>& motors, double bus,
+           const double* q, const double* v, double* force);
+  /// Rates of all states, each over its scale, as add() left them.
+  [[nodiscard]] const std::vector<double>& rates() const { return rates_; }
+
+ private:
+  /// A joint by its motor, or by its link where no motor turns it; or a body with a point.
+  struct Place {
+    int motor = -1, body = -1;
+    Vec2 point = Vec2::Zero();  ///< [m]
+    int count = 1;              ///< left and right
+  };
+  struct Own {
+    const Law* law;
+    LawFunctions functions;
+    std::vector<Place> read_at, act_at;
+    std::vector<double> readings, actions, states, rates;
+    bool before = false;  ///< acts before the motors
+  };
+  void read(Own& own, const Mechanism& mechanism, const Inertia& inertia, double t, const double* q,
+            const double* v);
+  void read_motors(Own& own, const std::vector<MotorState>& motors, double bus);
+  void act(const Own& own, const Mechanism& mechanism, const double* q, const double* v,
+           double* force) const;
+
+  std::vector<Own> laws_;
+  std::vector<double> rates_;
+  int states_ = 0;
+  PlantChanges changes_;
+};
+
+}  // namespace jaculus::simulation::detail
