@@ -298,12 +298,13 @@ void refuse_other_kind(const Node& file, std::string_view wanted) {
   struct Kind {
     const char *format, *name, *use;
   };
-  static constexpr std::array<Kind, 7> kKinds = {
+  static constexpr std::array<Kind, 8> kKinds = {
       Kind{"jaculus-problem/1", "a problem", "`jaculus solve` solves it"},
       Kind{"jaculus-experiment/1", "an experiment", "`jaculus simulate` plays it"},
       Kind{"jaculus-study/1", "a study", "`jaculus study` runs it"},
       Kind{"jaculus-dataset/1", "a dataset", "`jaculus diagnose` takes its folder"},
       Kind{"jaculus-robot/1", "a robot", "`jaculus check` takes its folder"},
+      Kind{"jaculus-effect/1", "an effect", "`jaculus check` tries it, --effects takes it"},
       Kind{"jaculus-columns/1", "a map of columns", "`jaculus import csv --map` takes it"},
       Kind{"jaculus-openlog/1", "a description of a binary log",
            "`jaculus import openlog` takes it"}};

@@ -22,20 +22,6 @@ const std::vector<Row>& rows() {
   return all;
 }
 
-/// At nominal values an effect leaves the plant alone: not even an entry of zeros is added.
-Effect guarded(Effect effect) {
-  effect.apply = [inner = effect.apply, nominal = effect.nominal()](const Vector& theta,
-                                                                    Plant& plant) {
-    assert(theta.size() == nominal.size() && "apply: one value a parameter");
-    if (theta != nominal) inner(theta, plant);
-  };
-  effect.overrides = [inner = effect.overrides, nominal = effect.nominal()](
-                         const Vector& theta, const PlanarModel& model) {
-    return inner && theta != nominal ? inner(theta, model) : std::vector<ModelOverride>();
-  };
-  return effect;
-}
-
 /// A row's effect on a scope's joints, and on each part of them where shares tell the parts apart.
 Effect with_parts(const Row& row, const JointScope& scope) {
   Effect effect = guarded(row.on_joints(scope));
@@ -102,6 +88,19 @@ void add_parameter_faults(const Effect& effect, const EffectParameter& p,
 
 }  // namespace
 
+Effect guarded(Effect effect) {
+  effect.apply = [inner = effect.apply, nominal = effect.nominal()](const Vector& theta,
+                                                                    Plant& plant) {
+    assert(theta.size() == nominal.size() && "apply: one value a parameter");
+    if (theta != nominal) inner(theta, plant);
+  };
+  effect.overrides = [inner = effect.overrides, nominal = effect.nominal()](
+                         const Vector& theta, const PlanarModel& model) {
+    return inner && theta != nominal ? inner(theta, model) : std::vector<ModelOverride>();
+  };
+  return effect;
+}
+
 const char* component_name(Component component) {
   static const NameTable<Component> table({{Component::tail_transmission, "tail_transmission"},
                                            {Component::tail_aerodynamics, "tail_aerodynamics"},
@@ -157,8 +156,8 @@ std::vector<Effect> effects_of(const std::vector<Row>& rows) {
   return effects;
 }
 
-const std::vector<Effect>& effect_catalogue() {
-  static const std::vector<Effect> catalogue = effects_of(rows());
+const Catalogue& effect_catalogue() {
+  static const Catalogue catalogue = effects_of(rows());
   return catalogue;
 }
 
@@ -169,16 +168,16 @@ std::vector<Effect> effects_on(const JointScope& scope) {
   return effects;
 }
 
-const Effect* find_effect(const std::string& name) {
-  const std::vector<Effect>& all = effect_catalogue();
-  const auto found =
-      std::find_if(all.begin(), all.end(), [&](const Effect& e) { return e.name == name; });
-  return found == all.end() ? nullptr : &*found;
+const Effect* find_effect(const std::string& name, const Catalogue& catalogue) {
+  const auto found = std::find_if(catalogue.begin(), catalogue.end(),
+                                  [&](const Effect& e) { return e.name == name; });
+  return found == catalogue.end() ? nullptr : &*found;
 }
 
-std::vector<const Effect*> applicable_effects(const PlanarModel& model) {
+std::vector<const Effect*> applicable_effects(const PlanarModel& model,
+                                              const Catalogue& catalogue) {
   std::vector<const Effect*> effects;
-  for (const Effect& effect : effect_catalogue())
+  for (const Effect& effect : catalogue)
     if (effect.applies(model)) effects.push_back(&effect);
   return effects;
 }

@@ -29,6 +29,9 @@ struct Row {
   std::vector<JointScope> scopes;
 };
 
+/// At nominal values an effect leaves the plant alone: not even an entry of zeros is added.
+Effect guarded(Effect effect);
+
 /// The effects of rows, in their order: an entry for each scope.
 std::vector<Effect> effects_of(const std::vector<Row>& rows);
 

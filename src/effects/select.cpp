@@ -29,22 +29,22 @@ std::string hint(const std::string& given, const std::vector<std::string>& names
 }
 
 /// Every effect that this robot can have, with its sizes, each joint's own among them.
-std::vector<Effect> effects_of(const model::PlanarModel& model) {
+std::vector<Effect> effects_of(const model::PlanarModel& model, const Catalogue& catalogue) {
   std::vector<Effect> all;
-  for (const Effect* effect : applicable_effects(model))
+  for (const Effect* effect : applicable_effects(model, catalogue))
     for (Effect& own : sized_for(*effect, model, {})) all.push_back(std::move(own));
   return all;
 }
 
 std::shared_ptr<const Effect> effect_named(const std::string& name, const model::PlanarModel& model,
-                                           const std::string& place) {
+                                           const std::string& place, const Catalogue& catalogue) {
   std::vector<std::string> names;
-  for (Effect& effect : effects_of(model)) {
+  for (Effect& effect : effects_of(model, catalogue)) {
     if (effect.name == name) return std::make_shared<const Effect>(std::move(effect));
     names.push_back(effect.name);
   }
 
-  const Effect* other = find_effect(name);
+  const Effect* other = find_effect(name, catalogue);
   if (other == nullptr) {
     throw InputError(fmt::format("{}: unknown effect '{}'{}; allowed: {}", place, name,
                                  hint(name, names), fmt::join(names, ", ")));
@@ -101,9 +101,10 @@ void set_parameter(const std::string& assignment, EffectValue& value, std::set<s
 }  // namespace
 
 EffectValue read_effect(const std::string& text, const model::PlanarModel& model,
-                        const std::string& place) {
+                        const std::string& place, const Catalogue& catalogue) {
   const std::size_t colon = text.find(':');
-  const std::shared_ptr<const Effect> effect = effect_named(text.substr(0, colon), model, place);
+  const std::shared_ptr<const Effect> effect =
+      effect_named(text.substr(0, colon), model, place, catalogue);
   if (colon == std::string::npos) {
     throw InputError(fmt::format(
         "{}: '{}' has no parameter; allowed: name:parameter=value,... such as {}:{}={}", place,
@@ -114,6 +115,18 @@ EffectValue read_effect(const std::string& text, const model::PlanarModel& model
   for (const std::string& part : split(text.substr(colon + 1), ','))
     set_parameter(part, value, seen, place);
   return value;
+}
+
+AugmentedEffects read_augmented(const std::filesystem::path& file) {
+  const yaml::Node root = yaml::Node::load(file);
+  root.only({"format", "robot", "override", "effects", "effect_files"});
+  if (const yaml::Node format = root.at("format"); format.text() != "jaculus-augmented/1")
+    throw format.error(
+        fmt::format("'{}' given; allowed: jaculus-augmented/1, as diagnose writes", format.text()));
+  AugmentedEffects augmented;
+  augmented.effects = root.at("effects").texts();
+  if (const auto files = root.find("effect_files")) augmented.files = files->texts();
+  return augmented;
 }
 
 void apply_effects(const std::vector<EffectValue>& effects, simulation::Plant& plant) {

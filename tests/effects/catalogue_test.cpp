@@ -6,14 +6,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <optional>
 #include <random>
 #include <set>
 
 #include "effects/scope.h"
 #include "experiments.h"
 #include "jaculus/core/installation.h"
-#include "jaculus/effects/effect.h"
+#include "jaculus/effects/check.h"
 #include "jaculus/model/robot.h"
 #include "own_effect.h"
 
@@ -71,11 +70,13 @@ Vector data_with(const Walk& walk, const Vector& theta) {
   return *data;
 }
 
-/// Nominal, with a share of the probing step in the first parameter.
-Vector part(const Effect& effect, double share) {
-  Vector theta = effect.nominal();
-  theta[0] += share * (effect.probed()[0] - theta[0]);
-  return theta;
+/// The same where a simulation may fail.
+DataOf data_of_walk(const Walk& walk) {
+  return [walk](const Vector& theta, std::string& why) {
+    simulation::Plant plant = walk.experiment->plant;
+    walk.effect->apply(theta, plant);
+    return test::measured_in_noise(*walk.experiment, plant, why);
+  };
 }
 
 double rms(const Vector& v) { return std::sqrt(v.squaredNorm() / static_cast<double>(v.size())); }
@@ -94,69 +95,23 @@ TEST_P(EveryEffect, AtNominalChangesNothing) {
 }
 
 TEST_P(EveryEffect, FadesSmoothly) {
-  const Effect& effect = *GetParam().effect;
-  const Vector none = data_with(GetParam(), effect.nominal());
-  double before = kInfinity, first = kNaN;
-  for (const double share : {1.0, 1.0 / 4.0, 1.0 / 16.0, 1.0 / 64.0}) {
-    const Vector data = data_with(GetParam(), part(effect, share));
-    ASSERT_EQ(data.size(), none.size());
-    const double influence = rms(data - none);
-    if (std::isnan(first)) first = influence;
-    EXPECT_LT(influence, std::max(before, 1e-9)) << "at a share of " << share;
-    before = influence;
+  const std::vector<Influence> all = influences(*GetParam().effect, data_of_walk(GetParam()));
+  double before = kInfinity;
+  for (const Influence& influence : all) {
+    ASSERT_FALSE(std::isnan(influence.size)) << "no simulation at a share of " << influence.share;
+    EXPECT_LT(influence.size, std::max(before, 1e-9)) << "at a share of " << influence.share;
+    before = influence.size;
   }
+  const double first = all.front().size;
   EXPECT_GT(first, 0.0) << "the experiment shows nothing of it";
   EXPECT_LT(before, 0.1 * first) << "a 64th of the step has a tenth of its influence or more";
-}
-
-/// Gauss-Newton for the first parameter with halved steps: estimate and its standard error for data
-/// of unit noise.
-struct Fit {
-  double value = kNaN, deviation = kNaN;
-};
-
-Fit fit(const Walk& walk, const Vector& measured) {
-  const Effect& effect = *walk.effect;
-  const Bounds bounds = effect.parameters[0].bounds;
-  const double step = 0.02 * (effect.probed()[0] - effect.nominal()[0]);
-  // A simulation that ends early (events that cluster at one value) is a step too far, as in any
-  // fit through simulation.
-  const auto predicted = [&](double value) -> std::optional<Vector> {
-    Vector theta = effect.nominal();
-    theta[0] = value;
-    try {
-      return data_with(walk, theta);
-    } catch (const std::runtime_error&) {
-      return std::nullopt;
-    }
-  };
-  double value = effect.probed()[0];
-  std::optional<Vector> at = predicted(value);
-  Vector slope;
-  for (int iteration = 0; at && iteration < 15; ++iteration) {
-    const std::optional<Vector> beside = predicted(value - step);
-    if (!beside) break;
-    slope = (*beside - *at) / -step;
-    const double wanted = slope.dot(measured - *at) / slope.squaredNorm();
-    double move = std::clamp(value + wanted, bounds.lower, bounds.upper) - value;
-    const auto better = [&](const std::optional<Vector>& y) {
-      return y && (measured - *y).norm() <= (measured - *at).norm();
-    };
-    std::optional<Vector> next = predicted(value + move);
-    while (std::abs(move) > 1e-5 * std::abs(step) && !better(next))
-      next = predicted(value + (move *= 0.5));
-    value += move;
-    at = next;
-    if (std::abs(move) < 1e-3 * std::abs(step)) break;
-  }
-  return {value, 1.0 / slope.norm()};
 }
 
 /// Whether another listed experiment shows more of the effect, so that the parameter is to be had
 /// there.
 bool shows_most(const Walk& walk) {
   const auto influence = [](const Walk& w) {
-    return (data_with(w, part(*w.effect, 0.75)) - data_with(w, w.effect->nominal())).norm();
+    return (data_with(w, part_of_step(*w.effect, 0.75)) - data_with(w, w.effect->nominal())).norm();
   };
   const double own = influence(walk);
   for (const Walk& other : walks()) {
@@ -170,15 +125,16 @@ bool shows_most(const Walk& walk) {
 TEST_P(EveryEffect, GivesItsParameterBack) {
   if (!shows_most(GetParam())) GTEST_SKIP() << "shows more in another experiment, which is tested";
   const Effect& effect = *GetParam().effect;
-  const Vector truth = part(effect, 0.75);
+  const Vector truth = part_of_step(effect, 0.75);
   const double departure = std::abs(truth[0] - effect.nominal()[0]);
   Vector data = data_with(GetParam(), truth);
-  const Fit exact = fit(GetParam(), data);
+  const DataOf predicted = data_of_walk(GetParam());
+  const FirstParameter exact = fit_first(effect, predicted, data);
   EXPECT_NEAR(exact.value, truth[0], 0.01 * departure) << "without noise";
   std::mt19937 random(7);
   std::normal_distribution<double> noise;
   for (double& value : data) value += noise(random);
-  const Fit noisy = fit(GetParam(), data);
+  const FirstParameter noisy = fit_first(effect, predicted, data);
   EXPECT_LT(noisy.deviation, 0.2 * departure) << "the experiment shows too little of it";
   EXPECT_NEAR(noisy.value, truth[0], 4.0 * noisy.deviation) << "with noise";
 }
@@ -186,7 +142,7 @@ TEST_P(EveryEffect, GivesItsParameterBack) {
 TEST_P(EveryEffect, ModelValuesDoTheSame) {
   const Effect& effect = *GetParam().effect;
   const model::PlanarModel& model = GetParam().experiment->plant.model;
-  const Vector theta = part(effect, 0.75);
+  const Vector theta = part_of_step(effect, 0.75);
   const std::vector<ModelOverride> values = effect.overrides(theta, model);
   EXPECT_TRUE(effect.overrides(effect.nominal(), model).empty());
   if (values.empty()) GTEST_SKIP() << "the optimiser can't have it";

@@ -94,6 +94,7 @@ struct Effect {
       overrides;
   /// Whether it is about when a plan or script starts: a logged input has no such time.
   bool of_plan = false;
+  std::string file{};  ///< that a user wrote it in; empty: the library's
   /// Where it acts in front and rear legs: the same effect in each of them alone, of the same
   /// parameters.
   std::vector<Effect> parts;
@@ -114,12 +115,16 @@ std::vector<const Effect*> in_parts(const Effect& effect);
 std::vector<Effect> sized_for(const Effect& effect, const model::PlanarModel& model,
                               const JointRates& rates);
 
-/// Every effect, in a fixed order.
-const std::vector<Effect>& effect_catalogue();
+using Catalogue = std::vector<Effect>;
+
+/// Every effect of the library, in a fixed order. What takes a catalogue takes one with effects of
+/// its user's as well (user_effect.h).
+const Catalogue& effect_catalogue();
 /// By name; null where there is none.
-const Effect* find_effect(const std::string& name);
+const Effect* find_effect(const std::string& name, const Catalogue& catalogue = effect_catalogue());
 /// Those which a robot can have.
-std::vector<const Effect*> applicable_effects(const model::PlanarModel& model);
+std::vector<const Effect*> applicable_effects(const model::PlanarModel& model,
+                                              const Catalogue& catalogue = effect_catalogue());
 /// What is wrong with an entry, one sentence each ("leg_backlash: play: bounds [1, 0] are empty");
 /// empty where it is sound.
 std::vector<std::string> effect_faults(const Effect& effect);

@@ -1,6 +1,7 @@
 #pragma once
 // Effects as users write and read them: "tail_compliance:stiffness=98,damping_ratio=0.1".
 
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -29,7 +30,15 @@ struct ShownParameter {
 /// where a name is unknown, a value is no number or lies outside the bounds, or this robot can't
 /// have the effect.
 EffectValue read_effect(const std::string& text, const model::PlanarModel& model,
-                        const std::string& place);
+                        const std::string& place, const Catalogue& catalogue = effect_catalogue());
+
+/// What augmented.yaml of a diagnosis says of effects.
+struct AugmentedEffects {
+  std::vector<std::string> effects;  ///< each as read_effect() takes it
+  std::vector<std::string> files;    ///< of users' effects among them
+};
+/// InputError where the file is none.
+AugmentedEffects read_augmented(const std::filesystem::path& file);
 
 /// Sets several effects on a plant, in the order given.
 void apply_effects(const std::vector<EffectValue>& effects, simulation::Plant& plant);
