@@ -1,5 +1,7 @@
 // jaculus check: what was understood of problems and robots.
 
+#include "jaculus/effects/check.h"
+
 #include <fmt/format.h>
 
 #include <memory>
@@ -8,9 +10,11 @@
 #include "cli/check_dataset.h"
 #include "cli/command.h"
 #include "jaculus/core/error.h"
+#include "jaculus/effects/user_effect.h"
 #include "jaculus/studies/study.h"
 #include "jaculus/transcription/describe.h"
 #include "jaculus/transcription/nonlinear_program.h"
+#include "report/document/text_table.h"
 
 namespace jaculus::cli {
 namespace {
@@ -21,6 +25,7 @@ using Json = nlohmann::ordered_json;
 struct CheckOptions {
   Common common;
   std::vector<std::string> files;
+  std::string experiment;  ///< in which effects are tried
   bool explain = false;
   bool strict = false;
 };
@@ -58,13 +63,51 @@ Json check_robot(const fs::path& path, bool strict, std::string& text) {
   return json;
 }
 
-/// A file whose `format` is that of a study.
-bool names_study(const fs::path& path) {
+/// Whether a file's `format` begins so.
+bool has_format(const fs::path& path, std::string_view kind) {
   if (!fs::is_regular_file(path) || path.extension() == ".urdf") return false;
   const yaml::Node root = yaml::Node::load(path);
   if (!root.is_map()) return false;
   const auto format = root.find("format");
-  return format && format->is_scalar() && format->text().starts_with("jaculus-study/");
+  return format && format->is_scalar() && format->text().starts_with(kind);
+}
+
+bool names_study(const fs::path& path) { return has_format(path, "jaculus-study/"); }
+
+bool names_effect(const fs::path& path) { return has_format(path, "jaculus-effect/"); }
+
+/// Tries a user's effect in an experiment; `passed` turns false where something fails.
+Json check_effect_file(const fs::path& file, const std::string& experiment, std::string& text,
+                       bool& passed) {
+  const effects::UserEffect user = effects::read_user_effect(file);
+  const fs::path shown_in = experiment.empty() ? user.experiment : fs::path(experiment);
+  if (shown_in.empty())
+    throw InputError(
+        fmt::format("{}: no experiment to try it in; allowed: --experiment FILE, or the key "
+                    "`experiment`",
+                    file.string()));
+  const simulation::Experiment tried = simulation::read_experiment(shown_in);
+  user.require(simulation::dataset_robot(tried.setup).planar);
+
+  text += fmt::format("{}: {}\n  in {} on {}\n", user.effect.name, user.effect.caption, tried.name,
+                      tried.setup.robot);
+  report::TextTable parameters({"parameter", "unit", "nominal", "bounds", "scale"});
+  for (const effects::EffectParameter& p : user.effect.parameters)
+    parameters.row({p.name, p.unit, fmt::format("{}", p.nominal),
+                    fmt::format("{} to {}", p.bounds.lower, p.bounds.upper),
+                    fmt::format("{}", p.scale)});
+  text += parameters.text();
+
+  report::TextTable table({"check", "result", "found"});
+  Json json = {{"effect", user.effect.name}, {"experiment", tried.name}, {"checks", Json::array()}};
+  for (const effects::Check& check : effects::check_effect(user.effect, tried)) {
+    table.row({check.what, check.passed ? "ok" : "FAILED", check.found});
+    json["checks"].push_back(
+        {{"what", check.what}, {"found", check.found}, {"passed", check.passed}});
+    passed = passed && check.passed;
+  }
+  text += table.text();
+  return json;
 }
 
 Json check_study_file(const fs::path& file, std::string& text) {
@@ -108,14 +151,17 @@ int run_check(const CheckOptions& options) {
 
   if (options.files.empty())
     throw InputError(
-        "check: no file given; allowed: problem files, study files and robots, or --explain");
+        "check: no file given; allowed: problem files, study files, effect files and robots, or "
+        "--explain");
   Json json = Json::array();
   std::string text;
+  bool passed = true;
   for (const std::string& file : options.files) {
-    json.push_back(names_dataset(file) ? check_dataset(file, text)
-                   : names_study(file) ? check_study_file(file, text)
-                   : names_robot(file) ? check_robot(file, options.strict, text)
-                                       : check_problem_file(file, options.common, text));
+    json.push_back(names_dataset(file)  ? check_dataset(file, text)
+                   : names_study(file)  ? check_study_file(file, text)
+                   : names_effect(file) ? check_effect_file(file, options.experiment, text, passed)
+                   : names_robot(file)  ? check_robot(file, options.strict, text)
+                                        : check_problem_file(file, options.common, text));
     json.back()["file"] = file;
   }
 
@@ -124,7 +170,7 @@ int run_check(const CheckOptions& options) {
   } else if (!options.common.quiet) {
     print(text);
   }
-  return kDone;
+  return passed ? kDone : kNotSolved;
 }
 
 }  // namespace
@@ -132,12 +178,15 @@ int run_check(const CheckOptions& options) {
 void add_check(CLI::App& app, Action& chosen) {
   auto options = std::make_shared<CheckOptions>();
   CLI::App* command = app.add_subcommand(
-      "check", "Validates problems, studies and robots; prints what was understood, with sizes.");
+      "check",
+      "Validates problems, studies, effects and robots; prints what was understood, with sizes.");
   command->footer("Example:\n  jaculus check problems/leap_tail.yaml minitaur_tail");
   command->add_option("files", options->files,
-                      "problem or study files, robot folders or robot names");
+                      "files of problems, studies or effects, robot folders or robot names");
   command->add_flag("--explain", options->explain,
                     "print every key of a problem file with its meaning, unit and default");
+  command->add_option("--experiment", options->experiment,
+                      "experiment in which effects are tried, instead of the one that they name");
   command->add_flag("--strict", options->strict,
                     "refuse a robot of whose URDF something is skipped or assumed");
   command->add_flag("--json", options->common.json,

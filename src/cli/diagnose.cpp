@@ -12,7 +12,9 @@
 #include "jaculus/core/interrupt.h"
 #include "jaculus/core/units.h"
 #include "jaculus/diagnosis/diagnosis_json.h"
+#include "jaculus/effects/user_effect.h"
 #include "jaculus/report/diagnosis_report.h"
+#include "jaculus/simulation/experiment.h"
 #include "jaculus/trajectory/csv.h"
 
 namespace jaculus::cli {
@@ -24,6 +26,7 @@ struct DiagnoseOptions {
   std::string settings;                 ///< file
   std::vector<std::string> tolerances;  ///< "x=5mm"
   std::string horizon;                  ///< "0.1 s"; empty: the whole motion
+  std::vector<std::string> effect_files;
   bool explain = false;
 };
 
@@ -52,6 +55,13 @@ std::optional<double> horizon_of(const std::string& text) {
   return value;
 }
 
+std::vector<model::PlanarModel> robots_of(const std::vector<trajectory::Dataset>& datasets) {
+  std::vector<model::PlanarModel> robots;
+  for (const trajectory::Dataset& dataset : datasets)
+    robots.push_back(simulation::dataset_robot(dataset).planar);
+  return robots;
+}
+
 int run_diagnose(const DiagnoseOptions& options) {
   restore_default_interrupts();
   diagnosis::DiagnoseOptions diagnosing;
@@ -67,6 +77,9 @@ int run_diagnose(const DiagnoseOptions& options) {
   std::vector<trajectory::Dataset> datasets;
   for (const std::string& folder : options.datasets)
     datasets.push_back(trajectory::read_dataset(folder));
+  const effects::Catalogue catalogue =
+      effects::catalogue_with(options.effect_files, robots_of(datasets));
+  for (const effects::Effect& effect : catalogue) diagnosing.effects.push_back(&effect);
   check_figures(options.common);
   if (!options.common.out.empty()) prepare_folder(options.common.out);
   const tbb::global_control workers(tbb::global_control::max_allowed_parallelism,
@@ -112,6 +125,11 @@ void add_diagnose(CLI::App& app, Action& chosen) {
   command->add_option("--horizon", options->horizon,
                       "since the start, up to which errors are judged: 0.1s; default: the whole "
                       "motion (0.1 s is stated beside it)");
+  command
+      ->add_option("--effects", options->effect_files,
+                   "file of an effect of your own, judged beside the others; may be given several "
+                   "times")
+      ->allow_extra_args(false);
   command->add_flag("--explain", options->explain,
                     "print every setting with its unit, value and origin");
   add_common(*command, options->common,

@@ -7,12 +7,14 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "cli/margins.h"
 #include "cli/reporting.h"
 #include "jaculus/core/error.h"
 #include "jaculus/core/installation.h"
 #include "jaculus/core/interrupt.h"
 #include "jaculus/core/json.h"
 #include "jaculus/effects/select.h"
+#include "jaculus/effects/user_effect.h"
 #include "jaculus/report/dataset_report.h"
 #include "jaculus/simulation/experiment.h"
 #include "report/document/text_table.h"
@@ -30,6 +32,8 @@ struct SimulateOptions {
   std::string controller;
   std::optional<int> trials;
   std::vector<std::string> effects;
+  std::vector<std::string> effect_files;
+  std::string augmented;  ///< file of a diagnosis
   int perturb = 0;
 };
 
@@ -123,10 +127,6 @@ Json trial_json(const simulation::Experiment& experiment, const model::PlanarMod
   return json;
 }
 
-std::string cell(const Json& value, const char* format = "{:.3f}") {
-  return value.is_number() ? fmt::format(fmt::runtime(format), value.get<double>()) : "-";
-}
-
 std::string leap_text(const Json& trials) {
   report::TextTable table({"trial", "start [s]", "recipe v/T", "bias", "without noise", "bias",
                            "v/T at plan end", "lift-off [s]", "v at lift-off", "landing pitch"});
@@ -168,80 +168,6 @@ std::string trials_text(const Json& trials) {
   }
   return table.text();
 }
-
-// --perturb
-// -------------------------------------------------------------------------------------------------
-
-struct MarginRow {
-  const char* key;
-  const char* caption;
-  double simulation::Margins::*value;
-  double limit;
-};
-
-constexpr MarginRow kMarginRows[] = {
-    {"friction_share", "friction cone used [-]", &simulation::Margins::friction_share, 1.0},
-    {"slip_time_s", "feet slid for [s]", &simulation::Margins::slip_time, kInfinity},
-    {"voltage_share", "voltage over the bus's [-]", &simulation::Margins::voltage_share, 1.0},
-    {"torque_share", "motor torque over its limit [-]", &simulation::Margins::torque_share, 1.0},
-    {"current_share", "current over its limit [-]", &simulation::Margins::current_share, 1.0},
-    {"landing_pitch_rad", "landing pitch [rad]", &simulation::Margins::landing_pitch, kInfinity},
-    {"speed_m_s", "forward speed at the plan's end [m/s]", &simulation::Margins::speed, kInfinity},
-};
-
-Json perturb_json(const std::vector<simulation::Replay>& all) {
-  Json json = {
-      {"replays", all.size() - 1}, {"not_done", 0}, {"slipped", 0}, {"margins", Json::object()}};
-
-  int failed = 0, slipped = 0;
-  for (std::size_t i = 1; i < all.size(); ++i) {
-    failed += all[i].margins.status != simulation::SimulationStatus::done ? 1 : 0;
-    slipped += all[i].margins.slip_time > 0.0 ? 1 : 0;
-  }
-
-  json["not_done"] = failed;
-  json["slipped"] = slipped;
-  for (const MarginRow& row : kMarginRows) {
-    std::vector<double> drawn;
-    int at_limit = 0;
-    for (std::size_t i = 1; i < all.size(); ++i) {
-      const double value = all[i].margins.*row.value;
-      if (std::isfinite(value)) drawn.push_back(value);
-      at_limit += value >= row.limit * (1.0 - 1e-6) ? 1 : 0;
-    }
-    std::sort(drawn.begin(), drawn.end());
-    const auto quantile = [&](double q) {
-      return drawn.empty() ? Json(nullptr)
-                           : Json(drawn[static_cast<std::size_t>(
-                                 q * static_cast<double>(drawn.size() - 1) + 0.5)]);
-    };
-    json["margins"][row.key] = {{"nominal", json_number(all.front().margins.*row.value)},
-                                {"least", quantile(0.0)},
-                                {"median", quantile(0.5)},
-                                {"largest", quantile(1.0)},
-                                {"at_limit", at_limit}};
-  }
-
-  return json;
-}
-
-std::string perturb_text(const Json& json) {
-  report::TextTable table({"margin", "nominal", "least", "median", "largest", "at the limit"});
-  for (const MarginRow& row : kMarginRows) {
-    const Json& m = json["margins"][row.key];
-    table.row({row.caption, cell(m["nominal"]), cell(m["least"]), cell(m["median"]),
-               cell(m["largest"]),
-               std::isfinite(row.limit)
-                   ? fmt::format("{} of {}", m["at_limit"].get<int>(), json["replays"].get<int>())
-                   : "-"});
-  }
-  return fmt::format(
-      "{} replays under the stated uncertainties: feet slipped in {}, {} did not end\n{}",
-      json["replays"].get<int>(), json["slipped"].get<int>(), json["not_done"].get<int>(),
-      table.text());
-}
-
-// -------------------------------------------------------------------------------------------------
 
 std::string effects_text(const std::vector<effects::EffectValue>& effects) {
   std::string text;
@@ -320,12 +246,35 @@ void show(const simulation::Experiment& experiment, const Result& result,
   print(text);
 }
 
+/// Effects of --augmented, then those of --effect.
+std::vector<effects::EffectValue> effects_of(const SimulateOptions& options,
+                                             const model::PlanarModel& model) {
+  std::vector<std::string> files = options.effect_files;
+  std::vector<std::pair<std::string, std::string>> texts;  // with their places
+  if (!options.augmented.empty()) {
+    const effects::AugmentedEffects augmented = effects::read_augmented(options.augmented);
+    files.insert(files.end(), augmented.files.begin(), augmented.files.end());
+    for (const std::string& text : augmented.effects) texts.emplace_back(text, options.augmented);
+  }
+  for (const std::string& text : options.effects) texts.emplace_back(text, "--effect");
+
+  const effects::Catalogue catalogue = effects::catalogue_with(files, {model});
+  std::vector<effects::EffectValue> values;
+  for (const auto& [text, place] : texts)
+    values.push_back(effects::read_effect(text, model, place, catalogue));
+  for (const effects::Effect& own : catalogue) {
+    const auto is_own = [&](const effects::EffectValue& v) { return v.effect->file == own.file; };
+    if (!own.file.empty() && std::none_of(values.begin(), values.end(), is_own))
+      throw InputError(fmt::format("--effects: no --effect names '{}' of {}; allowed: {}:{}=...",
+                                   own.name, own.file, own.name, own.parameters.front().name));
+  }
+  return values;
+}
+
 int run_simulate(const SimulateOptions& options) {
   const simulation::Experiment experiment = load_experiment(options);
   const model::PlanarModel model = simulation::dataset_robot(experiment.setup).planar;
-  std::vector<effects::EffectValue> effects;
-  for (const std::string& text : options.effects)
-    effects.push_back(effects::read_effect(text, model, "--effect"));
+  const std::vector<effects::EffectValue> effects = effects_of(options, model);
   if (options.perturb > 0 && experiment.uncertainties.empty())
     throw InputError(
         fmt::format("--perturb: {} states no uncertainties; allowed: an experiment with a block "
@@ -389,6 +338,12 @@ void add_simulate(CLI::App& app, Action& chosen) {
                    "name:parameter=value,... of an effect of the plant in SI units; may be given "
                    "several times")
       ->allow_extra_args(false);
+  command
+      ->add_option("--effects", options->effect_files,
+                   "file of an effect of your own, for --effect; may be given several times")
+      ->allow_extra_args(false);
+  command->add_option("--augmented", options->augmented,
+                      "augmented.yaml of a diagnosis: its effects, those of your own among them");
   command
       ->add_option("--perturb", options->perturb,
                    "replays under the experiment's uncertainties, with their margins")

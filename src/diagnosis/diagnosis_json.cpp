@@ -250,7 +250,7 @@ std::string augmented_yaml(const Diagnosis& d) {
   text += fmt::format("robot: {}\n", observed.dataset.robot);
   std::vector<ModelOverride> overrides;
   for (const auto& [path, value] : observed.dataset.overrides) overrides.emplace_back(path, value);
-  std::string effects;
+  std::string effects, files;  // those that users wrote
   PlanarModel model = observed.model;
   for (int i = 0; i < count_of(d.model.candidates); ++i) {
     const int c = d.model.candidates[i];
@@ -266,6 +266,9 @@ std::string augmented_yaml(const Diagnosis& d) {
     candidate.effect->apply(theta, plant);
     model = plant.model;
     effects += fmt::format("  - \"{}\"\n", effect_text(d, c, theta));
+    const std::string& file = candidate.effect->file;
+    if (!file.empty() && files.find(file) == std::string::npos)
+      files += fmt::format("  - \"{}\"\n", file);
   }
 
   text +=
@@ -276,8 +279,9 @@ std::string augmented_yaml(const Diagnosis& d) {
   for (const auto& [path, value] : overrides) text += fmt::format("  {}: {}\n", path, value);
   return text +
          "# All of it for simulation, in place of the overrides: jaculus simulate "
-         "--effect\neffects:" +
-         (effects.empty() ? " []\n" : "\n" + effects);
+         "--augmented, or one by one --effect\neffects:" +
+         (effects.empty() ? " []\n" : "\n" + effects) +
+         (files.empty() ? "" : "effect_files:\n" + files);
 }
 
 }  // namespace jaculus::diagnosis

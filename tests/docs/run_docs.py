@@ -4,7 +4,7 @@
   run_docs.py --program JACULUS --source TREE --work FOLDER [--without mujoco] [--data FOLDER] PAGE
   run_docs.py --links --source TREE
 
-A page's fenced blocks, in order, in one scratch folder with links to models/, problems/, examples/:
+A page's fenced blocks, in order, in one scratch folder with links to models/, problems/, effects/, examples/:
   sh run                 is run; every command must succeed
   sh run needs WHAT      the same, where WHAT (mujoco, data) is there
   sh exits N             is run; its last command ends with N
@@ -88,7 +88,7 @@ def prepare(options):
     programs = options.work / "bin"
     programs.mkdir(parents=True)
     (programs / "jaculus").symlink_to(options.program.resolve())
-    for folder in ("models", "problems", "examples"):
+    for folder in ("models", "problems", "effects", "examples"):
         if not (options.source / folder).exists():
             continue
         (options.work / folder).symlink_to(options.source.resolve() / folder)

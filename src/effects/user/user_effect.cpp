@@ -61,11 +61,13 @@ Law law_of(const Spec& spec, const std::string& joint, const Vector& theta,
     law.actions.push_back({action.kind, whole ? "" : own.body, own.point});
   }
 
-  Program program(*spec);
-  program.set_parameters(theta);
-  const Vector initial = program.initial();
-  for (int i = 0; i < count_of(spec->states); ++i)
-    law.states.push_back({initial[i], spec->states[i].scale});
+  if (!spec->states.empty()) {
+    Program program(*spec);
+    program.set_parameters(theta);
+    const Vector initial = program.initial();
+    for (int i = 0; i < count_of(spec->states); ++i)
+      law.states.push_back({initial[i], spec->states[i].scale});
+  }
 
   law.functions = [spec, theta] {
     const auto own_program = std::make_shared<Program>(*spec);
