@@ -360,6 +360,46 @@ torque: "-level*tanh(qd/rest)"
   expect_alike(trial, by_file, in_cpp, "dry friction");
 }
 
+/// Friction of bam/model.py's M6 with mx106/m6.json: its loss and damping, for a joint that moves.
+double bam_m6(double motor, double external, double rate) {
+  const double stribeck = std::exp(-std::pow(std::abs(rate / 1.746), 1.143));
+  double loss = 1.02e-5 + std::abs(external * 0.0222 - motor * 0.198);
+  loss += stribeck * 0.122 + std::abs(external * 0.0871 - motor * 0.1986) * stribeck;
+  if ((external < 0.0) != (motor < 0.0)) {
+    const double quadratic = std::abs(external) < std::abs(motor)   ? 7.33e-5 * external * external
+                             : std::abs(external) > std::abs(motor) ? 0.01 * motor * motor
+                                                                    : 0.0;
+    loss += stribeck * quadratic;
+  }
+  return loss + 0.0507 * std::abs(rate);
+}
+
+TEST(UserEffect, M6IsBamsFormula) {
+  const UserEffect user = read_user_effect(source_folder() / "effects" / "bam_m6.yaml");
+  Plant plant = simulation::nominal_plant(robot("ak80_pendulum"));
+  Vector theta = user.effect.nominal();
+  theta[0] = 1.0;
+  user.effect.apply(theta, plant);
+  ASSERT_EQ(plant.laws.size(), 1u);
+  const LawFunctions functions = plant.laws[0].functions();
+
+  for (const double motor : {-3.0, -0.2, 1.0, 4.0}) {
+    for (const double external : {-2.0, 0.3, 5.0}) {
+      for (const double rate : {-6.0, -1.0, 0.8, 3.0}) {
+        std::vector<double> readings;
+        for (const simulation::Reading& r : plant.laws[0].readings)
+          readings.push_back(r.kind == ReadingKind::joint_rate     ? rate
+                             : r.kind == ReadingKind::motor_torque ? motor
+                                                                   : external);
+        double torque = kNaN;
+        functions.act(readings.data(), nullptr, &torque, nullptr);
+        // at these rates the joint slides: tanh(8) and above
+        EXPECT_NEAR(torque, -std::copysign(bam_m6(motor, external, rate), rate), 1e-6);
+      }
+    }
+  }
+}
+
 // The examples
 // -------------------------------------------------------------------------------------------------
 
