@@ -112,6 +112,11 @@ Loaded load(const std::filesystem::path& file, const Common& common,
   if (as_it_is) return load_problem(yaml::Node::load(file), common);
   const yaml::Node node = changed(file, changes);
   try {
+    if (!changes.robot.empty()) static_cast<void>(model::find_robot(changes.robot, "."));
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("--robot: {}", error.what()));
+  }
+  try {
     return load_problem(node, common);
   } catch (const InputError& error) {
     throw told_by_argument(error.what(), changes);

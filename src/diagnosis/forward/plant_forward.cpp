@@ -61,12 +61,7 @@ Base base_of(const ObservedDataset& observed, const Settings& settings) {
   }
 
   base.directions = start_directions(observed, base.start, settings);
-  if (settings.tolerances_granted != 0)
-    base.tolerances =
-        tolerance_directions(observed.model, simulation::dataset_robot(observed.dataset).tolerances,
-                             observed.measured_input, settings.lever);
-  if (settings.tolerances_granted != 0 && observed.measured_input)
-    base.tolerances.push_back(input_clock(settings.shift_deviation));
+  if (settings.tolerances_granted != 0) base.tolerances = tolerances_of(observed, settings);
   return base;
 }
 

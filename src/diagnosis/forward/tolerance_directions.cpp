@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "diagnosis/forward/missing_forces.h"
+#include "jaculus/simulation/experiment.h"
 
 namespace jaculus::diagnosis {
 namespace {
@@ -185,6 +186,15 @@ std::vector<ToleranceDirection> tolerance_directions(const PlanarModel& model,
         [friction = model.friction](const Plant& plant) {
           return plant.ground.friction / friction;
         });
+  return directions;
+}
+
+std::vector<ToleranceDirection> tolerances_of(const ObservedDataset& observed,
+                                              const Settings& settings) {
+  const model::Robot robot = simulation::dataset_robot(observed.dataset);
+  Directions directions = tolerance_directions(observed.model, robot.tolerances,
+                                               observed.measured_input, settings.lever);
+  if (observed.measured_input) directions.push_back(input_clock(settings.shift_deviation));
   return directions;
 }
 

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "diagnosis/data/observations.h"
+#include "jaculus/diagnosis/settings.h"
 #include "jaculus/model/tolerances.h"
 #include "jaculus/simulation/controller.h"
 #include "jaculus/simulation/plant.h"
@@ -28,6 +30,10 @@ struct ToleranceDirection {
 std::vector<ToleranceDirection> tolerance_directions(const model::PlanarModel& model,
                                                      const model::Tolerances& tolerances,
                                                      bool measured_input, double lever);
+
+/// Those of a dataset's robot, and of its clock where an input was logged.
+std::vector<ToleranceDirection> tolerances_of(const ObservedDataset& observed,
+                                              const Settings& settings);
 
 /// The stamps of a logged input beside those of the motion: the log acts `deviation` [s] later.
 ToleranceDirection input_clock(double deviation);
