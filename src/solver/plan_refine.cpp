@@ -83,8 +83,15 @@ SolverOptions near_options(const transcription::Problem& problem, const PlanOpti
   return near;
 }
 
-/// A finer mesh can do nearly all that a coarser one can: where it does much worse the solver
-/// has gone to another optimum.
+/// Whether a plan holds its limits within intervals too, as far as a refinement asks.
+bool holds_limits(const Plan& plan, const transcription::RefinementSpec& refinement) {
+  if (refinement.limits == 0.0) return true;
+  const Vector passed = verify_plan(*plan.program, plan.result.x()).interval_excess;
+  return passed.size() == 0 || passed.maxCoeff() <= refinement.limits;
+}
+
+/// A finer mesh can do nearly all that a coarser one can, unless that passes limits between its
+/// nodes: where it does much worse the solver has gone to another optimum.
 bool in_worse_optimum(const NlpResult& coarse, const NlpResult& fine) {
   constexpr double kWorse = 0.01;
   return fine.objective > coarse.objective + kWorse * std::abs(coarse.objective);
@@ -126,7 +133,9 @@ void refine_mesh(Plan& plan, transcription::Problem problem, const model::Planar
     NlpResult result =
         solve_finer(plan, *finer, transcription::initial_guess(*finer, spec, 0, &before), options);
 
-    if (!result.converged() || in_worse_optimum(plan.result, result)) {
+    const bool astray =
+        in_worse_optimum(plan.result, result) && holds_limits(plan, problem.refinement);
+    if (!result.converged() || astray) {
       std::vector<int> intervals;
       for (const transcription::PhaseSpec& phase : problem.phases)
         intervals.push_back(phase.intervals);

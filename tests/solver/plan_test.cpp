@@ -89,6 +89,25 @@ TEST(Plan, RefinementEndsWhereLimitsHoldBetweenNodes) {
   EXPECT_LT(held.mesh_rounds.back().intervals[0], 6 << held.refinements);
 }
 
+TEST(Plan, AFinerMeshMayDoWorseWhereTheCoarserOnePassedItsLimits) {
+  // One interval asks for the slider's speed at its ends alone: 1 N falling to -1 N moves it by 1 m
+  // in sqrt(6) s, at 0.6 m/s on the way. With 0.3 m/s at most 1/0.3 + 0.3 s are the best.
+  transcription::Problem problem =
+      test::extended_problem("double_integrator",
+                             "bounds: {velocity: {slide: [-0.3 m/s, 0.3 m/s]}}\n"
+                             "transcription: {inputs: linear}\n"
+                             "refinement: {max_rounds: 10, tolerance: 1, limits: 0.5 %}");
+  problem.phases[0].intervals = 1;
+  const Plan plan = solve(problem);
+  ASSERT_TRUE(plan.converged());
+  EXPECT_EQ(plan.refinement_failure, "");
+  ASSERT_GT(plan.refinements, 0);
+  EXPECT_NEAR(plan.mesh_rounds.front().duration, std::sqrt(6.0), 1e-3);
+  const double best = 1.0 / 0.3 + 0.3, last = plan.mesh_rounds.back().duration;
+  EXPECT_GT(last, 0.995 * best);
+  EXPECT_LT(last, 1.03 * best) << "intervals that pass no limit stay long";
+}
+
 TEST(Plan, LimitsThatAreAskedForAndDontHoldFailTheVerification) {
   const Plan plan = solve(strict_leap("refinement: {max_rounds: 0, limits: 0.1 %}"));
   ASSERT_TRUE(plan.converged());
