@@ -267,8 +267,8 @@ std::string augmented_yaml(const Diagnosis& d) {
     model = plant.model;
     effects += fmt::format("  - \"{}\"\n", effect_text(d, c, theta));
     const std::string& file = candidate.effect->file;
-    if (!file.empty() && files.find(file) == std::string::npos)
-      files += fmt::format("  - \"{}\"\n", file);
+    const std::string line = fmt::format("  - \"{}\"\n", file);
+    if (!file.empty() && files.find(line) == std::string::npos) files += line;
   }
 
   text +=

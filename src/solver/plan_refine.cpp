@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <cmath>
+#include <optional>
 
 #include "solver/plan_solve.h"
 
@@ -99,10 +100,12 @@ bool in_worse_optimum(const NlpResult& coarse, const NlpResult& fine) {
 
 /// The plan on a finer mesh, from the plan before. First as from any guess, for which the plan
 /// before is a good one: on the leaps that takes a quarter of the iterations that a small first
-/// barrier takes. Where it ends worse, tried again with ever smaller ones, which stay close.
+/// barrier takes. Where it ends worse, tried again with ever smaller ones, which stay close; the
+/// best of those that converge.
 NlpResult solve_finer(const Plan& plan, transcription::NonlinearProgram& finer, const Vector& x,
                       const PlanOptions& options) {
   NlpResult result;
+  std::optional<NlpResult> best;  // that converged
   int before = 0;
   for (const char* barrier : {"", "1e-4", "1e-6", "1e-8"}) {
     const bool near = *barrier != '\0';
@@ -111,9 +114,12 @@ NlpResult solve_finer(const Plan& plan, transcription::NonlinearProgram& finer, 
                             : solver_options(finer.problem(), options));
     result.iterations += before;
     before = result.iterations;
+    if (result.converged() && (!best || result.objective < best->objective)) best = result;
     if (!result.converged() || !in_worse_optimum(plan.result, result)) break;
   }
-  return result;
+  if (!best) return result;
+  best->iterations = before;
+  return *best;
 }
 
 }  // namespace

@@ -2,8 +2,10 @@
 // What each effect of a set explains of the held-out gap's energy.
 //
 //   v(S) = 1 - (after_S^2 - 1)/(before^2 - 1),  v(0): of the tolerances of N alone,
-// gaps in noise floors (held_out.h). A set S is fitted on the training folds alone, nuisances with
-// it, all other effects at nominal. For an effect i of the set N that is named, n = |N|:
+// gaps in noise floors (held_out.h). A set S is fitted on the training folds alone, unknown gains
+// with it, all other effects at nominal and tolerances as all data have them for N. A share is of
+// the effect's own part: what tolerances of its quantity do (tolerance_part.h) counts in v(0). For
+// an effect i of the set N that is named, n = |N|:
 //   alone    v({i}) - v(0)           what it explains if no other effect is granted
 //   last     v(N) - v(N without i)   what is lost where it is dropped and the others are refitted
 //   shapley  sum over S in N without i of |S|! (n - |S| - 1)!/n! (v(S and i) - v(S)),
