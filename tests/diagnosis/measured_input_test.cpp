@@ -63,5 +63,14 @@ TEST(MeasuredInput, ALateLogBeginsWithWhatWasLoggedBefore) {
   EXPECT_NEAR(late.feedforward(0, 0), 10.0 * 0.03, 1e-9);
 }
 
+TEST(MeasuredInput, AnEarlyLogActsAheadOfItsStamps) {
+  const ObservedDataset observed = two_logs();
+  Segment segment;
+  segment.start = 0.02;
+  const simulation::Reference early = measured_controller(observed, segment, 1e-4, -0.02).reference;
+  for (Eigen::Index i = 0; i < early.time.size() && early.time[i] < 0.05; ++i)
+    EXPECT_NEAR(early.feedforward(0, i), 10.0 * (0.04 + early.time[i]), 1e-9) << early.time[i];
+}
+
 }  // namespace
 }  // namespace jaculus::diagnosis

@@ -115,6 +115,10 @@ TEST(VerdictRules, UnexplainedWhereMoreIsLeftThanExplained) {
   e.lacking = 1.0;
   EXPECT_EQ(rule_of(e), "less than is left");
   EXPECT_EQ(decide(e, {}).verdict, Verdict::unexplained);
+
+  // What tolerances explain before is not the effect's.
+  e.gap.before = 500.0;
+  EXPECT_EQ(rule_of(e), "less than is left");
 }
 
 TEST(VerdictRules, GapsThatCouldNotBeJudgedRefuseNothing) {
