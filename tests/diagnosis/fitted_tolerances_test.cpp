@@ -139,11 +139,11 @@ TEST(FittedTolerances, ShareWithAnEffectOfTheSameQuantityAsPriorsSay) {
   problem->tolerance_part = [&](int c, const Vector&) {
     return Matrix(Matrix::Constant(1, 1, c == 0 ? by_tolerance : 0.0));
   };
-  const Estimate sum = with_tolerances(*problem, comparison.whitening, fit, 0, 0);
+  const Estimate sum = with_tolerances(*problem, comparison.whitening, fit, 0)[0];
   EXPECT_NEAR(sum.value, together, 0.02 * together);
   EXPECT_TRUE(sum.ci95.contains(together));
   EXPECT_LT(sum.ci95.upper - sum.ci95.lower, 0.1 * (ci.upper - ci.lower));
-  EXPECT_EQ(value_with_tolerances(*problem, fit, 0, 0), sum.value);
+  EXPECT_EQ(theta_with_tolerances(*problem, fit, 0)[0], sum.value);
 }
 
 TEST(FittedTolerances, SlopesThatFollowSecantsKeepWhatIsLinear) {

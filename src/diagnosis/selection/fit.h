@@ -104,12 +104,12 @@ struct Estimate {
   double value = 0.0;
   Bounds ci95;
 };
-/// The k-th parameter of a candidate that a fit frees, with what tolerances of the same quantity
-/// add to it (tolerance_part.h). Where they do, the interval is that of the sum by the covariance,
+/// Parameters of a candidate that a fit frees, with what tolerances of the same quantity add to
+/// them (tolerance_part.h). Where they do, the interval is that of the sum by the covariance,
 /// widened likewise and cut at the bounds; else it is interval95.
-Estimate with_tolerances(const Problem& problem, const Whitening& whitening, const Fit& fit,
-                         int candidate, int k);
-/// The value alone.
-double value_with_tolerances(const Problem& problem, const Fit& fit, int candidate, int k);
+std::vector<Estimate> with_tolerances(const Problem& problem, const Whitening& whitening,
+                                      const Fit& fit, int candidate);
+/// The values alone.
+Vector theta_with_tolerances(const Problem& problem, const Fit& fit, int candidate);
 
 }  // namespace jaculus::diagnosis

@@ -99,22 +99,29 @@ struct Sum {
   Vector along;        ///< d(value)/du of the free parameters
 };
 
-Sum sum_with_tolerances(const Problem& problem, const Fit& fit, int candidate, int k) {
+/// Of each parameter of a candidate that the fit frees.
+std::vector<Sum> sums_with_tolerances(const Problem& problem, const Fit& fit, int candidate) {
   const Hypotheses& hypotheses = problem.hypotheses;
-  const int i = hypotheses.candidates[candidate].parameters[k];
-  const FreeParameter& own = hypotheses.parameters[i];
-  Sum sum{fit.p[i], own.scale * Vector::Unit(count_of(fit.free), index_of(fit.free, i))};
-  if (!problem.tolerance_part || hypotheses.tolerances.empty()) return sum;
+  const std::vector<int>& parameters = hypotheses.candidates[candidate].parameters;
+  const bool tolerated = problem.tolerance_part && !hypotheses.tolerances.empty();
+  const Matrix part = tolerated ? problem.tolerance_part(candidate, fit.p) : Matrix();
 
-  const Matrix part = problem.tolerance_part(candidate, fit.p);
-  for (int j = 0; j < count_of(hypotheses.tolerances); ++j) {
-    const int tolerance = hypotheses.tolerances[j], place = index_of(fit.free, tolerance);
-    if (place < 0 || part(k, j) == 0.0) continue;
-    sum.value += part(k, j) * fit.p[tolerance];
-    sum.along[place] = part(k, j) * hypotheses.parameters[tolerance].scale;
+  std::vector<Sum> sums;
+  for (int k = 0; k < count_of(parameters); ++k) {
+    const int i = parameters[k];
+    const FreeParameter& own = hypotheses.parameters[i];
+    Sum sum{fit.p[i], own.scale * Vector::Unit(count_of(fit.free), index_of(fit.free, i))};
+    for (int j = 0; j < part.cols(); ++j) {
+      const int tolerance = hypotheses.tolerances[j], place = index_of(fit.free, tolerance);
+      if (place < 0 || part(k, j) == 0.0) continue;
+      sum.value += part(k, j) * fit.p[tolerance];
+      sum.along[place] = part(k, j) * hypotheses.parameters[tolerance].scale;
+    }
+
+    sum.value = std::clamp(sum.value, own.bounds.lower, own.bounds.upper);
+    sums.push_back(sum);
   }
-  sum.value = std::clamp(sum.value, own.bounds.lower, own.bounds.upper);
-  return sum;
+  return sums;
 }
 
 }  // namespace
@@ -154,22 +161,33 @@ Bounds interval95(const Problem& problem, const Whitening& whitening, const Fit&
   return {end(-1.0), end(1.0)};
 }
 
-Estimate with_tolerances(const Problem& problem, const Whitening& whitening, const Fit& fit,
-                         int candidate, int k) {
-  const int i = problem.hypotheses.candidates[candidate].parameters[k];
-  const FreeParameter& own = problem.hypotheses.parameters[i];
-  const Sum sum = sum_with_tolerances(problem, fit, candidate, k);
-  if ((sum.along.array() != 0.0).count() == 1)
-    return {sum.value, interval95(problem, whitening, fit, i)};
+std::vector<Estimate> with_tolerances(const Problem& problem, const Whitening& whitening,
+                                      const Fit& fit, int candidate) {
+  const std::vector<Sum> sums = sums_with_tolerances(problem, fit, candidate);
+  std::vector<Estimate> estimates;
+  for (int k = 0; k < count_of(sums); ++k) {
+    const Sum& sum = sums[k];
+    const int i = problem.hypotheses.candidates[candidate].parameters[k];
+    if ((sum.along.array() != 0.0).count() == 1) {
+      estimates.push_back({sum.value, interval95(problem, whitening, fit, i)});
+      continue;
+    }
 
-  const double half = quantiles::kTwoSided95 * widening(whitening, fit, sum.along) *
-                      std::sqrt(sum.along.dot(fit.covariance * sum.along));
-  const auto within = [&](double x) { return std::clamp(x, own.bounds.lower, own.bounds.upper); };
-  return {sum.value, {within(sum.value - half), within(sum.value + half)}};
+    const Bounds& bounds = problem.hypotheses.parameters[i].bounds;
+    const double half = quantiles::kTwoSided95 * widening(whitening, fit, sum.along) *
+                        std::sqrt(sum.along.dot(fit.covariance * sum.along));
+    estimates.push_back({sum.value,
+                         {std::clamp(sum.value - half, bounds.lower, bounds.upper),
+                          std::clamp(sum.value + half, bounds.lower, bounds.upper)}});
+  }
+  return estimates;
 }
 
-double value_with_tolerances(const Problem& problem, const Fit& fit, int candidate, int k) {
-  return sum_with_tolerances(problem, fit, candidate, k).value;
+Vector theta_with_tolerances(const Problem& problem, const Fit& fit, int candidate) {
+  const std::vector<Sum> sums = sums_with_tolerances(problem, fit, candidate);
+  Vector theta(count_of(sums));
+  for (int k = 0; k < theta.size(); ++k) theta[k] = sums[k].value;
+  return theta;
 }
 
 }  // namespace jaculus::diagnosis

@@ -76,12 +76,13 @@ FoundEffect found_effect(const Problem& problem, const Whitening& whitening,
   if (!std::binary_search(model->candidates.begin(), model->candidates.end(), c))
     model = best_with(posterior, c);
   if (model == nullptr) return found;
-  for (int k = 0; k < count_of(candidate.parameters); ++k) {
-    const int i = candidate.parameters[k];
-    const FreeParameter& parameter = problem.hypotheses.parameters[i];
-    const Estimate own = with_tolerances(problem, whitening, model->fit, c, k);
-    const Bounds ci = with_form_error(parameter, own.value, own.ci95, problem.settings.form_error);
-    found.parameters.push_back(shown(candidate, k, own.value, ci));
+
+  const std::vector<Estimate> own = with_tolerances(problem, whitening, model->fit, c);
+  for (int k = 0; k < count_of(own); ++k) {
+    const FreeParameter& parameter = problem.hypotheses.parameters[candidate.parameters[k]];
+    const Bounds ci =
+        with_form_error(parameter, own[k].value, own[k].ci95, problem.settings.form_error);
+    found.parameters.push_back(shown(candidate, k, own[k].value, ci));
   }
   return found;
 }
@@ -91,22 +92,14 @@ std::vector<FoundParameter> values_of(const Problem& problem, const ModelFit& mo
   std::vector<FoundParameter> values;
   for (const int c : model.candidates) {
     const Candidate& candidate = problem.hypotheses.candidates[c];
-    for (int k = 0; k < count_of(candidate.parameters); ++k) {
-      FoundParameter value =
-          shown(candidate, k, value_with_tolerances(problem, model.fit, c, k), {kNaN, kNaN});
+    const Vector theta = theta_with_tolerances(problem, model.fit, c);
+    for (int k = 0; k < theta.size(); ++k) {
+      FoundParameter value = shown(candidate, k, theta[k], {kNaN, kNaN});
       value.name = candidate.name + "." + value.name;
       values.push_back(value);
     }
   }
   return values;
-}
-
-/// Parameters of an effect with what tolerances add.
-Vector theta_of(const Problem& problem, const Fit& fit, int candidate) {
-  Vector theta(count_of(problem.hypotheses.candidates[candidate].parameters));
-  for (int k = 0; k < theta.size(); ++k)
-    theta[k] = value_with_tolerances(problem, fit, candidate, k);
-  return theta;
 }
 
 /// Tolerances by which a fit is a deviation off its files or more, and surely off them.
@@ -266,7 +259,8 @@ Statement state_verdict(const Problem& problem, const Selection& selection, bool
   out.stated = {{}, stated.p};
   out.none = {{}, none.p};
   out.model = {chosen.candidates, chosen.fit.p};
-  for (const int c : chosen.candidates) out.theta.push_back(theta_of(problem, chosen.fit, c));
+  for (const int c : chosen.candidates)
+    out.theta.push_back(theta_with_tolerances(problem, chosen.fit, c));
   out.tolerated = tolerated_by(problem, chosen.fit);
 
   append(proposal.reasons, out.reasons);

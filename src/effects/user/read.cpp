@@ -105,6 +105,7 @@ EffectPlace place_of(const yaml::Node& node) {
   node.only({"joint", "joints", "group", "body", "point", "part", "sensor"});
   EffectPlace place;
   place.node = node;
+
   int given = node.has("point") && !node.has("body") ? 1 : 0;
   for (const char* key : {"joint", "joints", "group", "body", "part", "sensor"})
     given += node.has(key) ? 1 : 0;
@@ -113,6 +114,7 @@ EffectPlace place_of(const yaml::Node& node) {
         "one place is needed; allowed: joint: NAME, joints: [NAME, ...], group: tail, legs or "
         "other, body: NAME with point: [x, z], point: NAME of the robot, part: ground, battery or "
         "commands, or sensor: CHANNEL");
+
   if (const auto joint = node.find("joint")) place.names = {joint->text()};
   if (const auto joints = node.find("joints")) place.names = joints->texts();
   if (const auto group = node.find("group")) {
@@ -135,6 +137,7 @@ EffectPlace place_of(const yaml::Node& node) {
     place.kind = PlaceKind::point;
     place.names = {point->text()};
   }
+
   if (place.names.empty()) throw node.error("no joint given; allowed: one or more");
   return place;
 }

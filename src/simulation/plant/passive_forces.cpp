@@ -94,24 +94,32 @@ void PassiveForces::add_motor_friction(const Mechanism& mechanism, const double*
 }
 
 PassiveForces::Rubbing PassiveForces::rubbing(const Friction& f, const Mechanism& mechanism,
+                                              const std::vector<MotorState>& motors,
                                               const double* q, const double* v) const {
-  if (f.motor >= 0) return {mechanism.motor_rate(f.motor, v), mechanism.motor_row[f.motor]};
+  Rubbing joint;
+  double load = 0.0;
+  if (f.motor >= 0) {
+    joint.rate = mechanism.motor_rate(f.motor, v);
+    joint.row = mechanism.motor_row[f.motor];
+    load = std::abs(motors[f.motor].torque);
+  } else {
+    JointState state;
+    mechanism.joint(f.body, q, v, state);
+    const model::PlanarBody& link = plant_.model.bodies[f.body];
+    joint.rate = link.sign * (mechanism.frame(f.body).omega - mechanism.frame(link.parent).omega);
+    joint.row = state.row;
+  }
 
-  JointState joint;
-  mechanism.joint(f.body, q, v, joint);
-  const model::PlanarBody& link = plant_.model.bodies[f.body];
-  return {link.sign * (mechanism.frame(f.body).omega - mechanism.frame(link.parent).omega),
-          joint.row};
+  joint.sign = std::tanh(joint.rate / f.law->smoothing_rate);
+  joint.level = dry_level(*f.law, joint.rate, joint.sign, load);
+  return joint;
 }
 
 void PassiveForces::add_friction(const Mechanism& mechanism, const std::vector<MotorState>& motors,
                                  const double* q, const double* v, double* force) const {
   for (const Friction& f : friction_) {
-    const Rubbing joint = rubbing(f, mechanism, q, v);
-    const double load = f.motor < 0 ? 0.0 : std::abs(motors[f.motor].torque);
-    const double sign = std::tanh(joint.rate / f.law->smoothing_rate);
-    const double torque =
-        -f.count * (sign * dry_level(*f.law, joint.rate, sign, load) + f.law->viscous * joint.rate);
+    const Rubbing joint = rubbing(f, mechanism, motors, q, v);
+    const double torque = -f.count * (joint.sign * joint.level + f.law->viscous * joint.rate);
     for (int i = 0; i < mechanism.n; ++i) force[i] += torque * joint.row[i];
   }
 }
@@ -142,14 +150,13 @@ double PassiveForces::fastest_rate(const Mechanism& mechanism, const Inertia& in
                                    const double* v) const {
   double fastest = 0.0;
   for (const Friction& f : friction_) {
-    Rubbing joint = rubbing(f, mechanism, q, v);
-    const double load = f.motor < 0 ? 0.0 : std::abs(motors[f.motor].torque);
-    const double s = f.law->smoothing_rate, sign = std::tanh(joint.rate / s);
-    const double level = dry_level(*f.law, joint.rate, sign, load);
+    Rubbing joint = rubbing(f, mechanism, motors, q, v);
     inertia.forward(joint.row.data());
     const double a = dot(joint.row, joint.row.data(), mechanism.n);
-    fastest = std::max(fastest, f.count * a * ((1.0 - sign * sign) * level / s + f.law->viscous));
+    const double slope = (1.0 - joint.sign * joint.sign) * joint.level / f.law->smoothing_rate;
+    fastest = std::max(fastest, f.count * a * (slope + f.law->viscous));
   }
+
   for (std::size_t k = 0; k < springs_.size(); ++k) {
     Row unit{};
     unit[mechanism.hinges[k].coordinate] = 1.0;

@@ -51,8 +51,10 @@ class PassiveForces {
   };
   /// A joint that rubs, as it moves.
   struct Rubbing {
-    double rate;  ///< [rad/s, m/s]
-    Row row;      ///< d(rate)/dv
+    double rate = 0.0;   ///< [rad/s, m/s]
+    Row row{};           ///< d(rate)/dv
+    double sign = 0.0;   ///< smoothed, of the rate
+    double level = 0.0;  ///< of dry friction [N m, N]
   };
   struct Spring {
     double stiffness;      ///< [N m/rad]
@@ -71,7 +73,8 @@ class PassiveForces {
     double torque;  ///< of left and right together [N m]
   };
   void add_motor_friction(const Mechanism& mechanism, const double* v, double* force) const;
-  [[nodiscard]] Rubbing rubbing(const Friction& f, const Mechanism& mechanism, const double* q,
+  [[nodiscard]] Rubbing rubbing(const Friction& f, const Mechanism& mechanism,
+                                const std::vector<MotorState>& motors, const double* q,
                                 const double* v) const;
   void add_friction(const Mechanism& mechanism, const std::vector<MotorState>& motors,
                     const double* q, const double* v, double* force) const;
