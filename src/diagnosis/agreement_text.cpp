@@ -13,16 +13,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Channels of all sets, each once, in order.
-std::vector<std::string> channels_of(const Agreement& agreement) {
-  std::vector<std::string> names;
-  for (const SetAgreement& set : agreement.sets)
-    for (const ChannelAgreement& c : set.channels)
-      if (std::find(names.begin(), names.end(), c.channel) == names.end())
-        names.push_back(c.channel);
-  return names;
-}
-
 /// "x 13.9 -> 1.8 mm (held out 2.0)".
 std::string channel_text(const ChannelAgreement& c) {
   const bool length = c.unit == "m", angle = c.unit == "rad";
@@ -43,7 +33,8 @@ Json agreement_json(const Agreement& agreement) {
     unknowns[u.name] = {
         {"kind", u.kind},
         {"value", json_number(u.value)},
-        {"ci95", Json::array({json_number(u.ci95.lower), json_number(u.ci95.upper)})}};
+        {"ci95", Json::array({json_number(u.ci95.lower), json_number(u.ci95.upper)})},
+        {"at_bound", u.at_bound}};
 
   for (const SetAgreement& set : agreement.sets) {
     Json channels = Json::object();
@@ -60,9 +51,14 @@ Json agreement_json(const Agreement& agreement) {
                     {"gap_rms", channels}});
   }
 
-  for (const std::string& channel : channels_of(agreement))
-    explained[channel] = {{"account", json_number(agreement.explained(channel, false))},
-                          {"held_out", json_number(agreement.explained(channel, true))}};
+  for (const std::string& channel : agreement.channels()) {
+    const auto share = [&](double ChannelAgreement::*after) {
+      return json_number(agreement.explained(channel, after));
+    };
+    explained[channel] = {{"unknowns_fitted", share(&ChannelAgreement::unknowns)},
+                          {"account", share(&ChannelAgreement::account)},
+                          {"held_out", share(&ChannelAgreement::held_out)}};
+  }
   return {{"unknowns", unknowns},
           {"unknowns_pass_for", agreement.hidden},
           {"sets", sets},
@@ -72,8 +68,9 @@ Json agreement_json(const Agreement& agreement) {
 std::string agreement_text(const Agreement& agreement) {
   std::string text;
   for (const FittedUnknown& u : agreement.unknowns)
-    text += fmt::format("left open by the files: {}, {} {:.3g} [{:.3g}, {:.3g}]\n", u.name, u.kind,
-                        u.value, u.ci95.lower, u.ci95.upper);
+    text +=
+        fmt::format("left open by the files: {}, {} {:.3g} [{:.3g}, {:.3g}]{}\n", u.name, u.kind,
+                    u.value, u.ci95.lower, u.ci95.upper, u.at_bound ? ", at its bound" : "");
   if (!agreement.hidden.empty())
     text += fmt::format("the unknowns can pass for: {}\n", fmt::join(agreement.hidden, ", "));
 
@@ -86,10 +83,11 @@ std::string agreement_text(const Agreement& agreement) {
                         set.agrees ? "agrees" : "does not agree", harm, fmt::join(parts, ", "));
   }
 
-  for (const std::string& channel : channels_of(agreement))
-    text += fmt::format(
-        "{} over all sets: {:.0f} % of the gap's energy explained, {:.0f} % held out\n", channel,
-        100.0 * agreement.explained(channel, false), 100.0 * agreement.explained(channel, true));
+  for (const std::string& channel : agreement.channels())
+    text +=
+        fmt::format("{} over all sets: {:.0f} % of the gap's energy explained, {:.0f} % held out\n",
+                    channel, 100.0 * agreement.explained(channel, &ChannelAgreement::account),
+                    100.0 * agreement.explained(channel, &ChannelAgreement::held_out));
   return text;
 }
 

@@ -1,6 +1,7 @@
 #include "jaculus/diagnosis/summary.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -117,18 +118,49 @@ std::string explaining(const Diagnosis& d) {
   return text;
 }
 
+/// "kp 0.93 of its stated range, 0.8 to 1".
+std::string unknown_phrase(const FittedUnknown& u) {
+  return fmt::format("{} {:.2g} {}, {:.2g} to {:.2g}{}", in_words(u.name), u.value,
+                     u.kind == "factor" ? "times the first guess" : "of its stated range",
+                     u.ci95.lower, u.ci95.upper, u.at_bound ? ", at its bound" : "");
+}
+
+/// What values that the files leave open, common to all sets, do to the gap as stated; empty where
+/// they do nothing, or no sets tell.
+std::string unknowns_sentence(const Agreement& agreement) {
+  std::vector<std::string> values, explained, worse;
+  for (const FittedUnknown& u : agreement.unknowns) values.push_back(unknown_phrase(u));
+  for (const std::string& channel : agreement.channels()) {
+    const double share = agreement.explained(channel, &ChannelAgreement::unknowns);
+    if (share >= kWorthAWord)
+      explained.push_back(fmt::format("{} in {}", per_cent(share), in_words(channel)));
+    else if (share <= -kWorthAWord)
+      worse.push_back(in_words(channel));
+  }
+  if (values.empty() || explained.empty()) return {};
+
+  std::string text = fmt::format(
+      "What the files leave open ({}), common to all sets, explains of the gap's energy {}",
+      fmt::join(values, "; "), listed(explained));
+  if (!worse.empty()) text += fmt::format(", but makes it larger in {}", listed(worse));
+  return text + ". ";
+}
+
 std::string which_sentence(const Diagnosis& d) {
   if (d.verdict == Verdict::none) return "No effect is needed.";
   if (d.verdict == Verdict::insufficient)
     return d.reasons.empty() ? "No effect can be named." : capital(d.reasons.front()) + ".";
-  if (d.effects.empty()) return "No effect of the catalogue is established.";
+  const std::string unknowns = unknowns_sentence(d.agreement);
+  if (d.effects.empty())
+    return unknowns.empty() ? "No effect of the catalogue is established."
+                            : unknowns + "Beside that no effect of the catalogue is established.";
 
   std::vector<std::string> named, rivals;
   for (const FoundEffect& e : d.effects)
     if (named.size() < kMostNamed) named.push_back(effect_phrase(e));
   if (d.verdict == Verdict::ambiguous)
-    return fmt::format("One of these causes it, and these data can't tell which: {}.",
-                       listed(named, "or"));
+    return unknowns + fmt::format("One of these causes it, and these data can't tell which: {}.",
+                                  listed(named, "or"));
 
   for (const FoundEffect& e : d.effects) {
     std::vector<std::string> others;
@@ -141,7 +173,7 @@ std::string which_sentence(const Diagnosis& d) {
   if (text.empty()) text = fmt::format("{} {} it", capital(listed(named)), verb);
   if (!rivals.empty()) text += "; these data can't tell " + listed(rivals);
   if (d.verdict == Verdict::partial) text += "; something else, not named, is there too";
-  return text + ".";
+  return unknowns + text + ".";
 }
 
 /// Channels whose error before is farthest above noise.

@@ -38,7 +38,7 @@ TEST(Agreement, OfOneCauseHoldsInEverySetThatItsFitNeverSaw) {
     EXPECT_GT(set.channels[0].stated, 10.0 * set.channels[0].held_out) << set.dataset;
   }
   EXPECT_EQ(found.sets[1].dataset, "two");
-  EXPECT_GT(found.explained("a", true), 0.95);
+  EXPECT_GT(found.explained("a", &diagnosis::ChannelAgreement::held_out), 0.95);
 }
 
 TEST(Agreement, NamesTheCauseThatFitsOneSetAndHarmsAnother) {
@@ -53,9 +53,9 @@ TEST(Agreement, ExplainsTheShareOfEnergyThatAllSetsTogetherLose) {
   Agreement found;
   found.sets = {{"one", {{"mocap", "x", "m", 3.0, 2.0, 1.0, 2.0, 0.1}}, {}, true},
                 {"two", {{"mocap", "x", "m", 4.0, 2.0, 0.0, 1.0, 0.1}}, {}, true}};
-  EXPECT_DOUBLE_EQ(found.explained("x", false), 1.0 - 1.0 / 25.0);
-  EXPECT_DOUBLE_EQ(found.explained("x", true), 1.0 - 5.0 / 25.0);
-  EXPECT_TRUE(std::isnan(found.explained("z", true)));
+  EXPECT_DOUBLE_EQ(found.explained("x", &diagnosis::ChannelAgreement::account), 1.0 - 1.0 / 25.0);
+  EXPECT_DOUBLE_EQ(found.explained("x", &diagnosis::ChannelAgreement::held_out), 1.0 - 5.0 / 25.0);
+  EXPECT_TRUE(std::isnan(found.explained("z", &diagnosis::ChannelAgreement::held_out)));
 }
 
 }  // namespace

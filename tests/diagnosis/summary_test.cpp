@@ -78,5 +78,24 @@ TEST(Summary, NamesNoEffectWhereNoneIsEstablished) {
   EXPECT_TRUE(holds(summary_of(Diagnosis{}).how_far, "can't be told"));
 }
 
+TEST(Summary, SaysWhatUnknownsOfTheFilesAccountFor) {
+  Diagnosis d = friction();
+  d.effects.clear();
+  d.verdict = Verdict::unexplained;
+  d.agreement.unknowns = {{"feedforward", "factor", 0.3, {0.2, 0.4}, true},
+                          {"kp_tail", "share of its stated range", 0.9, {0.8, 1.0}}};
+  d.agreement.sets = {{"slow", {{"mocap", "x", "m", 0.01, 0.002, 0.002, 0.003, 0.001}}, {}, true},
+                      {"fast", {{"mocap", "x", "m", 0.02, 0.001, 0.001, 0.004, 0.001}}, {}, true}};
+  EXPECT_EQ(summary_of(d).which,
+            "What the files leave open (feedforward 0.3 times the first guess, 0.2 to 0.4, at its "
+            "bound; kp tail 0.9 of its stated range, 0.8 to 1), common to all sets, explains of "
+            "the gap's energy 99 % in x. Beside that no effect of the catalogue is established.");
+
+  d.agreement.sets[0].channels.push_back({"mocap", "z", "m", 0.002, 0.004, 0.004, 0.004, 0.001});
+  EXPECT_TRUE(holds(summary_of(d).which, "99 % in x, but makes it larger in z. Beside"));
+  d.agreement.unknowns.clear();
+  EXPECT_EQ(summary_of(d).which, "No effect of the catalogue is established.");
+}
+
 }  // namespace
 }  // namespace jaculus::diagnosis

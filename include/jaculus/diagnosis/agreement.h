@@ -38,6 +38,7 @@ struct FittedUnknown {
   std::string kind;         ///< "factor" on the first value, or "share of its stated range"
   double value = kNaN;      ///< [-]
   Bounds ci95{kNaN, kNaN};  ///< by the curvature at the optimum
+  bool at_bound = false;    ///< the value is where its range ends, and says no more than that
 };
 
 struct Agreement {
@@ -46,9 +47,12 @@ struct Agreement {
   std::vector<std::string> hidden;
   std::vector<SetAgreement> sets;  ///< of several datasets; empty for one
 
+  /// Channels of all sets, each once, in order.
+  [[nodiscard]] std::vector<std::string> channels() const;
   /// Share of a channel's energy, summed over the sets, that is explained of the gap as stated:
-  /// 1 - sum held_out^2/sum stated^2, or with `account` for `held_out`; NaN where no set has it.
-  [[nodiscard]] double explained(const std::string& channel, bool held_out) const;
+  /// 1 - sum after^2/sum stated^2 with `after` one of unknowns, account and held_out; NaN where no
+  /// set has it.
+  [[nodiscard]] double explained(const std::string& channel, double ChannelAgreement::*after) const;
 };
 
 }  // namespace jaculus::diagnosis

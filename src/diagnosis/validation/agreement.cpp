@@ -127,7 +127,8 @@ std::vector<FittedUnknown> unknowns_of(const Problem& problem, const Fit& fit) {
                         log ? "factor" : "share of its stated range",
                         shown(fit.p[i]),
                         {shown(std::max(own.bounds.lower, fit.p[i] - half)),
-                         shown(std::min(own.bounds.upper, fit.p[i] + half))}});
+                         shown(std::min(own.bounds.upper, fit.p[i] + half))},
+                        fit.p[i] == own.bounds.lower || fit.p[i] == own.bounds.upper});
   }
   return unknowns;
 }
@@ -177,16 +178,26 @@ void add_harm(const Problem& problem, const Comparison& comparison,
 
 }  // namespace
 
-double Agreement::explained(const std::string& channel, bool held_out) const {
-  double before = 0.0, after = 0.0;
+std::vector<std::string> Agreement::channels() const {
+  std::vector<std::string> names;
+  for (const SetAgreement& set : sets)
+    for (const ChannelAgreement& c : set.channels)
+      if (std::find(names.begin(), names.end(), c.channel) == names.end())
+        names.push_back(c.channel);
+  return names;
+}
+
+double Agreement::explained(const std::string& channel, double ChannelAgreement::*after) const {
+  double before = 0.0, left = 0.0;
   for (const SetAgreement& set : sets) {
     for (const ChannelAgreement& own : set.channels) {
       if (own.channel != channel) continue;
       before += own.stated * own.stated;
-      after += std::pow(held_out ? own.held_out : own.account, 2);
+      left += std::pow(own.*after, 2);
     }
   }
-  return before > 0.0 ? 1.0 - after / before : kNaN;
+
+  return before > 0.0 ? 1.0 - left / before : kNaN;
 }
 
 Agreement agreement_of(const Problem& problem, const Comparison& comparison, const Fit& none,
