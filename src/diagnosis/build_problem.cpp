@@ -215,7 +215,7 @@ Comparison first_comparison(const Problem& problem, NoiseModel noise) {
 }
 
 Fit fit_members_by_slopes(const Problem& problem, const Whitening& whitening,
-                          const LinearTolerances& linear, const std::vector<int>& members) {
+                          const LinearNuisances& linear, const std::vector<int>& members) {
   FitOptions options;
   options.by_slopes = &linear;
   Fit model = fit_model(problem, whitening, problem.hypotheses.nuisances(), {linear.p}, options);
@@ -233,7 +233,7 @@ Fit fit_members_by_slopes(const Problem& problem, const Whitening& whitening,
 
 Fit fit_members(const Problem& problem, const Whitening& whitening, const Vector& p,
                 const std::vector<int>& members) {
-  const LinearTolerances linear = linear_tolerances(problem, whitening, p);
+  const LinearNuisances linear = linear_nuisances(problem, whitening, p);
   Fit model = fit_members_by_slopes(problem, whitening, linear, members);
   if (!model.valid || linear.slopes.cols() == 0) return model;
   return fit_model(problem, whitening, model.free, {model.p, model.simulated});

@@ -49,7 +49,7 @@ Comparison first_comparison(const Problem& problem, NoiseModel noise);
 /// All of some candidates fitted, one joining the others after another, with tolerances by their
 /// slopes; linear.p: where the rest stays.
 Fit fit_members_by_slopes(const Problem& problem, const Whitening& whitening,
-                          const LinearTolerances& linear, const std::vector<int>& members);
+                          const LinearNuisances& linear, const std::vector<int>& members);
 /// The same and then with tolerances simulated.
 Fit fit_members(const Problem& problem, const Whitening& whitening, const Vector& p,
                 const std::vector<int>& members);

@@ -169,6 +169,70 @@ TEST(FittedTolerances, SlopesThatFollowSecantsKeepWhatIsLinear) {
   EXPECT_GT((first.col(1) - mean).norm(), 0.05 * mean.norm());
 }
 
+/// The same oscillation moved by an unknown gain, and a tolerance that is linear.
+std::shared_ptr<Problem> problem_with_gain(const Vector& truth) {
+  auto problem = toy_problem(Vector::Zero(4));
+  problem->hypotheses.parameters.push_back({"nuisance", "log_kp", "-", 0.0, 1.0, {-4.0, 4.0}});
+  problem->hypotheses.parameters.push_back(
+      {"tolerance", "slope", "deviations", 0.0, 1.0, {-2.0, 2.0}});
+  problem->hypotheses.gains = {4};
+  problem->hypotheses.tolerances = {5};
+  const auto value = [](int channel, double t, const Vector& p) {
+    return oscillation(channel, t, p) + 0.03 * p[5] * t * t;
+  };
+  for (Segment& segment : problem->observations.datasets[0].segments)
+    for (int c = 0; c < 2; ++c)
+      for (Eigen::Index i = 0; i < segment.time[c].size(); ++i)
+        segment.value[c][i] = value(c, segment.time[c][i], truth);
+  problem->forward = forward_of(value);
+  return problem;
+}
+
+TEST(FittedTolerances, GainsFollowSecantsWhereTolerancesGoByTheirSlopes) {
+  Vector truth = Vector::Zero(6);
+  truth[0] = 0.2;
+  truth[4] = 1.5;
+  truth[5] = 0.5;
+  const auto problem = problem_with_gain(truth);
+  const Vector nominal = problem->hypotheses.nominal();
+  const Comparison comparison = comparison_at(*problem, nominal);
+  const std::vector<int> free = problem->hypotheses.freed_by({0});
+  const LinearNuisances linear = linear_nuisances(*problem, comparison.whitening, nominal);
+  ASSERT_EQ(linear.slopes.cols(), 2);
+
+  Residual residual(*problem, comparison.whitening, free, nominal, linear);
+  ASSERT_EQ(residual.followed(), 1);
+  Vector u = residual.reduced(nominal), r;
+  Matrix first, followed, renewed;
+  ASSERT_TRUE(residual.value(u, r) && residual.slopes(u, first));
+  EXPECT_EQ(residual.predictions(), 2);  // the point and the effect
+  u << 0.3, 0.4, 0.5;
+  ASSERT_TRUE(residual.value(u, r) && residual.slopes(u, followed));
+  EXPECT_EQ(residual.predictions(), 4);
+  ASSERT_TRUE(residual.renewed_slopes(u, renewed));
+  EXPECT_EQ(residual.predictions(), 6);  // the effect and the gain, not the tolerance
+
+  const Vector mean = 0.5 * (first.col(1) + renewed.col(1));
+  EXPECT_LT((followed.col(1) - mean).norm(), 0.02 * mean.norm());
+  EXPECT_EQ(followed.col(2), linear.slopes.col(1));
+
+  // A fit that follows ends where one that differences all does: either within what counts as
+  // settled of the optimum, whose cost rises by half the square of a parameter's deviations.
+  const double settled = problem->settings.scales_settled;
+  FitOptions by_slopes;
+  by_slopes.by_slopes = &linear;
+  const Fit fast = fit_model(*problem, comparison.whitening, free, {nominal}, by_slopes);
+  const Fit exact = fit_model(*problem, comparison.whitening, free, {nominal});
+  ASSERT_TRUE(fast.valid && exact.valid);
+  for (const int i : free) {
+    const int k = index_of(exact.free, i);
+    const double deviation =
+        problem->hypotheses.parameters[i].scale * std::sqrt(exact.covariance(k, k));
+    EXPECT_NEAR(fast.p[i], exact.p[i], 2.0 * std::sqrt(2.0 * settled) * deviation) << i;
+  }
+  EXPECT_NEAR(fast.log_evidence, exact.log_evidence, 2.0 * settled);
+}
+
 TEST(Minimise, ReachesTheNormalEquationsOfALinearProblem) {
   const auto problem = toy_problem(test::toy_truth(0.3, 0.1));
   const Comparison comparison = comparison_at(*problem, Vector::Zero(4));

@@ -91,7 +91,7 @@ std::vector<double> log_evidences(const std::vector<Dataset>& datasets,
     comparison = comparison_about(problem, with_random_effects(problem, std::move(there)));
 
   // The robot that is simulated has the files' values: slopes there say what tolerances do.
-  LinearTolerances linear = linear_tolerances(problem, comparison.whitening, comparison.noise.p);
+  LinearNuisances linear = linear_nuisances(problem, comparison.whitening, comparison.noise.p);
   linear.p = p;  // the same tolerances, without the first rival
   FitOptions by_slopes;
   by_slopes.by_slopes = &linear;

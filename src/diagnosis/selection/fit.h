@@ -53,12 +53,12 @@ struct FitOptions {
   double enough = kInfinity;         ///< log evidence at which no further start is tried
   Vector scales{};                   ///< deviations to begin with; empty: first_scales()
   bool hold_scales = false;          ///< whether they stay
-  /// Slopes of the tolerances to set out with, white rows x tolerances (residual.h); empty: those
-  /// at the start.
+  /// Slopes of the nuisances to set out with, white rows x nuisances (residual.h); empty: those at
+  /// the start.
   Matrix known{};
   /// Tolerances by their slopes alone (residual.h); null or without slopes: simulated. Has to
   /// outlive the fit.
-  const LinearTolerances* by_slopes = nullptr;
+  const LinearNuisances* by_slopes = nullptr;
   /// Whether forces are granted from the first round on, at `scales`; else it is plain least
   /// squares.
   bool with_forces = false;

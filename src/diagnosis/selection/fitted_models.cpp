@@ -45,7 +45,7 @@ FittedModels::FittedModels(const Problem& problem, const Comparison& comparison,
       comparison_(comparison),
       earlier_(earlier),
       same_space_(earlier != nullptr && same_space) {
-  linear_ = linear_tolerances(problem, comparison.whitening, comparison.noise.p);
+  linear_ = linear_nuisances(problem, comparison.whitening, comparison.noise.p);
   if (linear_.slopes.cols() > 0) predictions_ += linear_.slopes.cols() + 1;
   if (same_space_) {
     models_ = earlier_->models;
@@ -226,7 +226,7 @@ const Fit* FittedModels::fitted_earlier(int candidate) const {
 }
 
 void FittedModels::refine() {
-  if (linear_.slopes.cols() == 0) return;
+  if (problem_.hypotheses.tolerances.empty() || linear_.slopes.cols() == 0) return;
   std::set<Members> refined = {Members{}};
   refine(models_.front());
   for (int count = 0;; ++count) {

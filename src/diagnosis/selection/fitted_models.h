@@ -71,7 +71,7 @@ class FittedModels {
   const Comparison& comparison_;
   const SearchResult* earlier_;
   bool same_space_;
-  LinearTolerances linear_;  ///< at the noise model's point; no columns: there are none
+  LinearNuisances linear_;  ///< at the noise model's point; no columns: there are none
   std::vector<ModelFit> models_;
   long predictions_ = 0;
 };

@@ -11,8 +11,8 @@
 namespace jaculus::diagnosis {
 namespace {
 
-/// W = M J of a residual's slopes on the way, and W^T W. Where slopes follow secants, J + d s^T, so
-/// do both: W + w s^T with w = M d, and with v = W^T w
+/// W = M J of a residual's slopes on the way, and W^T W. Where slopes follow secants, J + d s^T
+/// with s zero but for those that follow, so do both: W + w s^T with w = M d, and with v = W^T w
 ///   W^T W + v s^T + s v^T + w^T w s s^T,
 /// passes over one column in place of all.
 class WeighedSlopes {
@@ -20,7 +20,7 @@ class WeighedSlopes {
   explicit WeighedSlopes(const RandomWeights& weights) : weights_(weights) {}
 
   void follow(const Residual& residual, const Matrix& J) {
-    const Eigen::Index before = residual.before_tolerances(), n = J.cols() - before;
+    const Eigen::Index before = residual.before_nuisances(), n = J.cols() - before;
     const std::vector<Residual::Secant>& secants = residual.secants();
     if (W_.size() == 0 || renewed_ != residual.times_renewed()) {
       W_ = weights_.stacked(J);
@@ -28,7 +28,7 @@ class WeighedSlopes {
       gram_.selfadjointView<Eigen::Lower>().rankUpdate(W_.transpose());
       gram_.triangularView<Eigen::StrictlyUpper>() = gram_.transpose();
     } else {
-      for (; followed_ < secants.size(); ++followed_) add(secants[followed_], n);
+      for (; followed_ < secants.size(); ++followed_) add(secants[followed_], before);
       if (before > 0) {
         W_.leftCols(before) = weights_.stacked(J.leftCols(before));
         gram_.leftCols(before) = W_.transpose() * W_.leftCols(before);
@@ -43,12 +43,16 @@ class WeighedSlopes {
   [[nodiscard]] const Matrix& gram() const { return gram_; }
 
  private:
-  void add(const Residual::Secant& secant, Eigen::Index n) {
-    const Vector w = weights_.stacked(secant.missed), &s = secant.along;
+  /// Of the columns from the first nuisance's on; those before are made anew.
+  void add(const Residual::Secant& secant, Eigen::Index before) {
+    const Vector w = weights_.stacked(secant.missed);
+    const Eigen::Index n = W_.cols() - before, moved = secant.along.size();
     const Vector v = W_.rightCols(n).transpose() * w;
-    W_.rightCols(n).noalias() += w * s.transpose();
-    auto tolerances = gram_.bottomRightCorner(n, n);
-    tolerances += v * s.transpose() + s * v.transpose() + w.squaredNorm() * (s * s.transpose());
+    Vector s = Vector::Zero(n);
+    s.head(moved) = secant.along;
+    W_.middleCols(before, moved).noalias() += w * secant.along.transpose();
+    auto nuisances = gram_.bottomRightCorner(n, n);
+    nuisances += v * s.transpose() + s * v.transpose() + w.squaredNorm() * (s * s.transpose());
   }
 
   const RandomWeights& weights_;

@@ -11,13 +11,13 @@
 namespace jaculus::diagnosis {
 namespace {
 
-/// A step of the tolerances below which a secant says nothing [prior scales].
+/// A step of the nuisances below which a secant says nothing [prior scales].
 constexpr double kLeastSecant = 1e-6;
 
-/// How many of some free parameters come before the tolerances, which come last.
-Eigen::Index count_before_tolerances(const Hypotheses& hypotheses, const std::vector<int>& free) {
-  const auto is_tolerance = [&](int i) { return index_of(hypotheses.tolerances, i) >= 0; };
-  return std::find_if(free.begin(), free.end(), is_tolerance) - free.begin();
+/// How many of some free parameters come before the first of those listed.
+Eigen::Index count_before(const std::vector<int>& listed, const std::vector<int>& free) {
+  const auto is_listed = [&](int i) { return index_of(listed, i) >= 0; };
+  return std::find_if(free.begin(), free.end(), is_listed) - free.begin();
 }
 
 }  // namespace
@@ -27,18 +27,19 @@ Residual::Residual(const Problem& problem, const Whitening& whitening, std::vect
     : problem_(problem),
       whitening_(whitening),
       free_(std::move(free)),
-      tolerances_(count_before_tolerances(problem.hypotheses, free_)),
+      nuisances_(count_before(problem.hypotheses.nuisances(), free_)),
+      tolerances_(count_before(problem.hypotheses.tolerances, free_)),
       fixed_(std::move(fixed)),
       steps_(Vector::Constant(count_of(free_), problem.settings.first_step)) {
-  if (known.cols() == 0 || known.cols() != size() - tolerances_) return;
+  if (known.cols() == 0 || known.cols() != size() - nuisances_) return;
   slopes_ = Matrix::Zero(whitening.rows, size());
   slopes_.rightCols(known.cols()) = known;
 }
 
 Residual::Residual(const Problem& problem, const Whitening& whitening, std::vector<int> free,
-                   Vector fixed, const LinearTolerances& linear)
+                   Vector fixed, const LinearNuisances& linear)
     : Residual(problem, whitening, std::move(free), std::move(fixed), linear.slopes) {
-  if (slopes_.size() > 0) linear_ = &linear;  // else no tolerance is free
+  if (slopes_.size() > 0 && tolerances_ < size()) linear_ = &linear;
 }
 
 Vector Residual::simulated(const Vector& u) const {
@@ -72,7 +73,8 @@ bool Residual::value(const Vector& u, Vector& r) {
   }
   r = whitening_.residual(rows_);
   const Eigen::Index n = size() - tolerances_;
-  if (linear_ != nullptr && n > 0) r += linear_->slopes * (u.tail(n) - reduced(linear_->p).tail(n));
+  if (linear_ != nullptr)
+    r += linear_->slopes.rightCols(n) * (u.tail(n) - reduced(linear_->p).tail(n));
   at_ = u;
   residual_ = r;
   return true;
@@ -97,13 +99,13 @@ bool Residual::difference_columns(const Vector& u, const std::vector<Eigen::Inde
 }
 
 void Residual::follow(const Vector& u, const Matrix& before, Matrix& J) {
-  const Eigen::Index n = size() - tolerances_;
-  const Vector du = u - slopes_at_, dn = du.tail(n);
-  if (n == 0 || dn.norm() < kLeastSecant) return;
+  const Vector du = u - slopes_at_, dn = du.segment(nuisances_, followed());
+  if (dn.size() == 0 || dn.norm() < kLeastSecant) return;
   Vector missed = residual_ - slopes_residual_ - before * du;
-  missed -= 0.5 * (J.leftCols(tolerances_) - before.leftCols(tolerances_)) * du.head(tolerances_);
+  missed -= 0.5 * (J.leftCols(nuisances_) - before.leftCols(nuisances_)) * du.head(nuisances_);
   secants_.push_back({std::move(missed), dn / dn.squaredNorm()});
-  J.rightCols(n).noalias() += secants_.back().missed * secants_.back().along.transpose();
+  J.middleCols(nuisances_, dn.size()).noalias() +=
+      secants_.back().missed * secants_.back().along.transpose();
 }
 
 void Residual::keep(const Vector& u, const Matrix& J) {
@@ -118,28 +120,32 @@ bool Residual::slopes(const Vector& u, Matrix& J) {
     J = slopes_;
     return true;
   }
-  std::vector<Eigen::Index> effects(tolerances_);
+  std::vector<Eigen::Index> effects(nuisances_);
   std::iota(effects.begin(), effects.end(), Eigen::Index{0});
   J = slopes_;
   if (!difference_columns(u, effects, J)) return false;
-  if (linear_ == nullptr && slopes_at_.size() == u.size()) follow(u, slopes_, J);
+  if (slopes_at_.size() == u.size()) follow(u, slopes_, J);
   keep(u, J);
   new_ = false;
   return true;
 }
 
 bool Residual::renewed_slopes(const Vector& u, Matrix& J) {
-  if (linear_ != nullptr) return slopes(u, J);
   const bool anew = slopes_.size() == 0;
+  if (!anew && followed() == 0) return slopes(u, J);
   if (new_ && slopes_at_.size() == u.size() && slopes_at_ == u) {
     J = slopes_;
     return true;
   }
+
   J = anew ? Matrix(whitening_.rows, size()) : slopes_;
   std::vector<Eigen::Index> columns;
-  for (Eigen::Index i = 0; i < size(); ++i)
-    if (anew || i < tolerances_ || J.col(i).norm() > problem_.settings.slope_renewed)
-      columns.push_back(i);
+  for (Eigen::Index i = 0; i < (anew ? size() : nuisances_ + followed()); ++i) {
+    // Effects' anew too: their steps are told by now.
+    const bool strong = i < tolerances_ || J.col(i).norm() > problem_.settings.slope_renewed;
+    if (anew || strong) columns.push_back(i);
+  }
+
   if (!difference_columns(u, columns, J)) return false;
   keep(u, J);
   new_ = true;
@@ -148,11 +154,11 @@ bool Residual::renewed_slopes(const Vector& u, Matrix& J) {
   return true;
 }
 
-LinearTolerances linear_tolerances(const Problem& problem, const Whitening& whitening, Vector p) {
-  LinearTolerances out{std::move(p), {}};
-  const std::vector<int>& tolerances = problem.hypotheses.tolerances;
-  if (tolerances.empty()) return out;
-  Residual residual(problem, whitening, tolerances, out.p);
+LinearNuisances linear_nuisances(const Problem& problem, const Whitening& whitening, Vector p) {
+  LinearNuisances out{std::move(p), {}};
+  const std::vector<int> nuisances = problem.hypotheses.nuisances();
+  if (nuisances.empty()) return out;
+  Residual residual(problem, whitening, nuisances, out.p);
   const Vector u = residual.reduced(out.p);
   Vector r;
   if (!residual.value(u, r) || !residual.slopes(u, out.slopes)) out.slopes.resize(0, 0);

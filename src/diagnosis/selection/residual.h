@@ -2,48 +2,55 @@
 // The white residual of a fit as a function of its free parameters, and its slopes.
 //
 //   r(u) = T (y - A m - f(p)) (noise/whitening.h),  u = (p - nominal)/scale of the free parameters
-// A slope by differences is a simulation of everything. Effects have a few parameters, but a robot
-// has some eighty tolerances; so on the way the tolerances' slopes N follow by secants,
-//   N += (dr - E du_e - N dt) dt^T/|dt|^2,
+// A slope by differences is a simulation of everything. Effects have a few parameters, but every
+// model also fits nuisances, unknown gains and a robot's some eighty tolerances; so on the way the
+// nuisances' slopes N follow by secants,
+//   N += (dr - E du_e - N dn) dn^T/|dn|^2,
 // E the mean of the effects' slopes at both ends (Broyden 1965), and where they are renewed it is
-// those of the strong ones: what changes a slope by a tenth moves the others' rows by less than
-// noise. While models are sought, tolerances go by their slopes at one point,
-//   r(u) = r(u_e, t_0) + N (t - t_0),
-// t of u the tolerances: effects are a few parameters again.
+// those of the gains and of the strong tolerances: what changes a slope by a tenth moves the
+// others' rows by less than noise. While models are sought, tolerances go by their slopes at one
+// point,
+//   r(u) = r(u_e, u_g, t_0) + N_t (t - t_0),
+// t of u the tolerances: effects and gains u_g are a few parameters again.
 
 #include "diagnosis/noise/whitening.h"
 
 namespace jaculus::diagnosis {
 
-/// Tolerances by their slopes at one point.
-struct LinearTolerances {
+/// Nuisances by their slopes at one point: what tolerances go by, and gains set out with.
+struct LinearNuisances {
   Vector p;       ///< all parameters, there
-  Matrix slopes;  ///< white rows x tolerances
+  Matrix slopes;  ///< white rows x (unknown gains, then tolerances)
 };
 
 /// Counts its simulations. `problem` and `whitening` have to outlive it.
 class Residual {
  public:
-  /// `fixed`: all parameters, the free ones of no account. `known`: slopes of the tolerances among
-  /// the free ones to set out with, white rows x tolerances; else they are differenced at the
+  /// `fixed`: all parameters, the free ones of no account. `known`: slopes of the nuisances among
+  /// the free ones to set out with, white rows x nuisances; else they are differenced at the
   /// start.
   Residual(const Problem& problem, const Whitening& whitening, std::vector<int> free, Vector fixed,
            const Matrix& known = {});
   /// The same with tolerances by their slopes. `linear` has to outlive it.
   Residual(const Problem& problem, const Whitening& whitening, std::vector<int> free, Vector fixed,
-           const LinearTolerances& linear);
+           const LinearNuisances& linear);
 
-  /// By what the tolerances' slopes were moved: N += missed along^T.
+  /// By what the slopes that follow were moved: N += missed along^T.
   struct Secant {
     Vector missed;  ///< white rows
-    Vector along;   ///< dt/|dt|^2
+    Vector along;   ///< dn/|dn|^2
   };
   /// Since they were renewed last.
   [[nodiscard]] const std::vector<Secant>& secants() const { return secants_; }
   /// How often they were.
   [[nodiscard]] int times_renewed() const { return times_renewed_; }
-  /// How many free parameters come before the tolerances.
-  [[nodiscard]] Eigen::Index before_tolerances() const { return tolerances_; }
+  /// How many free parameters come before the nuisances.
+  [[nodiscard]] Eigen::Index before_nuisances() const { return nuisances_; }
+  /// How many nuisances follow by secants, from the first on: all, or gains where tolerances go by
+  /// their slopes.
+  [[nodiscard]] Eigen::Index followed() const {
+    return (linear_ == nullptr ? size() : tolerances_) - nuisances_;
+  }
 
   /// Of one free parameter.
   [[nodiscard]] Bounds range(Eigen::Index i) const;
@@ -59,9 +66,9 @@ class Residual {
   /// False where the simulation fails. What was asked for last is kept: a minimiser and the rounds
   /// about it ask for the same point again.
   bool value(const Vector& u, Vector& r);
-  /// dr/du at the point of the last `value`, tolerances by secants. False where a simulation fails.
+  /// dr/du at the point of the last `value`, nuisances by secants. False where a simulation fails.
   bool slopes(const Vector& u, Matrix& J);
-  /// The same with those of the strong tolerances by differences.
+  /// The same with those of gains and strong tolerances by differences.
   bool renewed_slopes(const Vector& u, Matrix& J);
 
   [[nodiscard]] const Settings& settings() const { return problem_.settings; }
@@ -79,22 +86,23 @@ class Residual {
   const Problem& problem_;
   const Whitening& whitening_;
   std::vector<int> free_;
-  Eigen::Index tolerances_ = 0;               ///< place of the first of them, which come last
-  const LinearTolerances* linear_ = nullptr;  ///< null: tolerances are simulated
+  Eigen::Index nuisances_ = 0;               ///< place of the first: gains, then tolerances
+  Eigen::Index tolerances_ = 0;              ///< place of the first of them, which come last
+  const LinearNuisances* linear_ = nullptr;  ///< null: tolerances are simulated
   Vector fixed_, steps_;
   std::vector<Vector> rows_;  ///< predicted at `simulated_`
   Vector simulated_;          ///< all parameters
   Vector at_, residual_;      ///< of the last `value`
   Vector slopes_at_, slopes_residual_;
   Matrix slopes_;     ///< there; empty: not known anywhere
-  bool new_ = false;  ///< whether those of the strong tolerances were differenced there
+  bool new_ = false;  ///< whether those of gains and strong tolerances were differenced there
   std::vector<Secant> secants_;
   int times_renewed_ = 0;
   long predictions_ = 0;
   std::string message_;
 };
 
-/// At p. No columns where the robot has none, or where a simulation fails.
-LinearTolerances linear_tolerances(const Problem& problem, const Whitening& whitening, Vector p);
+/// At p. No columns where there are none, or where a simulation fails.
+LinearNuisances linear_nuisances(const Problem& problem, const Whitening& whitening, Vector p);
 
 }  // namespace jaculus::diagnosis
