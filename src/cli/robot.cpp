@@ -12,10 +12,12 @@
 #include "cli/robot_tail.h"
 #include "cli/robot_trial.h"
 #include "cli/robot_xacro.h"
+#include "jaculus/components/motor.h"
 #include "jaculus/core/error.h"
 #include "jaculus/model/mjcf.h"
 #include "jaculus/model/propose.h"
 #include "jaculus/trajectory/csv.h"
+#include "jaculus/transcription/robot_size.h"
 
 namespace jaculus::cli {
 namespace {
@@ -62,7 +64,7 @@ struct Source {
 Source read_source(const fs::path& file, model::Reading reading) {
   Source source;
   if (model::is_mjcf(file)) {
-    model::MjcfRobot robot = model::read_mjcf(file);
+    model::MjcfRobot robot = model::read_mjcf(file, reading);
     source.urdf = model::write_urdf(robot.tree);
     source.tree = model::parse_urdf(source.urdf, file, reading);
     source.notes = robot.notes;
@@ -125,6 +127,35 @@ struct Written {
   std::string trial, leap;  ///< files; empty where there is none
 };
 
+/// What the reduction to the plane assumed, beyond what reading the file did.
+std::vector<std::string> assumed_of(const Written& w) {
+  std::vector<std::string> assumed = w.robot.notes;
+  std::erase_if(assumed, [&](const std::string& note) {
+    const std::vector<std::string>& known = w.source.notes;
+    return !note.starts_with("assumed:") ||
+           std::find(known.begin(), known.end(), note) != known.end();
+  });
+  return assumed;
+}
+
+/// Largest torques that no motor of a legged robot has: a file's place holders.
+std::vector<std::string> doubtful_limits(const model::Robot& robot) {
+  constexpr double kMost = 10.0;  // of weight times leg length; robots that leap have about one
+  std::vector<std::string> doubtful;
+  if (robot.planar.feet.empty() || robot.planar.gravity == 0.0) return doubtful;
+  const transcription::RobotSize size = transcription::robot_size(robot);
+  for (const model::PlanarMotor& motor : robot.planar.motors) {
+    const double torque = components::largest_joint_torque(motor).value;
+    const double measures = torque / (size.body_weight * size.leg_length);
+    if (std::isfinite(torque) && measures > kMost)
+      doubtful.push_back(fmt::format(
+          "motors.{}: the file's {:.4g} N m is {:.0f} times weight times leg length, a place "
+          "holder?",
+          motor.joint, torque, measures));
+  }
+  return doubtful;
+}
+
 std::string written_text(const Written& w, const fs::path& out) {
   const model::PlanarModel& planar = w.robot.planar;
   std::string text =
@@ -132,6 +163,7 @@ std::string written_text(const Written& w, const fs::path& out) {
                   planar.bodies.size(), planar.total_mass(), planar.size(), planar.motors.size());
   for (const std::string& note : w.source.notes) text += "  " + note + "\n";
   for (const std::string& note : w.proposal.notes) text += "  " + note + "\n";
+  for (const std::string& note : assumed_of(w)) text += "  " + note + "\n";
   text += dropped_text(w.proposal.dropped);
   for (const std::string& line : w.proposal.missing) text += "to fill in: " + line + "\n";
 
@@ -157,6 +189,7 @@ Json written_json(const Written& w) {
           {"feet", w.robot.planar.feet.size()},
           {"notes", w.source.notes},
           {"decided", w.proposal.notes},
+          {"assumed", assumed_of(w)},
           {"held", w.proposal.held},
           {"to_fill_in", w.proposal.missing},
           {"kept_and_dropped", dropped_json(w.proposal.dropped)},
@@ -206,6 +239,8 @@ Written write_robot(const RobotOptions& options, const fs::path& out) {
     trajectory::write_file(out / "robot.yaml", w.proposal.yaml);
     w.robot = model::read_robot(out, {}, reading);
   }
+
+  for (const std::string& line : doubtful_limits(w.robot)) w.proposal.missing.push_back(line);
 
   w.trial = write_first_trial(w.robot, w.proposal.rest, out);
   w.leap = write_first_leap(w.robot, w.proposal, out);

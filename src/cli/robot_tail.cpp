@@ -51,10 +51,11 @@ std::string tail_section(const model::Robot& robot, const std::string& mass) {
       "none.\n"
       "attach:\n  tail:\n    kind: drag\n    to: {}\n    at: [{:.4g} m, {:.4g} m]\n"
       "    length: {} m\n    scoop: {} m\n    width: {:.3g} m\n    mass: {}\n"
-      "    motor: {}   # one like it\n    gear: {:.3g}   # its largest torque is then 0.6 of "
-      "weight times leg length, as Minitaur's\n",
+      "    motor: {}   # one like it\n    gear: {:.3g}   # with the {:.4g} N m that this joint "
+      "has now, 0.6 of weight times leg length, as Minitaur's;\n"
+      "                # put in another where you change that motor\n",
       yaml::quoted(model.bodies.front().name), at.x(), at.y(), length, scoop, kWidthOfTail * length,
-      mass, yaml::quoted(model.motors[motor].joint), gear);
+      mass, yaml::quoted(model.motors[motor].joint), gear, largest);
 }
 
 void check_tail_mass(const std::string& mass) {

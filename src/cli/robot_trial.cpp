@@ -71,7 +71,9 @@ std::string held_pose(const std::string& name, const model::Robot& robot,
 
   const bool stands = !model.feet.empty();
   return fmt::format(
-      "# {}, joints held by PD. Gains follow from its weight.\n"
+      "# {}, joints held by PD. Gains follow from its weight. They are the motors': where you\n"
+      "# put a gear into robot.yaml, divide them by its square, which is what the joint has of "
+      "them.\n"
       "format: jaculus-experiment/1\nname: {}\nexperiment: {}\nrobot: .\nplan: {}.csv\n"
       "initial: {{x: 0, z: {}, pitch: 0{}}}\n"
       "controller: {{kind: feedforward_pd, quantity: torque, rate_hz: 1000, kp: {{\"*\": {:.4g}}}, "

@@ -118,7 +118,7 @@ PlanarDrag attached_drag(const Attachment& a, int body) {
   PlanarDrag drag;
   drag.name = a.name;
   drag.body = body;
-  drag.kind = DragKind::distributed;
+  drag.kind = a.kind == TailKind::drag ? DragKind::distributed : DragKind::none;
   drag.density = a.density;
   drag.coefficient = a.coefficient;
   drag.width = a.width;
@@ -237,7 +237,7 @@ void add_attached_parts(const std::vector<Attachment>& attachments, PlanarModel&
     const int body = model.body_of_joint(a.name);
     model.motors.push_back(attached_motor(a, model));
     model.points.push_back({a.name + "_tip", body, {0.0, a.length}, 1});
-    if (a.kind == TailKind::drag) model.drags.push_back(attached_drag(a, body));
+    model.drags.push_back(attached_drag(a, body));
   }
 }
 

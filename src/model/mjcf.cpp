@@ -4,16 +4,12 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <fstream>
-#include <memory>
 #include <set>
 
 #include "jaculus/core/error.h"
-#ifdef JACULUS_HAS_MUJOCO
-#include <mujoco/mujoco.h>
-#endif
+#include "model/mjcf_load.h"
 
 namespace jaculus::model {
 
@@ -36,7 +32,7 @@ bool is_mjcf(const std::filesystem::path& file) {
 
 #ifndef JACULUS_HAS_MUJOCO
 
-MjcfRobot read_mjcf(const std::filesystem::path& file) {
+MjcfRobot read_mjcf(const std::filesystem::path& file, Reading) {
   throw InputError(fmt::format(
       "{}: an MJCF file, which MuJoCo reads, and this build was made without it; install "
       "libmujoco-dev (Debian) and build again, or give a URDF file",
@@ -46,13 +42,6 @@ MjcfRobot read_mjcf(const std::filesystem::path& file) {
 #else
 
 namespace {
-
-/// MuJoCo's messages have several lines.
-std::string one_line(std::string text) {
-  std::replace(text.begin(), text.end(), '\n', ' ');
-  while (text.ends_with(' ')) text.pop_back();
-  return text;
-}
 
 Vec3 vector(const mjtNum* v) { return {v[0], v[1], v[2]}; }
 Mat3 matrix(const mjtNum* q) {
@@ -271,17 +260,11 @@ class Converter {
 
 }  // namespace
 
-MjcfRobot read_mjcf(const std::filesystem::path& file) {
-  std::array<char, 1000> error{};
-  const std::unique_ptr<mjModel, void (*)(mjModel*)> model(
-      mj_loadXML(file.c_str(), nullptr, error.data(), static_cast<int>(error.size())),
-      mj_deleteModel);
-  if (!model) {
-    throw InputError(
-        fmt::format("{}: MuJoCo refuses the file: {}; allowed: MJCF that MuJoCo {} reads",
-                    file.string(), one_line(error.data()), mj_versionString()));
-  }
-  return Converter(*model, file).run();
+MjcfRobot read_mjcf(const std::filesystem::path& file, Reading reading) {
+  const LoadedMjcf loaded = load_mjcf(file, reading);
+  MjcfRobot robot = Converter(*loaded.model, file).run();
+  robot.notes.insert(robot.notes.begin(), loaded.notes.begin(), loaded.notes.end());
+  return robot;
 }
 
 #endif

@@ -282,7 +282,9 @@ TEST(Propose, AnInertiaBeyondTheRobotsSizeIsSaid) {
       testing::replaced(test::quadruped_urdf(), "ixx=\"0.02\" iyy=\"0.08\" izz=\"0.09\"",
                         "ixx=\"1\" iyy=\"6\" izz=\"6\"");
   EXPECT_TRUE(holds(imported(ones).proposal.missing.at(0), "inertias of 1 links"));
-  EXPECT_TRUE(imported(test::quadruped_urdf()).proposal.missing.empty());
+  const std::vector<std::string> usual = imported(test::quadruped_urdf()).proposal.missing;
+  ASSERT_EQ(usual.size(), 1u);
+  EXPECT_TRUE(holds(usual.front(), "friction: 0.8"));
 }
 
 TEST(Propose, NothingThatMovesIsSaid) {
@@ -315,6 +317,30 @@ TEST(Mjcf, IsReadByMujocoWithGeomsInertiasAndActuators) {
   EXPECT_EQ(tree.joints[tree.joint_index("knee")].effort, 30.0);
   EXPECT_EQ(mjcf->armature.at("hip"), 0.02);
   EXPECT_FALSE(mjcf->floating);
+}
+
+TEST(Mjcf, OfANewerFileWhatMujocoDoesNotKnowIsLeftOutAndSaid) {
+  if (!hopper()) GTEST_SKIP() << "no MuJoCo";
+  std::string newer = test::kHopperMjcf;
+  newer =
+      testing::replaced(newer, "<worldbody>",
+                        "<option integrator=\"soon\"/>\n<statistic glitter=\"1\"/>\n<worldbody>");
+  const testing::Folder folder;
+  folder.write("hopper.xml", newer);
+  const MjcfRobot robot = read_mjcf(folder.path() / "hopper.xml");
+  const std::string notes = fmt::format("{}", fmt::join(robot.notes, "\n"));
+  EXPECT_TRUE(holds(notes, "assumed: no autolimits"));
+  EXPECT_TRUE(holds(notes, "assumed: 'soon' of <option>, which MuJoCo"));
+  EXPECT_TRUE(holds(notes, "assumed: 'glitter' of <statistic>, which MuJoCo"));
+
+  // the robot is the same
+  const MjcfRobot same = *hopper();
+  EXPECT_EQ(write_urdf(robot.tree), write_urdf(same.tree));
+  EXPECT_THROW((void)read_mjcf(folder.path() / "hopper.xml", Reading::strict), InputError);
+  // what is no matter of versions is refused as it was
+  folder.write("hopper.xml",
+               testing::replaced(newer, "<worldbody>", "<worldbody><body mass=\"1\""));
+  EXPECT_THROW((void)read_mjcf(folder.path() / "hopper.xml"), InputError);
 }
 
 TEST(Mjcf, ComesBackFromItsUrdfAndIsPlanar) {

@@ -24,9 +24,11 @@ bool is_mjcf(const std::filesystem::path& file);
 
 /// Reads an MJCF file by MuJoCo's own reader: masses and inertias as MuJoCo has them (of geoms
 /// where bodies state none), joints with ranges, largest torques of actuators, shapes that touch. A
-/// body with several joints is a chain of links without mass. InputError where MuJoCo refuses the
-/// file, nothing moves, or this build has no MuJoCo.
-MjcfRobot read_mjcf(const std::filesystem::path& file);
+/// body with several joints is a chain of links without mass. Of a newer file what this MuJoCo
+/// doesn't know is left out, a note each that begins with "assumed:"; InputError where `reading` is
+/// strict. InputError where MuJoCo refuses the file for anything else, nothing moves, or this build
+/// has no MuJoCo.
+MjcfRobot read_mjcf(const std::filesystem::path& file, Reading reading = Reading::lenient);
 
 /// A tree as the text of a URDF file that reads back as the same tree, to 1e-15 relative.
 std::string write_urdf(const SpatialTree& tree);

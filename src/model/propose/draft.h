@@ -50,6 +50,7 @@ struct Draft {
   std::map<std::string, double> armature;  ///< by joint of the file [kg m^2]
   std::vector<DraftLoop> loops;
   std::map<std::string, double> rest;  ///< by planar joint [rad or m]
+  bool rest_stated = false;            ///< by the user or the file, in part or whole
   std::vector<std::string> notes, missing;
 };
 

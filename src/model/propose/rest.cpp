@@ -172,7 +172,9 @@ void find_rest(const ProposeOptions& options, Draft& draft) {
     for (const DraftJoint& known : joints_of(draft)) {
       const bool spatial = std::any_of(known.spatial.begin(), known.spatial.end(),
                                        [&](int j) { return draft.tree.joints[j].name == joint; });
-      if (known.name == joint || spatial) draft.rest[known.name] = value;
+      if (known.name != joint && !spatial) continue;
+      draft.rest[known.name] = value;
+      draft.rest_stated = true;
     }
   }
 }

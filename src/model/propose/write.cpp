@@ -193,15 +193,17 @@ std::string rest(const Draft& draft, const std::string& motors) {
     text += fmt::format("{}{}: {}", text.empty() ? "" : ", ", quoted(joint), number(value));
   }
   if (text.empty()) return "";
-  return fmt::format("\n# {}\nrest_pose: {{{}}}\n",
-                     draft.feet.empty() ? "Joints at zero, or at the nearest that they may have."
-                                        : "Feet below the hips, legs drawn in to 75 %.",
-                     text);
+  std::string origin = draft.feet.empty() ? "Joints at zero, or at the nearest that they may have."
+                                          : "Feet below the hips, legs drawn in to 75 %.";
+  if (draft.rest_stated) origin = "As stated; other joints: " + origin;
+  return fmt::format("\n# {}\nrest_pose: {{{}}}\n", origin, text);
 }
 
 }  // namespace
 
 std::string write_proposal(Draft& draft, const Dropped& dropped) {
+  if (!draft.feet.empty())
+    draft.missing.emplace_back("friction: 0.8, rubber on a dry floor, is assumed");
   const std::string drives = motors(draft);
   return head(draft, dropped) + frame(draft) + held(draft) + pairs(draft) + loops(draft) +
          feet(draft) + drives + rest(draft, drives);
