@@ -12,7 +12,7 @@ namespace jaculus {
 
 std::string read_text_file(const std::filesystem::path& file, const std::string& allowed) {
   const auto refuse = [&file](const std::string& what) {
-    return InputError(fmt::format("{}: {}", file.string(), what));
+    return InputError({.file = file.string()}, what);
   };
 
   std::error_code code;

@@ -92,8 +92,8 @@ Node Node::load(const std::filesystem::path& file) {
 
 Node Node::parse(const std::string& text, const std::string& name) {
   if (text.size() > kMaxTextBytes) {
-    throw InputError(
-        fmt::format("{}: holds {} bytes; allowed: at most {}", name, text.size(), kMaxTextBytes));
+    throw InputError({.file = name}, fmt::format("holds {} bytes; allowed: at most {}", text.size(),
+                                                 kMaxTextBytes));
   }
   return Node(std::make_shared<const Impl>(Impl{parse_tree(text, name), name, {}}));
 }
@@ -283,10 +283,7 @@ std::vector<std::string> Node::texts() const {
 }
 
 InputError Node::error(const std::string& what) const {
-  std::string place = impl_->file.string();
-  if (line() > 0) place += fmt::format("{}{}", place.empty() ? "line " : ":", line());
-  if (!impl_->path.empty()) place += (place.empty() ? "" : ": ") + impl_->path;
-  return InputError(place.empty() ? what : place + ": " + what);
+  return InputError({impl_->file.string(), line(), impl_->path}, what);
 }
 
 std::string Node::path() const { return impl_->path; }

@@ -18,7 +18,7 @@ namespace {
 constexpr double kMaxNodes = 1e6;
 
 [[noreturn]] void fail(const std::string& name, int line, const std::string& what) {
-  throw InputError(fmt::format("{}:{}: {}", name, line, what));
+  throw InputError({name, line}, what);
 }
 
 /// Length of the UTF-8 sequence that starts at `at`, 0 where it is malformed.

@@ -321,7 +321,7 @@ class Checker {
 }  // namespace
 
 InputError urdf_error(const std::filesystem::path& file, int line, const std::string& what) {
-  return InputError(fmt::format("{}:{}: {}", file.string(), line, what));
+  return InputError({file.string(), line}, what);
 }
 
 UrdfOutline check_urdf_text(const std::string& given, const std::filesystem::path& file,

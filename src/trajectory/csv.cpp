@@ -26,12 +26,11 @@ class Parser {
   Table parse() {
     std::string_view line;
     if (!next_line(line))
-      throw InputError(
-          fmt::format("{}: the file is empty; a header line and rows are expected", name_));
+      throw InputError({.file = name_}, "the file is empty; a header line and rows are expected");
     header(line);
     while (next_line(line)) row(line);
     if (cells_.empty() && table_.phase.empty())
-      throw InputError(fmt::format("{}:1: there is a header but no row", name_));
+      throw InputError({name_, 1}, "there is a header but no row");
     const auto columns = std::ssize(table_.columns);
     table_.values =
         Eigen::Map<const RowMajor>(cells_.data(), std::ssize(cells_) / columns, columns);
@@ -50,7 +49,8 @@ class Parser {
         continue;
       }
       if (blank > 0)
-        throw InputError(fmt::format("{}:{}: a blank line stands {}", name_, blank,
+        throw InputError({name_, blank},
+                         fmt::format("a blank line stands {}",
                                      columns_ == 0 ? "before the header" : "between the rows"));
       return true;
     }
@@ -207,8 +207,8 @@ Vector quantity(const Table& table, const std::string& name, const Dimension& di
     std::vector<std::string> names;
     for (const Column& column : table.columns) names.push_back(column.name);
     const std::optional<std::string> near = yaml::nearest_name(name, names);
-    throw InputError(fmt::format("{}:1: column '{} [{}]' is missing{}", file.string(), name,
-                                 unit_name(dimension),
+    throw InputError({file.string(), 1},
+                     fmt::format("column '{} [{}]' is missing{}", name, unit_name(dimension),
                                  near ? fmt::format("; did you mean '{}'?", *near) : ""));
   }
 
@@ -216,14 +216,15 @@ Vector quantity(const Table& table, const std::string& name, const Dimension& di
   double factor = 1.0;
   if (unit.empty() || unit == "-") {
     if (dimension != dimension::none)
-      throw InputError(fmt::format("{}:1: column '{}' has no unit; '{} [{}]' is expected",
-                                   file.string(), name, name, unit_name(dimension)));
+      throw InputError({file.string(), 1},
+                       fmt::format("column '{}' has no unit; '{} [{}]' is expected", name, name,
+                                   unit_name(dimension)));
   } else {
     try {
       factor = parse_quantity("1 " + unit, dimension);
     } catch (const InputError& error) {
-      throw InputError(
-          fmt::format("{}:1: column '{} [{}]': {}", file.string(), name, unit, error.what()));
+      throw InputError({file.string(), 1, fmt::format("column '{} [{}]'", name, unit)},
+                       error.what());
     }
   }
 

@@ -16,13 +16,13 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Line of a row in a CSV file: one header line, no blank lines between (csv.h).
-Eigen::Index line_of(Eigen::Index row) { return row + 2; }
+int line_of(int row) { return row + 2; }
 
 Vector read_time(const Table& table, const fs::path& file, bool borders_may_coincide) {
   Vector time = quantity(table, "time", dimension::time, file);
-  for (Eigen::Index k = 0; k < time.size(); ++k) {
+  for (int k = 0; k < count_of(time); ++k) {
     const auto fault = [&](const std::string& what) {
-      return InputError(fmt::format("{}:{}: time: {}", file.string(), line_of(k), what));
+      return InputError({file.string(), line_of(k), "time"}, what);
     };
     if (std::isnan(time[k])) throw fault("an empty cell given; allowed: a time in every row");
     if (k == 0 || time[k] > time[k - 1]) continue;
@@ -54,8 +54,8 @@ Stream read_stream(const StreamEntry& entry, const fs::path& file) {
   }
 
   if (columns.empty())
-    throw InputError(fmt::format("{}:1: there is no column but time; allowed: at least one channel",
-                                 file.string()));
+    throw InputError({file.string(), 1},
+                     "there is no column but time; allowed: at least one channel");
   stream.values.resize(columns.size(), stream.time.size());
   for (int i = 0; i < count_of(columns); ++i)
     stream.values.row(i) = factors[i] * table.values.col(columns[i]).transpose();
@@ -73,10 +73,10 @@ double command_end(const Dataset& dataset) {
 void check_start(const Stream& stream, const fs::path& file, double end) {
   if (stream.time[0] <= end) return;
   throw InputError(
-      fmt::format("{}:2: time: the stream begins at {} s, after the plan's end at {} s; allowed: a "
-                  "stream that overlaps "
-                  "the plan, whose first sample is time 0",
-                  file.string(), stream.time[0], end));
+      {file.string(), line_of(0), "time"},
+      fmt::format("the stream begins at {} s, after the plan's end at {} s; allowed: a stream that "
+                  "overlaps the plan, whose first sample is time 0",
+                  stream.time[0], end));
 }
 
 InputScript read_script(const fs::path& file, Quantity commanded) {
@@ -91,17 +91,18 @@ InputScript read_script(const fs::path& file, Quantity commanded) {
     if (column.name == "time") continue;
     const ChannelName name = parse_channel(column.name);
     if (name.quantity != commanded)
-      throw InputError(fmt::format("{}:1: column '{}' given; allowed: time and {}", file.string(),
-                                   column.name, allowed));
+      throw InputError({file.string(), 1}, fmt::format("column '{}' given; allowed: time and {}",
+                                                       column.name, allowed));
     script.joints.push_back(name.of);
     rows.push_back(quantity(table, column.name, command_dimension(commanded), file));
     if (rows.back().hasNaN())
-      throw InputError(fmt::format("{}: column '{}' has gaps; allowed: a command in every row",
-                                   file.string(), column.name));
+      throw InputError(
+          {.file = file.string()},
+          fmt::format("column '{}' has gaps; allowed: a command in every row", column.name));
   }
   if (rows.empty())
-    throw InputError(
-        fmt::format("{}:1: no command given; allowed: a column {}", file.string(), allowed));
+    throw InputError({file.string(), 1},
+                     fmt::format("no command given; allowed: a column {}", allowed));
 
   script.values.resize(rows.size(), script.time.size());
   for (int i = 0; i < count_of(rows); ++i) script.values.row(i) = rows[i].transpose();
@@ -172,8 +173,8 @@ Table read_plan(const fs::path& file) {
   plan.values.col(plan.column("time")) = time;
   plan.columns[plan.column("time")].unit = "s";
   if (!(time[time.size() - 1] > time[0]))
-    throw InputError(fmt::format("{}:{}: the plan ends where it begins; allowed: a plan that lasts",
-                                 file.string(), line_of(time.size() - 1)));
+    throw InputError({file.string(), line_of(count_of(time) - 1)},
+                     "the plan ends where it begins; allowed: a plan that lasts");
   return plan;
 }
 
@@ -197,7 +198,7 @@ const Stream* Trial::stream(const std::string& stream_name) const {
 Dataset read_dataset(const fs::path& given) {
   const bool is_file = fs::is_regular_file(given);
   if (!is_file && !fs::exists(given))
-    throw InputError(fmt::format("{}: there is no such folder", given.string()));
+    throw InputError({.file = given.string()}, "there is no such folder");
   const fs::path folder = is_file ? given.parent_path() : given;
   if (!is_file && !fs::is_regular_file(folder / "dataset.yaml"))
     throw InputError(

@@ -55,7 +55,7 @@ bool LineReader::next(std::string_view& line) {
 }
 
 InputError LineReader::error(const std::string& what) const {
-  return InputError(fmt::format("{}:{}: {}", name_, line_, what));
+  return InputError({name_, line_}, what);
 }
 
 std::string_view trim(std::string_view text) {

@@ -11,7 +11,7 @@ namespace jaculus::trajectory {
 std::ifstream open_input(const std::filesystem::path& file, std::string_view expected) {
   std::error_code code;
   if (!std::filesystem::exists(file, code))
-    throw InputError(fmt::format("{}: there is no such file", file.string()));
+    throw InputError({.file = file.string()}, "there is no such file");
   if (std::filesystem::is_directory(file, code))
     throw InputError(fmt::format("{}: a folder; {} is expected", file.string(), expected));
   std::ifstream stream(file, std::ios::binary);

@@ -44,12 +44,12 @@ bool has_unit_of(const Node& node, const Dimension& d, const Dimension& other) {
 
 /// A message about a number that is neither an angle's nor a length's: it names both units.
 InputError in_either(const InputError& turning, const Dimension& angle, const Dimension& length) {
-  std::string text = turning.what();
+  std::string text = turning.fault();
   const std::string unit = "a number in " + unit_name(angle);
   if (const std::size_t at = text.find(unit); at != std::string::npos)
     text.insert(at + unit.size(),
                 fmt::format(" where it turns or {} where it slides", unit_name(length)));
-  return InputError(text);
+  return InputError(turning.place(), text);
 }
 
 /// Reads a value named after a coordinate or joint. Whether it is an angle or a length only the

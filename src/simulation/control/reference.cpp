@@ -26,19 +26,20 @@ std::vector<std::string> column_names(const trajectory::Table& table) {
 [[noreturn]] void missing_column(const trajectory::Table& table, const std::string& name,
                                  const std::string& why, const std::filesystem::path& file) {
   const auto near = yaml::nearest_name(name, column_names(table));
-  throw InputError(fmt::format("{}:1: column '{}': {}, but the file has no such column{}",
-                               file.string(), name, why,
+  throw InputError({file.string(), 1, fmt::format("column '{}'", name)},
+                   fmt::format("{}, but the file has no such column{}", why,
                                near ? fmt::format("; did it mean '{}'?", *near) : ""));
 }
 
 void check_time(const Vector& time, const std::filesystem::path& file) {
-  for (Eigen::Index k = 0; k < time.size(); ++k) {
-    if (!std::isfinite(time[k]))
-      throw InputError(
-          fmt::format("{}:{}: time: a gap; every sample has its time", file.string(), k + 2));
+  const auto fault = [&file](int row, const std::string& what) {
+    return InputError({file.string(), row + 2, "time"}, what);
+  };
+  for (int k = 0; k < count_of(time); ++k) {
+    if (!std::isfinite(time[k])) throw fault(k, "a gap; every sample has its time");
     if (k > 0 && time[k] < time[k - 1])
-      throw InputError(fmt::format("{}:{}: time: {} s after {} s; a plan's time never falls",
-                                   file.string(), k + 2, time[k], time[k - 1]));
+      throw fault(k,
+                  fmt::format("{} s after {} s; a plan's time never falls", time[k], time[k - 1]));
   }
 }
 
@@ -46,10 +47,10 @@ void check_time(const Vector& time, const std::filesystem::path& file) {
 Eigen::RowVectorXd plan_row(const trajectory::Table& plan, const std::string& name,
                             const Dimension& dimension, const std::filesystem::path& file) {
   const Vector values = quantity(plan, name, dimension, file);
-  for (Eigen::Index k = 0; k < values.size(); ++k)
+  for (int k = 0; k < count_of(values); ++k)
     if (!std::isfinite(values[k]))
-      throw InputError(fmt::format("{}:{}: column '{}': a gap; a plan has every value",
-                                   file.string(), k + 2, name));
+      throw InputError({file.string(), k + 2, fmt::format("column '{}'", name)},
+                       "a gap; a plan has every value");
   return values.transpose();
 }
 
