@@ -26,17 +26,11 @@ bool is_robot(const fs::path& folder) {
          fs::is_regular_file(folder / "robot.urdf", code);
 }
 
-/// Where models stand: JACULUS_MODELS, the source tree, the place of installation, and beside the
-/// program.
+/// Where models stand: JACULUS_MODELS, then those that come with jaculus.
 std::vector<fs::path> model_folders() {
   std::vector<fs::path> folders;
   if (const char* given = std::getenv("JACULUS_MODELS")) folders.emplace_back(given);
-  folders.push_back(source_folder() / "models");
-  folders.push_back(share_folder() / "models");
-  std::error_code code;
-  const fs::path program = fs::read_symlink("/proc/self/exe", code);
-  if (!code)
-    folders.push_back(program.parent_path().parent_path() / "share" / "jaculus" / "models");
+  for (const fs::path& folder : data_folders()) folders.push_back(folder / "models");
   return folders;
 }
 

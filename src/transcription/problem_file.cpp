@@ -61,7 +61,7 @@ std::filesystem::path base_file(const Node& extends) {
   const fs::path beside =
       (given.is_relative() ? extends.file().parent_path() / given : given).lexically_normal();
   if (fs::is_regular_file(beside)) return beside;
-  for (const fs::path& folder : {source_folder(), share_folder()}) {
+  for (const fs::path& folder : data_folders()) {
     const fs::path shipped = folder / "problems" / given;
     if (given.is_relative() && fs::is_regular_file(shipped)) return shipped.lexically_normal();
   }

@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 std::vector<fs::path> web_folders() {
   std::vector<fs::path> folders;
   if (const char* given = std::getenv("JACULUS_WEB")) return {fs::path(given)};
-  folders.push_back(built_web_folder());
+  if (!built_web_folder().empty()) folders.push_back(built_web_folder());
   folders.push_back(share_folder() / "web");
   return folders;
 }
@@ -36,7 +36,8 @@ std::optional<std::string> web_asset(const std::string& name) {
 fs::path figure_script() {
   std::error_code code;
   const fs::path source = source_folder() / "src/report/render/figures.py";
-  return fs::exists(source, code) ? source : share_folder() / "figures.py";
+  const bool in_source = !source_folder().empty() && fs::exists(source, code);
+  return in_source ? source : share_folder() / "figures.py";
 }
 
 }  // namespace jaculus::report
