@@ -11,6 +11,7 @@
 #include "cli/command.h"
 #include "jaculus/core/error.h"
 #include "jaculus/effects/user_effect.h"
+#include "jaculus/model/describe.h"
 #include "jaculus/studies/study.h"
 #include "jaculus/transcription/describe.h"
 #include "jaculus/transcription/nonlinear_program.h"
@@ -47,11 +48,7 @@ Json check_robot(const fs::path& path, bool strict, std::string& text) {
   const model::Robot robot = model::read_robot(folder, {}, reading);
   const model::PlanarModel& m = robot.planar;
   const std::vector<std::string> paths = model::override_paths(folder);
-  text += fmt::format("{}: {} planar bodies, {:.4g} kg, {} coordinates, {} motors, {} loops\n",
-                      robot.name, m.bodies.size(), m.total_mass(), m.size(), m.motors.size(),
-                      m.loops.size());
-
-  for (const std::string& note : robot.notes) text += "  " + note + "\n";
+  text += model::describe_robot(robot);
   text += "values that a problem may override\n";
   for (const std::string& line : paths) text += "  " + line + "\n";
   Json json = {{"robot", robot.name}, {"mass_kg", m.total_mass()}, {"coordinates", Json::array()}};

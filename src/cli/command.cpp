@@ -11,9 +11,9 @@
 #include <system_error>
 
 #include "jaculus/core/error.h"
+#include "jaculus/core/installation.h"
 #include "jaculus/core/yaml.h"
 #include "jaculus/trajectory/csv.h"
-#include "jaculus/transcription/nonlinear_program.h"
 
 namespace jaculus::cli {
 
@@ -93,21 +93,15 @@ yaml::Node changed(const std::filesystem::path& file, const ProblemChanges& chan
 }
 
 Loaded load_problem(const yaml::Node& node, const Common& common) {
-  Loaded loaded;
-  loaded.problem = transcription::read_problem(node);
+  Loaded loaded = transcription::load_problem(node);
   if (common.seed) loaded.problem.solver.seed = *common.seed;
-  loaded.robot = model::read_robot(loaded.problem.robot_folder, loaded.problem.overrides);
-  transcription::check_problem(loaded.problem, loaded.robot.planar);
-  // Laid out once before any folder is made: what the terms refuse is bad input as well.
-  static_cast<void>(transcription::NonlinearProgram(
-      loaded.problem, transcription::planning_model(loaded.problem, loaded.robot.planar)));
   return loaded;
 }
 
 }  // namespace
 
-Loaded load(const std::filesystem::path& file, const Common& common,
-            const ProblemChanges& changes) {
+Loaded load(const std::string& given, const Common& common, const ProblemChanges& changes) {
+  const std::filesystem::path file = problem_file(given);
   const bool as_it_is = changes.robot.empty() && changes.overrides.empty();
   if (as_it_is) return load_problem(yaml::Node::load(file), common);
   const yaml::Node node = changed(file, changes);

@@ -49,18 +49,14 @@ void add_diagnose(CLI::App& app, Action& chosen);
 void add_testbed(CLI::App& app, Action& chosen);
 void add_evaluate(CLI::App& app, Action& chosen);
 
-/// A problem with its robot, everything checked that can be checked before a solve.
-struct Loaded {
-  transcription::Problem problem;
-  model::Robot robot;  ///< overrides applied, nothing locked
-};
+using Loaded = transcription::LoadedProblem;
 /// What the command line changes of a problem.
 struct ProblemChanges {
   std::string robot;                   ///< instead of the file's, relative to where one is
   std::vector<std::string> overrides;  ///< "PATH=VALUE", over the file's
 };
-Loaded load(const std::filesystem::path& file, const Common& common,
-            const ProblemChanges& changes = {});
+/// `given` as problem_file() takes it.
+Loaded load(const std::string& given, const Common& common, const ProblemChanges& changes = {});
 
 /// Makes the folder and proves that files can be written into it; InputError otherwise.
 void prepare_folder(const std::filesystem::path& folder);

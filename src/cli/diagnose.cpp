@@ -10,7 +10,6 @@
 
 #include "cli/reporting.h"
 #include "jaculus/core/interrupt.h"
-#include "jaculus/core/units.h"
 #include "jaculus/diagnosis/diagnosis_json.h"
 #include "jaculus/effects/user_effect.h"
 #include "jaculus/report/diagnosis_report.h"
@@ -38,23 +37,6 @@ const std::vector<std::pair<std::string, double>> kStages = {{"screening", 0.003
                                                              {"held-out gap and intervals", 0.8},
                                                              {"where the gap lies", 0.9}};
 
-/// The horizon of --horizon, in the range of the setting.
-std::optional<double> horizon_of(const std::string& text) {
-  if (text.empty()) return {};
-  double value = kNaN;
-  try {
-    value = parse_quantity(text, dimension::time);
-  } catch (const InputError& e) {
-    throw InputError(fmt::format("--horizon: {}", e.what()));
-  }
-  for (const diagnosis::SettingRow& row : diagnosis::setting_rows({})) {
-    if (row.name != "horizon" || row.range.contains(value)) continue;
-    throw InputError(fmt::format("--horizon: '{}' given; allowed: {} to {} s", text,
-                                 row.range.lower, row.range.upper));
-  }
-  return value;
-}
-
 std::vector<model::PlanarModel> robots_of(const std::vector<trajectory::Dataset>& datasets) {
   std::vector<model::PlanarModel> robots;
   for (const trajectory::Dataset& dataset : datasets)
@@ -70,7 +52,9 @@ int run_diagnose(const DiagnoseOptions& options) {
     print(diagnosis::settings_text(diagnosing.settings));
     return kDone;
   }
-  diagnosing.accuracy = {options.tolerances, horizon_of(options.horizon)};
+  diagnosing.accuracy.tolerances = options.tolerances;
+  if (!options.horizon.empty())
+    diagnosing.accuracy.horizon = diagnosis::read_horizon(options.horizon, "--horizon");
   if (options.datasets.empty())
     throw InputError("diagnose: no dataset given; allowed: one or more folders of datasets");
 

@@ -33,10 +33,6 @@ constexpr MarginRow kMarginRows[] = {
 
 }  // namespace
 
-std::string cell(const Json& value, const char* format) {
-  return value.is_number() ? fmt::format(fmt::runtime(format), value.get<double>()) : "-";
-}
-
 Json perturb_json(const std::vector<simulation::Replay>& all) {
   Json json = {
       {"replays", all.size() - 1}, {"not_done", 0}, {"slipped", 0}, {"margins", Json::object()}};
@@ -77,8 +73,8 @@ std::string perturb_text(const Json& json) {
   report::TextTable table({"margin", "nominal", "least", "median", "largest", "at the limit"});
   for (const MarginRow& row : kMarginRows) {
     const Json& m = json["margins"][row.key];
-    table.row({row.caption, cell(m["nominal"]), cell(m["least"]), cell(m["median"]),
-               cell(m["largest"]),
+    table.row({row.caption, report::json_cell(m["nominal"]), report::json_cell(m["least"]),
+               report::json_cell(m["median"]), report::json_cell(m["largest"]),
                std::isfinite(row.limit)
                    ? fmt::format("{} of {}", m["at_limit"].get<int>(), json["replays"].get<int>())
                    : "-"});

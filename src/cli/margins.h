@@ -9,9 +9,6 @@
 
 namespace jaculus::cli {
 
-/// A number of a table, "-" where there is none.
-std::string cell(const nlohmann::ordered_json& value, const char* format = "{:.3f}");
-
 /// Of replays, the first of which is nominal.
 nlohmann::ordered_json perturb_json(const std::vector<simulation::Replay>& all);
 std::string perturb_text(const nlohmann::ordered_json& json);

@@ -4,69 +4,24 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
 #include <cstdio>
 #include <memory>
 #include <set>
 
 #include "cli/reporting.h"
 #include "jaculus/core/error.h"
+#include "jaculus/core/installation.h"
 #include "jaculus/core/interrupt.h"
 #include "jaculus/report/study_report.h"
-#include "report/document/text_table.h"
 
 namespace jaculus::cli {
 namespace {
-
-constexpr std::size_t kMostRowsShown = 12;
-constexpr std::size_t kMostColumnsShown = 8;
 
 struct StudyOptions {
   Common common;
   std::vector<std::string> files;
   bool resume = false;
 };
-
-std::string shown(const studies::StudyJson& value) {
-  if (value.is_null()) return "-";
-  if (value.is_number()) return fmt::format("{:.5g}", value.get<double>());
-  return value.is_string() ? value.get<std::string>() : value.dump();
-}
-
-std::string differs(const studies::StudyReference& r) {
-  if (std::isnan(r.deviation)) return "";
-  return fmt::format("{:+.1f} %{}", 100.0 * r.deviation, r.disagrees ? " (!)" : "");
-}
-
-std::string rows_text(const studies::StudyResult& result) {
-  const std::size_t columns = std::min(result.columns.size(), kMostColumnsShown);
-  report::TextTable table({result.columns.begin(), result.columns.begin() + columns});
-  const std::size_t rows = std::min(result.rows.size(), kMostRowsShown);
-  for (std::size_t i = 0; i < rows; ++i) {
-    std::vector<std::string> cells;
-    for (std::size_t j = 0; j < columns; ++j)
-      cells.push_back(shown(result.rows[i].at(result.columns[j])));
-    table.row(cells);
-  }
-  std::string text = table.text();
-  if (rows < result.rows.size() || columns < result.columns.size()) {
-    text += fmt::format("({} of {} rows and {} of {} columns; study.csv has them all)\n", rows,
-                        result.rows.size(), columns, result.columns.size());
-  }
-  return text;
-}
-
-std::string text_of(const studies::StudyResult& result) {
-  std::string text = fmt::format("{}: {}\n\n{}", result.name, result.caption, rows_text(result));
-  if (!result.references.empty()) {
-    report::TextTable table({"quantity", "paper", "computed", "differs by", "note"});
-    for (const studies::StudyReference& r : result.references)
-      table.row({r.quantity, shown(r.paper), shown(r.computed), differs(r), r.note});
-    text += "\n" + table.text();
-  }
-  for (const std::string& note : result.notes) text += "note: " + note + "\n";
-  return text;
-}
 
 studies::StudyOptions study_options(const StudyOptions& options, const std::string& name) {
   studies::StudyOptions study;
@@ -117,10 +72,12 @@ void show(const std::vector<studies::StudyResult>& results, const Common& common
     return print(list.dump(1) + "\n");
   }
   if (common.quiet) return;
-  for (std::size_t i = 0; i < results.size(); ++i) print((i > 0 ? "\n" : "") + text_of(results[i]));
+  for (std::size_t i = 0; i < results.size(); ++i)
+    print((i > 0 ? "\n" : "") + report::study_text(results[i]));
 }
 
-int run_study(const StudyOptions& options) {
+int run_study(StudyOptions options) {
+  for (std::string& file : options.files) file = problem_file(file).string();
   const Common& common = options.common;
   check(options);
   if (!common.out.empty()) prepare_folder(common.out);

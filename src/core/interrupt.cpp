@@ -1,7 +1,5 @@
 #include "jaculus/core/interrupt.h"
 
-#include <signal.h>
-
 #include <atomic>
 
 namespace jaculus {
@@ -29,6 +27,23 @@ void install_interrupt_handler() {
 void restore_default_interrupts() {
   signal(SIGINT, SIG_DFL);
   signal(SIGTERM, SIG_DFL);
+}
+
+InterruptScope::InterruptScope() : before_{} {
+  clear_interrupt();
+  struct sigaction action = {};
+  action.sa_handler = raise_flag;
+  sigemptyset(&action.sa_mask);
+  sigaction(SIGINT, &action, &before_);
+}
+
+InterruptScope::~InterruptScope() {
+  sigaction(SIGINT, &before_, nullptr);
+  clear_interrupt();
+}
+
+void stop_if_interrupted() {
+  if (interrupt_requested()) throw Interrupted();
 }
 
 bool interrupt_requested() { return requested.load(); }

@@ -4,6 +4,8 @@
 
 #include <variant>
 
+#include "jaculus/core/error.h"
+#include "jaculus/core/units.h"
 #include "jaculus/core/yaml.h"
 
 namespace jaculus::diagnosis {
@@ -56,8 +58,26 @@ std::vector<SettingRow> setting_rows(const Settings& settings) {
   return rows;
 }
 
+double read_horizon(const std::string& text, const std::string& name) {
+  double value = kNaN;
+  try {
+    value = parse_quantity(text, dimension::time);
+  } catch (const InputError& e) {
+    throw InputError({.key = name}, e.what());
+  }
+  for (const SettingRow& row : setting_rows({})) {
+    if (row.name != "horizon" || row.range.contains(value)) continue;
+    throw InputError({.key = name}, fmt::format("'{}' given; allowed: {} to {} s", text,
+                                                row.range.lower, row.range.upper));
+  }
+  return value;
+}
+
 Settings read_settings(const std::filesystem::path& file) {
-  const yaml::Node root = yaml::Node::load(file);
+  return read_settings(yaml::Node::load(file));
+}
+
+Settings read_settings(const yaml::Node& root) {
   std::vector<std::string> names;
   for (const Entry& entry : entries()) names.push_back(entry.name);
   root.only(names);

@@ -37,9 +37,9 @@ struct Loaded {
   std::vector<StudyPlot> plots;
 };
 
-Loaded load(const fs::path& file) {
+Loaded load(const yaml::Node& node) {
   Loaded loaded;
-  loaded.root = yaml::Node::load(file);
+  loaded.root = node;
   if (!loaded.root.is_map()) throw loaded.root.error("a study is a map of keys");
   yaml::refuse_other_kind(loaded.root, "jaculus-study/1");
   static_cast<void>(loaded.root.at("format").choice({"jaculus-study/1"}));
@@ -139,13 +139,19 @@ fs::path detail::named_file(const yaml::Node& node) {
       fmt::format("'{}' not found; allowed: a file, named relative to this one", node.text()));
 }
 
-std::string check_study(const fs::path& file) {
-  const Loaded loaded = load(file);
+std::string check_study(const fs::path& file) { return check_study(yaml::Node::load(file)); }
+
+std::string check_study(const yaml::Node& node) {
+  const Loaded loaded = load(node);
   return fmt::format("study {} ({}): {}", loaded.name, loaded.kind, loaded.study.description);
 }
 
 StudyResult run_study(const fs::path& file, const fs::path& folder, const StudyOptions& options) {
-  const Loaded loaded = load(file);
+  return run_study(yaml::Node::load(file), folder, options);
+}
+
+StudyResult run_study(const yaml::Node& node, const fs::path& folder, const StudyOptions& options) {
+  const Loaded loaded = load(node);
   const TaskOptions t = task_options(loaded, folder, options);
   const StudyResult result = collect(loaded, run_tasks(loaded.study.tasks, loaded.study.task, t));
   if (folder.empty() || !result.complete) return result;

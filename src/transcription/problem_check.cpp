@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "jaculus/transcription/nonlinear_program.h"
 #include "jaculus/transcription/problem.h"
 #include "transcription/problem_read.h"
 
@@ -168,6 +169,16 @@ model::PlanarModel planning_model(const Problem& problem, const model::PlanarMod
   if (problem.friction) planned.friction = *problem.friction;
   for (const auto& [name, value] : problem.locks) planned = model::lock(planned, name, value);
   return planned;
+}
+
+LoadedProblem load_problem(const Node& node, const TermCatalogue& catalogue) {
+  LoadedProblem loaded;
+  loaded.problem = read_problem(node, catalogue);
+  loaded.robot = model::read_robot(loaded.problem.robot_folder, loaded.problem.overrides);
+  check_problem(loaded.problem, loaded.robot.planar);
+  static_cast<void>(
+      NonlinearProgram(loaded.problem, planning_model(loaded.problem, loaded.robot.planar)));
+  return loaded;
 }
 
 }  // namespace jaculus::transcription

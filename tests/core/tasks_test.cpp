@@ -244,6 +244,26 @@ TEST(Tasks, HandlerRaisesTheFlag) {
   signal(SIGTERM, SIG_DFL);
 }
 
+TEST(Tasks, AScopeTakesInterruptsAndGivesThemBack) {
+  static int taken;  // by the handler that the scope finds
+  taken = 0;
+  signal(SIGINT, [](int) { ++taken; });
+  {
+    const InterruptScope scope;
+    EXPECT_NO_THROW(stop_if_interrupted());
+    raise(SIGINT);
+    raise(SIGINT);
+    EXPECT_TRUE(interrupt_requested());
+    EXPECT_THROW(stop_if_interrupted(), Interrupted);
+  }
+  EXPECT_FALSE(interrupt_requested());
+  EXPECT_EQ(taken, 0);
+
+  raise(SIGINT);
+  EXPECT_EQ(taken, 1);
+  signal(SIGINT, SIG_DFL);
+}
+
 TEST(Tasks, FailedTasksRunAgainOnResume) {
   const TempFolder folder;
   TaskOptions options{.isolate = false, .journal = folder / "journal"};

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "jaculus/core/types.h"
+#include "jaculus/core/yaml.h"
 
 namespace jaculus::diagnosis {
 
@@ -35,6 +36,11 @@ std::vector<SettingRow> setting_rows(const Settings& settings);
 /// default. InputError (file:line: key) where a name is unknown or a value is no number in the
 /// setting's range.
 Settings read_settings(const std::filesystem::path& file);
+Settings read_settings(const yaml::Node& root);
+
+/// The time up to which errors are judged [s], "0.1 s". InputError, which calls it `name`, where it
+/// is no time or outside the range of the setting `horizon`.
+double read_horizon(const std::string& text, const std::string& name);
 
 /// The table for terminals.
 std::string settings_text(const Settings& settings);

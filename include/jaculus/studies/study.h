@@ -96,10 +96,13 @@ struct StudyOptions {
 /// Reads and checks a study without running it: a sentence on what it is and its size. InputError
 /// on any fault.
 std::string check_study(const std::filesystem::path& file);
+std::string check_study(const yaml::Node& node);
 
 /// Runs a study. Writes into `folder`, which must exist, unless it is empty. InputError on bad
 /// input, before any work is done.
 StudyResult run_study(const std::filesystem::path& file, const std::filesystem::path& folder,
+                      const StudyOptions& options = {});
+StudyResult run_study(const yaml::Node& node, const std::filesystem::path& folder,
                       const StudyOptions& options = {});
 
 /// The files' contents.

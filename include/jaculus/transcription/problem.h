@@ -150,6 +150,18 @@ Problem read_problem(const yaml::Node& node, const TermCatalogue& catalogue = te
 /// that bounds leave something. InputError with file:line.
 void check_problem(const Problem& problem, const model::PlanarModel& model);
 
+/// A problem with its robot.
+struct LoadedProblem {
+  Problem problem;
+  model::Robot robot;  ///< overrides applied, nothing locked
+};
+
+/// Everything that is checked before a solve: reads the problem and its robot, checks one against
+/// the other, and lays the nonlinear program out once, for what its terms refuse is bad input as
+/// well. InputError with file:line.
+LoadedProblem load_problem(const yaml::Node& node,
+                           const TermCatalogue& catalogue = term_catalogue());
+
 /// The model that a problem plans with: overrides applied (read_robot), its limits, then its locks.
 model::PlanarModel planning_model(const Problem& problem, const model::PlanarModel& model);
 

@@ -50,6 +50,10 @@ std::string TextTable::text() const {
   return text;
 }
 
+std::string json_cell(const nlohmann::ordered_json& value, const char* format) {
+  return value.is_number() ? fmt::format(fmt::runtime(format), value.get<double>()) : "-";
+}
+
 std::string fixed(double value, int digits) {
   return std::isnan(value) ? std::string("-") : fmt::format("{:.{}f}", value, digits);
 }

@@ -1,6 +1,7 @@
 #pragma once
 // Tables of text with aligned columns, and colours for terminals.
 
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,8 @@ class TextTable {
   std::vector<std::vector<std::string>> rows_;
 };
 
+/// A number of JSON, "-" where there is none.
+std::string json_cell(const nlohmann::ordered_json& value, const char* format = "{:.3f}");
 /// A number with `digits` decimals, "-" for NaN.
 std::string fixed(double value, int digits);
 /// A ratio as per cent with sign, "+14.5 %", "-" for NaN.

@@ -255,10 +255,12 @@ Experiment read_parts(const yaml::Node& file, const fs::path& folder) {
 
 }  // namespace
 
-Experiment read_experiment(const fs::path& file) {
-  const fs::path folder = file.parent_path();
-  return read_parts(yaml::Node::load(file), folder.empty() ? fs::path(".") : folder);
+Experiment read_experiment(const yaml::Node& node) {
+  const fs::path folder = node.file().parent_path();
+  return read_parts(node, folder.empty() ? fs::path(".") : folder);
 }
+
+Experiment read_experiment(const fs::path& file) { return read_experiment(yaml::Node::load(file)); }
 
 Experiment plan_experiment(const fs::path& plan, const std::string& robot,
                            const std::string& controller) {

@@ -1,0 +1,78 @@
+// What `jaculus simulate` prints.
+
+#include <fmt/format.h>
+
+#include "jaculus/report/dataset_report.h"
+#include "report/document/text_table.h"
+
+namespace jaculus::report {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string leap_text(const Json& trials) {
+  TextTable table({"trial", "start [s]", "recipe v/T", "bias", "without noise", "bias",
+                   "v/T at plan end", "lift-off [s]", "v at lift-off", "landing pitch"});
+
+  for (const Json& trial : trials) {
+    const Json& leap = trial["leap"];
+    const auto at = [&](const char* part, const char* key) {
+      return leap[part].is_object() ? leap[part][key] : Json(nullptr);
+    };
+    table.row({trial["name"].get<std::string>(), json_cell(at("recipe", "start_s"), "{:.4f}"),
+               json_cell(at("recipe", "acceleration_m_s2")),
+               json_cell(at("recipe", "bias_m_s2"), "{:+.3f}"),
+               json_cell(at("recipe_without_noise", "acceleration_m_s2")),
+               json_cell(at("recipe_without_noise", "bias_m_s2"), "{:+.3f}"),
+               json_cell(at("plan_end", "acceleration_m_s2")),
+               json_cell(at("lift_off", "time_s"), "{:.4f}"),
+               json_cell(at("lift_off", "speed_m_s")),
+               json_cell(at("plan_end", "landing_pitch_rad"))});
+  }
+
+  return table.text() +
+         "recipe: the authors' way from motion capture to v/T [m/s^2], with its bias against the "
+         "simulated state at "
+         "the plan's end\n";
+}
+
+std::string trials_text(const Json& trials) {
+  TextTable table({"trial", "status", "end [s]", "stream", "samples", "gaps", "events"});
+  for (const Json& trial : trials) {
+    bool first = true;
+    for (const Json& stream : trial["streams"]) {
+      table.row({first ? trial["name"].get<std::string>() : "",
+                 first ? trial["status"].get<std::string>() : "",
+                 first ? json_cell(trial["end_time_s"]) : "", stream["name"].get<std::string>(),
+                 stream["samples"].dump(), stream["gaps"].dump(),
+                 first ? fmt::format("{}", trial["events"].size()) : ""});
+      first = false;
+    }
+    if (first)
+      table.row({trial["name"].get<std::string>(), trial["status"].get<std::string>(),
+                 json_cell(trial["end_time_s"]), "-", "0", "0", "0"});
+  }
+  return table.text();
+}
+
+}  // namespace
+
+std::string simulation_text(const simulation::Experiment& experiment, const Json& summary) {
+  const trajectory::StatedController& c = experiment.setup.controller;
+  std::string text =
+      fmt::format("{}: {} on {}, {} controller ({}) at {} Hz, effects: {}\n", experiment.name,
+                  name_of(experiment.setup.experiment), experiment.setup.robot, name_of(c.kind),
+                  name_of(c.quantity), c.rate_hz, summary["effects"].get<std::string>());
+  for (const std::string& note : experiment.setup.notes) text += "note: " + note + "\n";
+  text += trials_text(summary["trials"]);
+
+  for (const Json& trial : summary["trials"])
+    if (trial.contains("message"))
+      text += fmt::format("{}: {}\n", trial["name"].get<std::string>(),
+                          trial["message"].get<std::string>());
+  if (experiment.setup.experiment == trajectory::ExperimentKind::leap)
+    text += "\n" + leap_text(summary["trials"]);
+  return text;
+}
+
+}  // namespace jaculus::report
