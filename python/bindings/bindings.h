@@ -1,0 +1,61 @@
+#pragma once
+// What the files of the bindings share. A file binds what a module of the library gives; classes of
+// jaculus/*.py wrap it for users. Structures of many figures pass as the JSON of their files.
+
+#include <nanobind/nanobind.h>
+
+#include <exception>
+#include <functional>
+#include <mutex>
+
+#include "jaculus/core/interrupt.h"
+
+namespace jaculus::python {
+
+namespace nb = nanobind;
+
+// One function a file; each adds its part to the module.
+void bind_errors();
+void bind_inputs(nb::module_& module);
+void bind_tables(nb::module_& module);
+void bind_plans(nb::module_& module);
+void bind_datasets(nb::module_& module);
+void bind_diagnosis(nb::module_& module);
+void bind_studies(nb::module_& module);
+
+/// One computation at a time: MUMPS is not re-entrant, and SIGINT has one handler.
+std::mutex& computing();
+
+/// Work without the GIL; Ctrl-C raises interrupt_requested() while it lasts.
+template <class Work>
+auto compute(Work&& work) {
+  const nb::gil_scoped_release released;
+  const std::lock_guard one(computing());
+  const InterruptScope interrupts;
+  return work();
+}
+
+/// A user's callback within C++ that doesn't expect exceptions: the first one is kept, asks the work
+/// to end as Ctrl-C does, and is thrown again by rethrow().
+class Callback {
+ public:
+  template <class Call>
+  void operator()(Call&& call) {
+    if (fault_) return;
+    try {
+      call();
+    } catch (...) {
+      fault_ = std::current_exception();
+      request_interrupt();
+    }
+  }
+
+  void rethrow() const {
+    if (fault_) std::rethrow_exception(fault_);
+  }
+
+ private:
+  std::exception_ptr fault_;
+};
+
+}  // namespace jaculus::python

@@ -1,0 +1,90 @@
+// Diagnosis of datasets.
+
+#include <nanobind/stl/filesystem.h>
+#include <nanobind/stl/function.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+#include <tbb/global_control.h>
+
+#include "bindings.h"
+#include "jaculus/diagnosis/diagnose.h"
+#include "jaculus/diagnosis/diagnosis_json.h"
+#include "jaculus/effects/user_effect.h"
+#include "jaculus/report/diagnosis_report.h"
+#include "jaculus/simulation/experiment.h"
+#include "jaculus/trajectory/csv.h"
+
+namespace jaculus::python {
+namespace {
+
+namespace fs = std::filesystem;
+using diagnosis::Diagnosis;
+using trajectory::Dataset;
+using Progress = std::function<void(const std::string&)>;
+
+struct DiagnosisResult {
+  Diagnosis diagnosis;
+  std::string title;
+};
+
+Diagnosis diagnose(const std::vector<Dataset>& datasets, diagnosis::DiagnoseOptions options,
+                   const std::vector<std::string>& effect_files, int jobs) {
+  std::vector<model::PlanarModel> robots;
+  for (const Dataset& dataset : datasets)
+    robots.push_back(simulation::dataset_robot(dataset).planar);
+  const effects::Catalogue catalogue = effects::catalogue_with(effect_files, robots);
+  for (const effects::Effect& effect : catalogue) options.effects.push_back(&effect);
+
+  const tbb::global_control workers(tbb::global_control::max_allowed_parallelism, jobs);
+  return diagnosis::diagnose(datasets, options);
+}
+
+DiagnosisResult run(const std::vector<const Dataset*>& given,
+                    const std::optional<yaml::Node>& settings,
+                    const std::vector<std::string>& tolerances, const std::string& horizon,
+                    const std::vector<std::string>& effect_files, int jobs,
+                    const Progress& progress) {
+  std::vector<Dataset> datasets;
+  for (const Dataset* dataset : given) datasets.push_back(*dataset);
+  if (datasets.empty()) throw InputError("diagnose: no dataset given; allowed: one or more");
+
+  diagnosis::DiagnoseOptions options;
+  if (settings) options.settings = diagnosis::read_settings(*settings);
+  options.accuracy.tolerances = tolerances;
+  if (!horizon.empty()) options.accuracy.horizon = diagnosis::read_horizon(horizon, "horizon");
+  options.progress = progress;  // what it throws ends the diagnosis
+
+  const std::string title = fs::weakly_canonical(datasets.front().folder).filename().string();
+  return {compute([&] { return diagnose(datasets, options, effect_files, jobs); }), title};
+}
+
+report::Report report_of(const DiagnosisResult& result) {
+  return report::diagnosis_report(result.diagnosis, result.title);
+}
+
+void save(const DiagnosisResult& result, const fs::path& folder) {
+  fs::create_directories(folder);
+  trajectory::write_file(folder / "diagnosis.json", diagnosis::diagnosis_json(result.diagnosis));
+  trajectory::write_file(folder / "augmented.yaml", diagnosis::augmented_yaml(result.diagnosis));
+  report::write_report(report_of(result), folder);
+}
+
+}  // namespace
+
+void bind_diagnosis(nb::module_& module) {
+  using Result = DiagnosisResult;
+  nb::class_<Result>(module, "Diagnosis")
+      .def_prop_ro("json", [](const Result& r) { return diagnosis::diagnosis_json(r.diagnosis); })
+      .def_prop_ro("summary",
+                   [](const Result& r) { return diagnosis::diagnosis_text(r.diagnosis); })
+      .def_prop_ro("augmented",
+                   [](const Result& r) { return diagnosis::augmented_yaml(r.diagnosis); })
+      .def("save", &save, nb::arg("folder"))
+      .def("report_html", [](const Result& r) { return report::report_html(report_of(r)); });
+  module.def("diagnose", &run, nb::arg("datasets"), nb::arg("settings") = nb::none(),
+             nb::arg("tolerances"), nb::arg("horizon"), nb::arg("effect_files"), nb::arg("jobs"),
+             nb::arg("progress") = nb::none());
+}
+
+}  // namespace jaculus::python

@@ -1,0 +1,24 @@
+// The module jaculus._core.
+
+#include "bindings.h"
+
+namespace jaculus::python {
+
+std::mutex& computing() {
+  static std::mutex mutex;
+  return mutex;
+}
+
+}  // namespace jaculus::python
+
+NB_MODULE(_core, module) {
+  module.doc() = "The C++ library behind the package jaculus.";
+  module.attr("__version__") = JACULUS_VERSION;
+  jaculus::python::bind_errors();
+  jaculus::python::bind_tables(module);
+  jaculus::python::bind_inputs(module);
+  jaculus::python::bind_plans(module);
+  jaculus::python::bind_datasets(module);
+  jaculus::python::bind_diagnosis(module);
+  jaculus::python::bind_studies(module);
+}

@@ -1,0 +1,28 @@
+"""Plans leaps of legged robots with drag tails, plays them, and diagnoses the gap to hardware.
+
+    >>> import jaculus
+    >>> plan = jaculus.solve("leap_tail")       # a problem that comes with jaculus, a file or a dict
+    >>> print(plan.summary)
+    >>> plan.plot()
+
+Units are SI: m, kg, s, rad, N, N m, A, V. World frame: x forward, z up; pitch and every joint angle
+turn about +y, so that positive pitch is nose-down. A planar leg stands for the left and the right
+one: foot forces are sums over both, torques, currents and voltages those of one motor.
+
+Bad input raises `InputError` (a `ValueError`) with file, line and key; a solve that does not converge
+is a status of its plan. Ctrl-C raises `Interrupted` (a `KeyboardInterrupt`), which has the best so far.
+"""
+from ._core import __version__
+from ._errors import InputError
+from ._interrupts import Interrupted
+from .datasets import Dataset, Stream, Trial, load_dataset, simulate
+from .diagnoses import Diagnosis, diagnose
+from .plans import Comparison, Plan, compare, solve
+from .robots import Problem, Robot, load_problem, load_robot, shipped
+from .studies import Study, study
+
+__all__ = [
+    "Comparison", "Dataset", "Diagnosis", "InputError", "Interrupted", "Plan", "Problem", "Robot",
+    "Stream", "Study", "Trial", "__version__", "compare", "diagnose", "load_dataset", "load_problem",
+    "load_robot", "shipped", "simulate", "solve", "study",
+]

@@ -1,0 +1,4 @@
+"""python -m jaculus: the command."""
+from ._command import main
+
+main()

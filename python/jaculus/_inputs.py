@@ -1,0 +1,33 @@
+"""What users give, as the library takes it: files, names, dicts."""
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Mapping
+from typing import Any, Union
+
+from . import _core
+
+Source = Union[str, "os.PathLike[str]", Mapping[str, Any]]
+
+
+def plain(value: Any) -> Any:
+    """A value of a dict that JSON doesn't know: NumPy's numbers and arrays, paths."""
+    if hasattr(value, "tolist"):
+        return value.tolist()
+    if isinstance(value, os.PathLike):
+        return os.fspath(value)
+    raise TypeError(f"{type(value).__name__} in a dict of input; allowed: what YAML holds")
+
+
+def node_of(source: Source) -> _core.Node:
+    """The YAML document of a file, of a name that comes with jaculus, or of a dict."""
+    if isinstance(source, Mapping):
+        # JSON is YAML. Paths in it are relative to the working directory.
+        return _core.Node.parse(json.dumps(source, indent=1, ensure_ascii=False, default=plain), "dict")
+    return _core.Node.load(_core.problem_file(os.fspath(source)))
+
+
+def quantity(value: Union[str, float]) -> str:
+    """A number, in SI, or a text with its unit."""
+    return value if isinstance(value, str) else repr(float(value))

@@ -1,0 +1,229 @@
+"""Plans: solve, compare."""
+from __future__ import annotations
+
+import io
+import json
+import os
+from pathlib import Path
+from typing import Any, Callable, Iterable, Mapping, Optional, Union
+
+import numpy as np
+
+from . import _core
+from ._inputs import Source
+from ._interrupts import Interrupted
+from ._tables import labelled, page, pandas, pyplot
+from .robots import Problem, load_problem
+
+Progress = Callable[[int, float, float], None]
+
+
+class Plan:
+    """A solved problem: a motion of the robot with its torques. n samples; at the border of two
+    phases one instant stands twice.
+
+    Columns of plan.csv are items: ``plan["x"]``, ``plan["tail_torque"]``, shape (n,).
+
+    Attributes:
+        status: "optimal", "acceptable", "infeasible", "iteration_limit", "interrupted", ...
+        converged: whether first-order conditions hold; else arrays are those of the last iterate.
+        time: (n,) [s].
+        state_names, states: 2c names, (n, 2c): the coordinates [m or rad], then their rates [m/s or
+            rad/s].
+        input_names, inputs: u names, (n, u): torque of one motor at its joint [N m, or N where it
+            slides].
+        foot_names, forces: f names, (n, f, 2): forces of the floor on the feet, x and z, left and
+            right summed [N].
+        phase: n names of phases.
+        columns, units: names of the columns of plan.csv, and their units by name.
+    """
+
+    def __init__(self, core: _core.Plan):
+        self._core = core
+        self.status: str = core.status
+        self.converged: bool = core.converged
+        self.time: np.ndarray = np.array(core.time)
+        coordinates = core.coordinates
+        self.state_names: list[str] = coordinates + [f"{name}_velocity" for name in coordinates]
+        self.states: np.ndarray = np.concatenate([core.position, core.velocity]).T
+        self.input_names: list[str] = core.motors
+        self.inputs: np.ndarray = np.array(core.torque).T
+        self.foot_names: list[str] = core.feet
+        self.forces: np.ndarray = np.stack([np.array(core.force_x).T, np.array(core.force_z).T], axis=-1)
+        table = core.table
+        self._values = np.array(table.values)
+        self.columns: list[str] = table.names
+        self.units: dict[str, str] = dict(zip(table.names, table.units))
+        self.phase: list[str] = table.phase
+
+    @property
+    def problem(self) -> Problem:
+        """The problem as it was solved."""
+        return Problem(self._core.problem)
+
+    @property
+    def summary(self) -> str:
+        """What `jaculus solve` prints: objective, durations, motors against their limits, what holds
+        the plan back, verification."""
+        return self._core.summary
+
+    @property
+    def figures(self) -> dict[str, Any]:
+        """The content of summary.json, SI; None where a figure doesn't apply."""
+        return json.loads(self._core.json)
+
+    @property
+    def objective(self) -> float:
+        """In the problem's sense and unit; NaN where there is none."""
+        value = self.figures["objective"]
+        return float("nan") if value is None else value
+
+    @property
+    def history(self) -> "Any":
+        """The solver's iterations as a pandas.DataFrame."""
+        table = self._core.history
+        return pandas().DataFrame(np.array(table.values), columns=table.names)
+
+    def __getitem__(self, column: str) -> np.ndarray:
+        if column not in self.units:
+            raise KeyError(f"{column}; columns are {', '.join(self.columns)}")
+        return self._values[:, self.columns.index(column)]
+
+    def to_pandas(self) -> Any:
+        """plan.csv as a pandas.DataFrame, indexed by time [s]; units are in ``attrs["units"]``."""
+        frame = pandas().DataFrame(self._values, columns=self.columns)
+        if self.phase:
+            frame.insert(1, "phase", self.phase)
+        frame = frame.set_index("time")
+        frame.attrs["units"] = dict(self.units)
+        return frame
+
+    def plot(self) -> Any:
+        """Coordinates, torques and forces on the feet over time; returns the matplotlib figure."""
+        half = len(self.state_names) // 2
+        figure, axes = pyplot().subplots(3, 1, sharex=True, figsize=(7, 7), layout="constrained")
+        for values, names, axis, label in (
+                (self.states[:, :half], self.state_names[:half], axes[0], "coordinates [m, rad]"),
+                (self.inputs, self.input_names, axes[1], "torque [N m]"),
+                (self.forces[:, :, 1], self.foot_names, axes[2], "normal force [N]")):
+            for k, name in enumerate(names):
+                axis.plot(self.time, values[:, k], label=name)
+            axis.set_ylabel(label)
+            if names:
+                axis.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), fontsize="small")
+        axes[-1].set_xlabel("time [s]")
+        axes[0].set_title(self._core.problem.name)
+        return figure
+
+    def save(self, folder: Union[str, "os.PathLike[str]"]) -> Path:
+        """Writes what `jaculus solve --out` does: plan.csv, summary.json, solution.json, report.html."""
+        self._core.save(os.fspath(folder))
+        return Path(folder)
+
+    def __repr__(self) -> str:
+        return f"<jaculus.Plan {self._core.problem.name}: {self.status}, objective {self.objective:.6g}>"
+
+    def _repr_html_(self) -> str:
+        return page(self._core.report_html())
+
+
+def solve(problem: Union[Source, Problem], *, robot: Optional[str] = None,
+          override: Optional[Mapping[str, Any]] = None, seed: Optional[int] = None,
+          starts: Optional[int] = None, jobs: int = 1, progress: Optional[Progress] = None) -> Plan:
+    """Solves a problem by direct collocation (compressed Hermite-Simpson, Ipopt), refines its mesh
+    where it asks for that, and verifies the plan by an independent integration.
+
+    Args:
+        problem, robot, override: see `load_problem`.
+        seed: of everything random, in place of the problem's.
+        starts: number of starts, in place of the problem's: its guess, then smooth random ones.
+        jobs: processes at a time where there are several starts.
+        progress: called after every iteration with its number, the objective and the largest
+            violation of a row; not from within several starts. What it raises ends the solve.
+
+    Returns:
+        A `Plan`. One that did not converge says so by `status` and `converged`.
+
+    Raises:
+        InputError: with file, line and key.
+        Interrupted: Ctrl-C; `result` is the plan at the last iterate.
+
+    Source: Norby, Li, Selby, Patel and Johnson, Enabling Dynamic Behaviors with Aerodynamic Drag in
+    Lightweight Tails, T-RO 2021.
+    """
+    loaded = load_problem(problem, robot=robot, override=override)
+    plan = Plan(_core.solve(loaded._core, seed, starts, jobs, progress))
+    if plan.status == "interrupted":
+        raise Interrupted(f"{loaded.name}: interrupted; result has the last iterate", plan)
+    return plan
+
+
+class Comparison:
+    """Plans side by side; the first one is what the others are measured against.
+
+    Attributes:
+        plans: the `Plan`s, in the order given.
+    """
+
+    def __init__(self, plans: list[Plan]):
+        self.plans = plans
+
+    @property
+    def _cores(self) -> list[_core.Plan]:
+        return [plan._core for plan in self.plans]
+
+    @property
+    def summary(self) -> str:
+        """What `jaculus compare` prints."""
+        return _core.comparison_text(self._cores)
+
+    @property
+    def figures(self) -> dict[str, Any]:
+        """The content of compare.json."""
+        return json.loads(_core.comparison_json(self._cores))
+
+    def to_pandas(self) -> Any:
+        """compare.csv as a pandas.DataFrame, a row a problem; units are in the columns' names."""
+        return pandas().read_csv(io.StringIO(_core.comparison_csv(self._cores)))
+
+    def plot(self, column: str = "x_velocity") -> Any:
+        """One column of all plans over time; returns the matplotlib figure."""
+        figure, axis = pyplot().subplots(layout="constrained")
+        for plan in self.plans:
+            axis.plot(plan.time, plan[column], label=plan.problem.name)
+        axis.set_xlabel("time [s]")
+        axis.set_ylabel(labelled(column, self.plans[0].units[column]))
+        axis.legend()
+        return figure
+
+    def __repr__(self) -> str:
+        return f"<jaculus.Comparison of {len(self.plans)} plans>"
+
+    def _repr_html_(self) -> str:
+        return page(_core.comparison_html(self._cores))
+
+
+def compare(problems: Iterable[Union[Source, Problem, Plan]], *, seed: Optional[int] = None,
+            jobs: int = 1) -> Comparison:
+    """Solves several problems, one after the other, and tabulates them against the first.
+
+    Args:
+        problems: as `solve` takes them; a `Plan` is taken as it is.
+        seed: of everything random, in place of the problems'.
+        jobs: processes at a time where a problem has several starts.
+
+    Raises:
+        InputError: before anything is solved.
+        Interrupted: Ctrl-C; `result` compares the plans that are done.
+    """
+    given = [p if isinstance(p, Plan) else load_problem(p) for p in problems]
+    if not given:
+        raise ValueError("compare: no problem given; allowed: one or more")
+    plans: list[Plan] = []
+    for entry in given:
+        try:
+            plans.append(entry if isinstance(entry, Plan) else solve(entry, seed=seed, jobs=jobs))
+        except Interrupted as stop:
+            raise Interrupted(f"interrupted; {len(plans)} of {len(given)} problems are solved",
+                              Comparison(plans)) from stop
+    return Comparison(plans)

@@ -1,0 +1,134 @@
+"""Robots and problems: what a solve starts from."""
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+from typing import Any, Mapping, Optional, Union
+
+from . import _core
+from ._inputs import Source, node_of
+
+
+class Robot:
+    """A robot as read from its folder, reduced to the sagittal plane.
+
+    Attributes:
+        name: of the robot.
+        folder: with robot.urdf and robot.yaml.
+        mass: of all of it [kg].
+        coordinates: names of the generalised coordinates; x, z [m] and pitch [rad] of the base where
+            they are free, then joints [rad or m].
+        motors: names of the joints that have a motor.
+        feet: names of the feet.
+        notes: what was merged, dropped or assumed on the way, a sentence each.
+        summary: all this as text.
+    """
+
+    def __init__(self, core: _core.Robot):
+        self._core = core
+        self.name: str = core.name
+        self.folder: Path = core.folder
+        self.mass: float = core.mass
+        self.coordinates: list[str] = core.coordinates
+        self.motors: list[str] = core.motors
+        self.feet: list[str] = core.feet
+        self.notes: list[str] = core.notes
+        self.summary: str = core.summary
+
+    @property
+    def values(self) -> dict[str, str]:
+        """Values that `override` may replace, by path, as text with units."""
+        return dict(line.split(" = ", 1) for line in self._core.override_paths)
+
+    def __repr__(self) -> str:
+        return f"<jaculus.Robot {self.name}: {self.mass:.4g} kg, {len(self.motors)} motors>"
+
+
+class Problem:
+    """A problem, checked against its robot, ready to be solved.
+
+    Attributes:
+        name: of the problem, which names its folder of results.
+        caption: a line on it.
+        robot: the `Robot`, overrides applied.
+        summary: what was understood, as text.
+    """
+
+    def __init__(self, core: _core.Problem):
+        self._core = core
+        self.name: str = core.name
+        self.caption: str = core.caption
+        self.robot = Robot(core.robot)
+        self.summary: str = core.summary
+
+    def to_dict(self) -> dict[str, Any]:
+        """Every key of the problem with its value, defaults spelt out, SI."""
+        return json.loads(self._core.json)
+
+    def __repr__(self) -> str:
+        return f"<jaculus.Problem {self.name} of {self.robot.name}>"
+
+
+def load_robot(robot: Union[str, "os.PathLike[str]"]) -> Robot:
+    """Reads a robot.
+
+    Args:
+        robot: a folder with robot.urdf (and robot.yaml), or the name of one that comes with jaculus
+            ("minitaur_tail"). Folders of the environment variable JACULUS_MODELS are looked at first.
+
+    Raises:
+        InputError: no such robot, or a fault in its files.
+    """
+    return Robot(_core.load_robot(os.fspath(robot)))
+
+
+def load_problem(problem: Union[Source, Problem], *, robot: Optional[str] = None,
+                 override: Optional[Mapping[str, Any]] = None) -> Problem:
+    """Reads a problem and checks it against its robot, as `jaculus check` does.
+
+    Args:
+        problem: a YAML file; the name of one that comes with jaculus ("leap_tail", see `shipped`); or
+            a dict with the keys of such a file, where `extends` may name another. Paths within a dict
+            are relative to the working directory. Numbers are SI (rad, not degrees); a text may state
+            its unit, "16 V".
+        robot: a folder or name, in place of the problem's.
+        override: model values over the problem's, by path: {"tail.drag.coefficient": 1.5}.
+            `Robot.values` has the paths.
+
+    Raises:
+        InputError: with file, line and key.
+    """
+    if isinstance(problem, Problem):
+        if robot is None and not override:
+            return problem
+        raise TypeError("robot and override change a file or a dict; a Problem is loaded already")
+    if isinstance(problem, Mapping):
+        changed = dict(problem)
+    elif robot is None and not override:
+        return Problem(_core.load_problem(node_of(problem)))
+    else:
+        file = os.path.abspath(_core.problem_file(os.fspath(problem)))
+        name = _core.load_problem(_core.Node.load(file)).name
+        changed = {"format": "jaculus-problem/1", "extends": file, "name": name}
+    if robot is not None:
+        changed["robot"] = os.fspath(robot)
+    if override:
+        changed["override"] = {**changed.get("override", {}), **override}
+    return Problem(_core.load_problem(node_of(changed)))
+
+
+def shipped(kind: str = "problems") -> list[str]:
+    """Names of what comes with jaculus.
+
+    Args:
+        kind: "problems" (experiments and studies among them), "models" or "effects".
+    """
+    if kind not in ("problems", "models", "effects"):
+        raise ValueError(f"kind: {kind!r} given; allowed: problems, models, effects")
+    found = set()
+    for folder in _core.data_folders():
+        for path in (Path(folder) / kind).glob("*"):
+            if path.suffix == ".yaml" or (kind == "models" and path.is_dir()):
+                found.add(path.stem)
+    return sorted(found)

@@ -1,0 +1,84 @@
+import pickle
+from importlib import metadata
+
+import numpy as np
+import pytest
+
+import jaculus
+
+
+def test_a_fault_names_file_line_and_key(tmp_path):
+    file = tmp_path / "mine.yaml"
+    file.write_text("format: jaculus-problem/1\nextends: leap_tail.yaml\nname: mine\n"
+                    "limits:\n  voltage: 16 N m\n")
+    with pytest.raises(jaculus.InputError) as caught:
+        jaculus.solve(file)
+    error = caught.value
+    assert (error.file, error.line, error.key) == (str(file), 5, "limits.voltage")
+    assert str(error).startswith(f"{file}:5: limits.voltage: ")
+    assert isinstance(error, ValueError)
+
+
+def test_a_fault_of_a_dict_names_its_key():
+    with pytest.raises(jaculus.InputError) as caught:
+        jaculus.solve({"format": "jaculus-problem/1", "extends": "leap_tail.yaml", "name": "mine",
+                       "limits": {"voltage": "16 N m"}})
+    assert caught.value.file == "dict" and caught.value.key == "limits.voltage"
+
+
+def test_a_fault_in_a_table_names_its_line(tmp_path):
+    jaculus.simulate("pendulum_trials", trials=1).save(tmp_path)
+    table = next(tmp_path.glob("*/*.csv"))
+    lines = table.read_text().splitlines()
+    lines[4] = lines[3]  # a time that stands twice
+    table.write_text("\n".join(lines) + "\n")
+    with pytest.raises(jaculus.InputError) as caught:
+        jaculus.load_dataset(tmp_path)
+    assert (caught.value.file, caught.value.line, caught.value.key) == (str(table), 5, "time")
+
+
+def test_an_unknown_name_is_told_with_the_nearest():
+    with pytest.raises(jaculus.InputError, match="did you mean 'leap_tail'") as caught:
+        jaculus.solve("leap_tial")
+    assert caught.value.line is None
+    with pytest.raises(jaculus.InputError, match="minitaur_tail"):
+        jaculus.load_robot("minitaur_tial")
+
+
+def test_a_dict_may_hold_numpy_values_and_paths(tmp_path):
+    problem = jaculus.load_problem({"format": "jaculus-problem/1", "extends": "leap_tail.yaml",
+                                    "name": "mine", "limits": {"voltage": np.float64(14.5)}})
+    assert problem.to_dict()["limits"]["voltage"] == 14.5
+    with pytest.raises(TypeError, match="set"):
+        jaculus.load_problem({"name": {1, 2}})
+
+
+def test_a_robot_tells_what_it_is():
+    robot = jaculus.load_robot("minitaur_tail")
+    assert robot.coordinates[:3] == ["x", "z", "pitch"] and "tail" in robot.motors
+    assert robot.mass == pytest.approx(sum(
+        float(value.split()[0]) for path, value in robot.values.items()
+        if path.startswith("bodies.") and path.endswith(".mass")))
+    assert robot.name in robot.summary
+
+
+def test_what_ships_can_be_named():
+    assert {"leap_tail", "leap_trials", "fig4_shaft"} <= set(jaculus.shipped())
+    assert "minitaur_tail" in jaculus.shipped("models") and "lugre" in jaculus.shipped("effects")
+    for name in jaculus.shipped("models"):
+        assert jaculus.load_robot(name).mass > 0.0
+
+
+def test_the_version_is_the_packages():
+    try:
+        installed = metadata.version("jaculus")
+    except metadata.PackageNotFoundError:
+        pytest.skip("run from a build folder")
+    assert jaculus.__version__ == installed
+
+
+def test_an_error_keeps_its_message_in_a_pickle():
+    try:
+        jaculus.load_problem("nothing_like_it")
+    except jaculus.InputError as error:
+        assert str(pickle.loads(pickle.dumps(error))) == str(error)
