@@ -126,7 +126,7 @@ def test_two_threads_solve_one_after_the_other():
 
 
 INTERRUPTED = """
-import signal, sys, jaculus
+import signal, time, jaculus
 def ctrl_c(iteration, objective, infeasibility):
     if iteration == 3:
         signal.raise_signal(signal.SIGINT)
@@ -136,6 +136,7 @@ except KeyboardInterrupt as stop:
     print(type(stop).__name__, stop.result.status, stop.result.converged, len(stop.result.time) > 0)
 try:
     signal.raise_signal(signal.SIGINT)
+    time.sleep(5)
 except KeyboardInterrupt:
     print("Python's handler is back")
 """

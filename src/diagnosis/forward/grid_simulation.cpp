@@ -5,8 +5,6 @@
 #include <cstddef>
 #include <vector>
 
-#include "jaculus/core/interrupt.h"
-
 namespace jaculus::diagnosis {
 namespace {
 
@@ -78,7 +76,6 @@ Matrix cell_means(const Matrix& at_holds, const std::vector<Hold>& holds, const 
 
 Simulation simulate_on_grid(const Plant& plant, const Controller& controller,
                             const StartState& start, const SimulationOptions& options) {
-  stop_if_interrupted();  // a diagnosis is made of these
   const Vector& grid = options.sample_times;
   const bool sampled = controller.rate_hz > 0.0 && std::isfinite(controller.rate_hz);
   if (!sampled || grid.size() < 2) return simulate(plant, controller, start, options);

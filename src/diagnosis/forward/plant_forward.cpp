@@ -15,6 +15,7 @@
 #include "diagnosis/forward/start_directions.h"
 #include "diagnosis/forward/tolerance_part.h"
 #include "diagnosis/forward/unknown_gains.h"
+#include "jaculus/core/interrupt.h"
 #include "jaculus/simulation/experiment.h"
 
 namespace jaculus::diagnosis {
@@ -283,6 +284,7 @@ std::vector<double> command_steps(const SimulationSetup& setup) {
 }
 
 Prediction simulate_segment(const Model& model, int dataset, int segment, const Vector& p) {
+  stop_if_interrupted();  // a diagnosis is made of these
   const SimulationSetup setup = setup_of(model, dataset, segment, p);
   // What steps with the loop is averaged over its holds, which doubles the samples: only where a
   // channel needs it.
