@@ -44,6 +44,10 @@ libclang-rt-14-dev - libFuzzer and its sanitizers
 benchmark_packages='
 libbenchmark-dev - the benchmarks
 '
+python_packages='
+python3-dev - the Python module
+python3-venv - pip and its environments
+'
 
 # Charts of reports come from npm. Node's own packages bring npm along, Debian's don't, so programs
 # are asked for, not packages.
