@@ -54,11 +54,11 @@ PlayedRobot::PlayedRobot(const model::PlanarModel& planar, const fs::path& file,
   load();
   set_state(ends);
   add_contact(ends);
-  const std::vector<std::array<BodyPoint, 2>> pins = add_pins(ends);
+  const std::vector<std::array<Vec3, 2>> pins = add_pins(ends);
   load();
   for (std::size_t i = 0; i < pins.size(); ++i) {
     for (std::size_t side = 0; side < 2; ++side)
-      std::copy(pins[i][side].at.data(), pins[i][side].at.data() + 3,
+      std::copy(pins[i][side].data(), pins[i][side].data() + 3,
                 model_->eq_data + mjNEQDATA * i + 3 * side);
   }
   settle();
@@ -95,14 +95,24 @@ std::vector<int> PlayedRobot::sides(int body) const {
   return found;
 }
 
-/// A point of a planar body on MuJoCo's body, while both are in the state of `ends`.
-BodyPoint PlayedRobot::point(int body, int side, const Vec2& at, const Ends& ends) const {
+/// Where a point of a planar body is in space, while both are in the state of `ends`: in the plane
+/// through the side's origin in which it turns, which leans where its axis does.
+Vec3 PlayedRobot::in_space(int body, int side, const Vec2& at, const Ends& ends) const {
   const Vec3 place =
       place_bodies(planar_, ends.first_base, ends.first)[static_cast<std::size_t>(body)];
   const Vec2 p = place.head<2>() + Eigen::Rotation2Dd(-place[2]) * at;
-  const double* origin = data_->xpos + 3 * side;
-  return {side, rotation(side).transpose() *
-                    (Vec3(p.x(), origin[1], p.y()) - Vec3(origin[0], origin[1], origin[2]))};
+  const Vec3 origin = Eigen::Map<const Vec3>(data_->xpos + 3 * side);
+
+  Vec3 normal = Vec3::UnitY();
+  const int j = model_->body_jntadr[side];
+  if (j >= 0 && model_->jnt_type[j] == mjJNT_HINGE)
+    normal = Eigen::Map<const Vec3>(data_->xaxis + 3 * j);
+  const double out = (p.x() - origin.x()) * normal.x() + (p.y() - origin.z()) * normal.z();
+  return {p.x(), origin.y() - out / normal.y(), p.y()};
+}
+
+Vec3 PlayedRobot::in_frame(int side, const Vec3& point) const {
+  return rotation(side).transpose() * (point - Eigen::Map<const Vec3>(data_->xpos + 3 * side));
 }
 
 /// What was read, as MuJoCo writes it.
@@ -166,12 +176,12 @@ void PlayedRobot::add_attached(const model::SpatialTree& tree) {
 void PlayedRobot::add_contact(const Ends& ends) {
   for (const model::PlanarPoint& foot : planar_.feet) {
     for (const int side : sides(foot.body)) {
-      const BodyPoint p = point(foot.body, side, foot.position, ends);
+      const Vec3 p = in_frame(side, in_space(foot.body, side, foot.position, ends));
       insert_after(
           fmt::format("<body name=\"{}\"", name_of(side)),
           fmt::format("<geom name=\"foot_of_play_{}_{}\" type=\"sphere\" size=\"{}\" mass=\"0\" "
                       "pos=\"{} {} {}\"/>",
-                      foot.name, side, kFootRadius, p.at.x(), p.at.y(), p.at.z()));
+                      foot.name, side, kFootRadius, p.x(), p.y(), p.z()));
     }
   }
   insert_after("<worldbody", fmt::format("<geom name=\"floor_of_play\" type=\"plane\" "
@@ -180,15 +190,17 @@ void PlayedRobot::add_contact(const Ends& ends) {
 }
 
 /// One equality a pin and side; where its ends are is set after loading, for MuJoCo would take
-/// them from its zero, at which loops are open.
-std::vector<std::array<BodyPoint, 2>> PlayedRobot::add_pins(const Ends& ends) {
-  std::vector<std::array<BodyPoint, 2>> pins;
+/// them from its zero, at which loops are open. It holds the ends together sideways too, which no
+/// joint of the plane can give way to: links that lie side by side have them midway on the pin.
+std::vector<std::array<Vec3, 2>> PlayedRobot::add_pins(const Ends& ends) {
+  std::vector<std::array<Vec3, 2>> pins;
   std::string equalities;
   for (const model::PlanarLoop& loop : planar_.loops) {
     const std::vector<int> a = sides(loop.body_a), b = sides(loop.body_b);
     for (std::size_t side = 0; side < std::min(a.size(), b.size()); ++side) {
-      pins.push_back({point(loop.body_a, a[side], loop.point_a, ends),
-                      point(loop.body_b, b[side], loop.point_b, ends)});
+      const Vec3 pin = 0.5 * (in_space(loop.body_a, a[side], loop.point_a, ends) +
+                              in_space(loop.body_b, b[side], loop.point_b, ends));
+      pins.push_back({in_frame(a[side], pin), in_frame(b[side], pin)});
       equalities += fmt::format("<connect body1=\"{}\" body2=\"{}\" anchor=\"0 0 0\"/>",
                                 name_of(a[side]), name_of(b[side]));
     }

@@ -24,12 +24,6 @@ struct Ends {
   std::map<std::string, double> first;    ///< joints of the plan [rad or m]
 };
 
-/// A point on one side of a planar body, on MuJoCo's body.
-struct BodyPoint {
-  int body = 0;
-  Eigen::Vector3d at = Eigen::Vector3d::Zero();  ///< in its frame [m]
-};
-
 class PlayedRobot {
  public:
   static constexpr double kStep = 1e-4;  ///< of the integration [s]
@@ -59,13 +53,15 @@ class PlayedRobot {
 
   [[nodiscard]] std::string as_mjcf();
   [[nodiscard]] std::string name_of(int body) const;
-  [[nodiscard]] BodyPoint point(int body, int side, const Vec2& at, const Ends& ends) const;
+  [[nodiscard]] Eigen::Vector3d in_space(int body, int side, const Vec2& at,
+                                         const Ends& ends) const;
+  [[nodiscard]] Eigen::Vector3d in_frame(int side, const Eigen::Vector3d& point) const;
   void insert_after(const std::string& tag, const std::string& more);
   void load();
   void set_state(const Ends& ends);
   void add_attached(const model::SpatialTree& tree);
   void add_contact(const Ends& ends);
-  [[nodiscard]] std::vector<std::array<BodyPoint, 2>> add_pins(const Ends& ends);
+  [[nodiscard]] std::vector<std::array<Eigen::Vector3d, 2>> add_pins(const Ends& ends);
   void settle();
   void settle_motors();
 

@@ -1,0 +1,132 @@
+// The robot that exports are played on, where its file can't be played as it is: five-bars whose
+// chains lie side by side, in planes that may lean.
+
+#include "long/played_robot.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "jaculus/model/propose.h"
+#include "jaculus/model/urdf.h"
+#include "model/support.h"
+
+namespace jaculus::test {
+namespace {
+
+/// One chain of a five-bar, `y` to the left on a frame that leans; its lower link ends 0.2 m below.
+std::string chain(const std::string& name, const std::string& frame, double x, double y) {
+  const auto link = [](const std::string& link_name, double com, const std::string& shape) {
+    return fmt::format(
+        "<link name=\"{}\"><inertial><origin xyz=\"0 0 {}\"/><mass value=\"0.1\"/><inertia "
+        "ixx=\"0.01\" iyy=\"0.01\" izz=\"0.01\" ixy=\"0\" ixz=\"0\" "
+        "iyz=\"0\"/></inertial>{}</link>",
+        link_name, com, shape);
+  };
+  const auto joint = [](const std::string& joint_name, const std::string& parent,
+                        const std::string& child, const std::string& at, int effort) {
+    return fmt::format(
+        "<joint name=\"{}\" type=\"continuous\"><parent link=\"{}\"/><child link=\"{}\"/><origin "
+        "xyz=\"{}\"/><axis xyz=\"0 1 0\"/><limit effort=\"{}\" velocity=\"30\"/></joint>",
+        joint_name, parent, child, at, effort);
+  };
+  const std::string toe =
+      "<collision><origin xyz=\"0 0 -0.2\"/><geometry><sphere radius=\"0.01\"/></geometry>"
+      "</collision>";
+  return link(name + "_upper", -0.05, "") + link(name + "_lower_foot", -0.1, toe) +
+         joint(name + "_motor", frame, name + "_upper", fmt::format("{} {} 0", x, y), 10) +
+         joint(name + "_knee", name + "_upper", name + "_lower_foot", "0 0 -0.1", 0);
+}
+
+/// Five-bars at four hips, their chains 3 cm apart sideways, left and right frames leaning apart.
+std::string robot_text(double lean) {
+  const std::string trunk =
+      "<inertial><mass value=\"5\"/><inertia ixx=\"0.1\" iyy=\"0.1\" izz=\"0.1\" ixy=\"0\" "
+      "ixz=\"0\" iyz=\"0\"/></inertial>";
+  std::string text = "<robot name=\"m\"><link name=\"trunk\">" + trunk + "</link>";
+  for (const int side : {1, -1}) {
+    const std::string name = side > 0 ? "left" : "right";
+    text += fmt::format(
+        "<link name=\"{0}_frame\"/><joint name=\"{0}_fixed\" type=\"fixed\"><parent "
+        "link=\"trunk\"/><child link=\"{0}_frame\"/><origin xyz=\"0 {1} 0\" rpy=\"{2} 0 0\"/>"
+        "</joint>",
+        name, 0.1 * side, side * lean);
+    for (const double x : {0.2, -0.2})
+      for (const char* which : {"a", "b"})
+        text += chain(fmt::format("{}_{}_{}", x > 0.0 ? "front" : "rear", name, which),
+                      name + "_frame", x, *which == 'a' ? 0.015 * side : -0.015 * side);
+  }
+  return text + "</robot>";
+}
+
+struct Imported {
+  testing::Folder folder;
+  model::Robot robot;
+  Ends ends;
+};
+
+/// Imported, at rest in the air.
+std::unique_ptr<Imported> imported(double lean) {
+  auto result = std::make_unique<Imported>();
+  const std::string text = robot_text(lean);
+  const model::Proposal proposal = model::propose_robot(model::parse_urdf(text, "robot.urdf"));
+  result->folder.write("robot.urdf", text);
+  result->folder.write("robot.yaml", proposal.yaml);
+  result->robot = model::read_robot(result->folder.path());
+  result->ends.first_base = result->ends.last_base = Eigen::Vector3d(0.0, 0.5, 0.0);
+  result->ends.first = proposal.rest;
+  return result;
+}
+
+/// Largest force of a pin along y, per unit of its force in the plane, with every motor pulling.
+double sideways_share(PlayedRobot& robot) {
+  const mjModel& m = robot.model();
+  mjData& d = robot.data();
+  for (int v = 6; v < m.nv; ++v) d.qfrc_applied[v] = v % 2 == 0 ? 1.0 : -0.5;
+  mj_forward(&m, &d);
+
+  double sideways = 0.0, in_plane = 0.0;
+  for (int e = 0; e < m.neq; ++e) {
+    const double* force = d.efc_force + 3 * e;
+    sideways = std::max(sideways, std::abs(force[1]));
+    in_plane = std::max(in_plane, std::hypot(force[0], force[2]));
+  }
+  return sideways / in_plane;
+}
+
+TEST(PlayedRobot, PinsOfChainsSideBySideAreOneAxle) {
+  for (const double lean : {0.0, 0.05}) {
+    SCOPED_TRACE(lean);
+    const std::unique_ptr<Imported> m = imported(lean);
+    ASSERT_EQ(m->robot.planar.loops.size(), 2u);
+    PlayedRobot robot(m->robot.planar, m->robot.urdf, model::read_tree(m->folder.path()), m->ends);
+    ASSERT_EQ(robot.model().neq, 4);
+    mj_forward(&robot.model(), &robot.data());
+    ASSERT_EQ(robot.data().ne, 12);
+    // what the solver has to pull together
+    for (int row = 0; row < robot.data().ne; ++row)
+      EXPECT_NEAR(robot.data().efc_pos[row], 0.0, 1e-12) << "row " << row;
+    // a pin that leans takes a share of its load along y
+    EXPECT_LT(sideways_share(robot), std::tan(lean) + 1e-3);
+  }
+}
+
+TEST(PlayedRobot, FeetLieInThePlaneThatTheirLegTurnsIn) {
+  const double lean = 0.05;
+  const std::unique_ptr<Imported> m = imported(lean);
+  PlayedRobot robot(m->robot.planar, m->robot.urdf, model::read_tree(m->folder.path()), m->ends);
+  const mjModel& model = robot.model();
+  int feet = 0;
+  for (int g = 0; g < model.ngeom; ++g) {
+    const char* name = mj_id2name(&model, mjOBJ_GEOM, g);
+    if (name == nullptr || !std::string(name).starts_with("foot_of_play")) continue;
+    ++feet;
+    // in the frame of the lower link, whose joint turns about y
+    EXPECT_NEAR(model.geom_pos[3 * g + 1], 0.0, 1e-12) << name;
+  }
+  EXPECT_EQ(feet, 4);
+}
+
+}  // namespace
+}  // namespace jaculus::test
