@@ -212,61 +212,6 @@ TEST(Propose, AWheelIsNoLeg) {
   EXPECT_TRUE(holds(legs.proposal.missing.at(0), "feet.front_foot.point"));
 }
 
-/// Four motors at two hips, each with an upper and a lower link.
-std::string five_bars() {
-  std::string text = "<robot name=\"m\">" + link("trunk", 5, "0 0 0");
-  for (const char* end : {"front", "rear"}) {
-    for (const char* side : {"a", "b"}) {
-      const std::string name = std::string(end) + "_" + side;
-      text += link(name + "_upper", 0.2, "0 0 -0.05") + link(name + "_lower", 0.1, "0 0 -0.1") +
-              link(name + "_toe", 0.01, "0 0 0", "<sphere radius=\"0.01\"/>") +
-              joint(name + "_motor", "continuous", "trunk", name + "_upper",
-                    std::string(end) == "front" ? "0.2 0 0" : "-0.2 0 0", "0 1 0") +
-              joint(name + "_knee", "continuous", name + "_upper", name + "_lower", "0 0 -0.1",
-                    "0 1 0", "0") +
-              joint(name + "_end", "fixed", name + "_lower", name + "_toe", "0 0 -0.2", "0 1 0");
-    }
-  }
-  return text + "</robot>";
-}
-
-TEST(Propose, TwoAlikeChainsFromOneHipAreAFiveBar) {
-  const Imported m = imported(five_bars());
-  ASSERT_EQ(m.robot.planar.loops.size(), 2u);
-  EXPECT_EQ(m.robot.planar.size(), 3 + 4);
-  EXPECT_EQ(m.robot.planar.feet.size(), 2u);
-  EXPECT_EQ(m.robot.planar.motors.size(), 4u);
-  EXPECT_EQ(m.robot.planar.loops[0].point_a, Vec2(0.0, -0.2));
-  EXPECT_TRUE(holds(m.proposal.missing.at(0), "pinned where its lower links end"));
-
-  // at rest both chains of a leg end in one place, on the branch that is proposed
-  const std::vector<testing::Pose> at = testing::poses(m.robot.planar, {}, m.proposal.rest);
-  for (const PlanarLoop& loop : m.robot.planar.loops) {
-    const Vec2 pin = at[loop.body_a].at(loop.point_a);
-    EXPECT_NEAR((pin - at[loop.body_b].at(loop.point_b)).norm(), 0.0, 1e-4);
-    const Vec2 u = at[loop.body_b].p - at[loop.body_a].p;
-    const Vec2 v = pin - at[loop.body_a].p;
-    EXPECT_GT(loop.branch * (u.y() * v.x() - u.x() * v.y()), 0.0);
-  }
-
-  ProposeOptions open;
-  open.loops = false;
-  const Imported apart = imported(five_bars(), open);
-  EXPECT_TRUE(apart.robot.planar.loops.empty());
-  EXPECT_EQ(apart.robot.planar.feet.size(), 4u);
-}
-
-TEST(Propose, ChainsThatCannotMeetStayOpen) {
-  // front_b's knee stays bent so far that its chain ends 3 cm short of where the other does
-  std::string text = testing::replaced(five_bars(), "\"front_b_knee\" type=\"continuous\"",
-                                       "\"front_b_knee\" type=\"revolute\"");
-  text.replace(text.find("lower=\"-2\"", text.find("front_b_knee")), 10, "lower=\"1.9\"");
-  const Imported m = imported(text);
-  ASSERT_EQ(m.robot.planar.loops.size(), 1u);
-  EXPECT_EQ(m.robot.planar.loops[0].name, "rear_leg");
-  EXPECT_TRUE(holds(fmt::format("{}", fmt::join(m.proposal.missing, "\n")), "left open after all"));
-}
-
 TEST(Propose, JointsWithoutAnEffortArePassiveWhereOthersHaveOne) {
   const Imported pole = imported(
       "<robot name=\"p\">" + link("rail", 1, "0 0 0") + link("cart", 1, "0 0 0") +

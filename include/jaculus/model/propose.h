@@ -20,7 +20,7 @@ struct ProposeOptions {
   std::map<std::string, double> armature;  ///< inertia that a joint adds to its own [kg m^2]
   std::optional<bool> floating;            ///< base; told by the tree where absent
   bool pairs = true;                       ///< left and right are one planar joint
-  /// two chains of two alike links from one hip are a five-bar, pinned where they end
+  /// two chains of two alike links from one hip are a five-bar, pinned where both end
   bool loops = true;
 };
 

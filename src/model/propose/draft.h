@@ -1,6 +1,7 @@
 #pragma once
 // What a proposal is made of, filled in by one step after the other.
 
+#include <array>
 #include <cmath>
 #include <map>
 #include <string>
@@ -30,11 +31,15 @@ struct DraftFoot {
   bool guessed = false;       ///< nothing in the file says where it is
 };
 
-/// Two chains from one hip whose last links are pinned where they end.
+/// Two chains from one hip whose last links are pinned together.
 struct DraftLoop {
   std::string name;
-  DraftFoot a, b;       ///< the ends, as points of the last bodies
-  double branch = 1.0;  ///< as PlanarLoop has it, at rest
+  DraftFoot a, b;                 ///< the pin, as points of the last bodies
+  DraftFoot foot;                 ///< below it
+  std::array<DraftFoot, 2> ends;  ///< of both chains: its feet where it stays open
+  double branch = 1.0;            ///< as PlanarLoop has it, at rest
+  std::string source;             ///< what told where the pin is
+  std::string why_open;           ///< of one that is left open
 };
 
 struct Draft {
@@ -49,6 +54,7 @@ struct Draft {
   std::vector<DraftFoot> feet;
   std::map<std::string, double> armature;  ///< by joint of the file [kg m^2]
   std::vector<DraftLoop> loops;
+  std::vector<DraftLoop> open_loops;   ///< that may be, for a user to close
   std::map<std::string, double> rest;  ///< by planar joint [rad or m]
   bool rest_stated = false;            ///< by the user or the file, in part or whole
   std::vector<std::string> notes, missing;
@@ -78,7 +84,19 @@ void find_pairs(const ProposeOptions& options, Draft& draft);
 /// Feet, and names by leg for the pairs that lead to them; loops of two chains from one hip.
 void find_feet(const ProposeOptions& options, Draft& draft);
 
-/// A pose in which it stands on its feet, or the stated one.
+/// Two chains of one leg, by their ends, pinned together; the foot is below the pin.
+DraftLoop pinned(const Draft& draft, const std::string& leg, const DraftFoot& a,
+                 const DraftFoot& b);
+
+/// The same, taken as a five-bar with that foot.
+void add_five_bar(Draft& draft, const std::string& leg, const DraftFoot& a, const DraftFoot& b);
+
+/// Planar place of a point of a body, the base at the origin: x, z [m].
+Vec2 point_at(const Draft& draft, int body, const Vec2& point,
+              const std::map<std::string, double>& joints = {});
+
+/// A pose in which it stands on its feet, or the stated one. Loops that no pose closes move to
+/// open_loops, and each of their chains gets a foot.
 void find_rest(const ProposeOptions& options, Draft& draft);
 
 /// A planar joint as the draft knows it.

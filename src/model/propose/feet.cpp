@@ -198,15 +198,35 @@ void add_foot(Draft& draft, const DraftFoot& foot) {
   draft.feet.push_back(foot);
 }
 
-/// Two chains of two links on one side, as long as one another.
-bool is_five_bar(const std::vector<Chain>& leg) {
+/// Two chains of their own that begin at one place on one side.
+bool shares_hip(const std::vector<Chain>& leg) {
   if (leg.size() != 2) return false;
   const Chain& a = leg[0];
   const Chain& b = leg[1];
-  constexpr double kAlike = 0.1;  // ends of shapes differ by a shape's thickness
   const bool one_side = a.hip.y() * b.hip.y() > 0.0 || std::abs(a.hip.y() - b.hip.y()) < 0.01;
-  return one_side && a.bodies.front() != b.bodies.front() && a.bodies.size() == 2 &&
-         b.bodies.size() == 2 && std::abs(a.length - b.length) < kAlike * a.length;
+  return one_side && a.bodies.front() != b.bodies.front();
+}
+
+/// Two such chains of two links, as long as one another.
+bool is_five_bar(const std::vector<Chain>& leg) {
+  constexpr double kAlike = 0.1;  // ends of shapes differ by a shape's thickness
+  return shares_hip(leg) && leg[0].bodies.size() == 2 && leg[1].bodies.size() == 2 &&
+         std::abs(leg[0].length - leg[1].length) < kAlike * leg[0].length;
+}
+
+/// Chains that may be a five-bar's, but aren't alike enough to be taken for one.
+void note_unlike(Draft& draft, const std::vector<DraftFoot>& ends, const std::vector<Chain>& chains,
+                 const std::string& leg) {
+  const std::size_t most = std::max(chains[0].bodies.size(), chains[1].bodies.size());
+  if (std::min(chains[0].bodies.size(), chains[1].bodies.size()) < 2) return;
+  draft.missing.push_back(fmt::format(
+      "loops.{}_leg: two chains begin at one hip, of {} and {} joints, {:.3g} and {:.3g} m long; a "
+      "five-bar's would be alike, with two joints each: left apart{}",
+      leg, chains[0].bodies.size(), chains[1].bodies.size(), chains[0].length, chains[1].length,
+      most > 2 ? "" : ". robot.yaml has the lines for a pin"));
+  if (most > 2) return;
+  draft.open_loops.push_back(pinned(draft, leg, ends[0], ends[1]));
+  draft.open_loops.back().why_open = "they aren't alike";
 }
 
 void add_leg(Draft& draft, const SpatialTree& tree, const std::vector<Chain>& chains,
@@ -220,18 +240,15 @@ void add_leg(Draft& draft, const SpatialTree& tree, const std::vector<Chain>& ch
       rename_pair(draft, bodies[chains[c].bodies[i]].joint, joint_name(names[c], i, lettered));
   }
 
+  std::vector<DraftFoot> ends;
+  for (std::size_t c = 0; c < chains.size(); ++c)
+    ends.push_back(end_of(draft, tree, chains[c], names[c] + "_foot"));
   if (loops && is_five_bar(chains)) {
-    const DraftFoot a = end_of(draft, tree, chains[0], leg + "_foot");
-    draft.loops.push_back({leg + "_leg", a, end_of(draft, tree, chains[1], ""), 1.0});
-    add_foot(draft, a);
-    draft.missing.push_back(fmt::format(
-        "loops.{}_leg: two alike chains begin at one hip: taken as a five-bar, pinned where its "
-        "lower links end; the file says nothing of it (--open leaves them apart)",
-        leg));
+    add_five_bar(draft, leg, ends[0], ends[1]);
     return;
   }
-  for (std::size_t c = 0; c < chains.size(); ++c)
-    add_foot(draft, end_of(draft, tree, chains[c], names[c] + "_foot"));
+  if (loops && shares_hip(chains)) note_unlike(draft, ends, chains, leg);
+  for (const DraftFoot& end : ends) add_foot(draft, end);
 }
 
 }  // namespace

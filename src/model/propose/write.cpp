@@ -75,19 +75,34 @@ std::string feet(const Draft& draft) {
   return text;
 }
 
+/// A line of `loops`, each of its own lines begun by `margin`.
+std::string loop_line(const Draft& draft, const DraftLoop& loop, const std::string& margin,
+                      const std::string& branch) {
+  const auto joint = [&](const DraftFoot& end) {
+    return quoted(draft.reduction.bodies[end.body].joint);
+  };
+  return fmt::format(
+      "{0}  {1}:\n{0}    {{link_a: {2}, point_a: [{3}, {4}], link_b: {5}, point_b: [{6}, {7}],\n"
+      "{0}     dependent: [{8}, {9}], branch: {10}}}\n",
+      margin, quoted(loop.name), quoted(loop.a.link), number(loop.a.point.x()),
+      number(loop.a.point.y()), quoted(loop.b.link), number(loop.b.point.x()),
+      number(loop.b.point.y()), joint(loop.a), joint(loop.b), branch);
+}
+
 std::string loops(const Draft& draft) {
-  if (draft.loops.empty()) return "";
-  std::string text = "\n# fill in: pins where the lower links end are assumed.\nloops:\n";
-  for (const DraftLoop& loop : draft.loops) {
-    const auto joint = [&](const DraftFoot& end) {
-      return quoted(draft.reduction.bodies[end.body].joint);
-    };
+  std::string text;
+  if (!draft.loops.empty())
+    text += "\n# fill in: where the pins are; a URDF has no place for that.\nloops:\n";
+  for (const DraftLoop& loop : draft.loops)
+    text += fmt::format("  # {}\n{}", loop.source,
+                        loop_line(draft, loop, "", loop.branch > 0.0 ? "positive" : "negative"));
+
+  for (const DraftLoop& loop : draft.open_loops) {
     text += fmt::format(
-        "  {}:\n    {{link_a: {}, point_a: [{}, {}], link_b: {}, point_b: [{}, {}],\n"
-        "     dependent: [{}, {}], branch: {}}}\n",
-        quoted(loop.name), quoted(loop.a.link), number(loop.a.point.x()), number(loop.a.point.y()),
-        quoted(loop.b.link), number(loop.b.point.x()), number(loop.b.point.y()), joint(loop.a),
-        joint(loop.b), loop.branch > 0.0 ? "positive" : "negative");
+        "\n# fill in if a pin joins these two chains; left open: {}.\n# point_a, point_b: {}\n",
+        loop.why_open, loop.source);
+    if (draft.loops.empty() && &loop == &draft.open_loops.front()) text += "# loops:\n";
+    text += loop_line(draft, loop, "# ", "...");
   }
   return text;
 }
