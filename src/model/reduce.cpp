@@ -16,10 +16,6 @@ namespace {
 
 constexpr double kTolerance = 1e-6;  ///< of directions and of places on a body, relative
 
-/// Frames and axes that lean out of the plane by less are taken as in it: lengths are then off by
-/// at most 1 - cos = 1.5 %, half of what a weighed mass is (tolerances.h).
-constexpr double kLean = 10.0 * M_PI / 180.0;
-
 Vec2 in_plane(const Vec3& v) { return {v.x(), v.z()}; }
 
 /// R(phi)' v, from a frame turned by phi about +y back into it.
@@ -297,7 +293,7 @@ class Reducer {
       // the frame of a body is its head's, or stands for it
       place.in_plane = &link == &head || about_y(link.R_BL);
       place.angle = &link == &head ? 0.0 : wrap(pitch_of(link.R_BL) - phi);
-      place.position = unrotate(phi, in_plane(link.p_BL - head.p_BL));
+      place.position = unrotate(phi, across_axis(link.p_BL - head.p_BL, head));
       result_.links[link.name] = place;
 
       if (link.joint < 0 || tree_.joints[link.joint].kind != SpatialJointKind::fixed) continue;
@@ -319,6 +315,14 @@ class Reducer {
       const LinkPlace copy = left;
       result_.links[pair.name] = copy;
     }
+  }
+
+  /// A way in the plane that a link turns in, which leans where its axis does, from along y.
+  [[nodiscard]] Vec2 across_axis(const Vec3& way, const SpatialLink& head) const {
+    if (head.joint < 0 || tree_.joints[head.joint].kind != SpatialJointKind::revolute)
+      return in_plane(way);
+    const Vec3 axis = head.R_BL * tree_.joints[head.joint].axis;
+    return in_plane(way - way.dot(axis) * axis);
   }
 
   /// What the projection leaves out.
@@ -381,6 +385,7 @@ Reduction reduce(const SpatialTree& spatial, const std::vector<PairSpec>& joints
   Assumptions assumptions(spatial.file, reading == Reading::strict);
   SpatialTree tree = hold_joints(spatial, held);
   hold_massless(tree, joints, assumptions);
+  tree = gather_leaning(tree);
 
   Reduction reduction = Reducer(tree, joints, links, assumptions).run();
   reduction.held = standing_joints(spatial, tree, held);

@@ -8,8 +8,10 @@
 //            the root's axes
 //
 // Valid where every moving joint turns about y or slides in x-z, so that links stay parallel to the
-// sagittal plane. What leans out of it by at most 10 deg is projected, and said.
+// sagittal plane. What leans out of it by at most 10 deg is projected, and said; joints on one
+// axle that leans stay one (lean.cpp).
 
+#include <cmath>
 #include <map>
 #include <string>
 #include <vector>
@@ -20,6 +22,10 @@
 #include "model/assumptions.h"
 
 namespace jaculus::model {
+
+/// Frames and axes that lean out of the plane by less are taken as in it: lengths are then off by
+/// at most 1 - cos = 1.5 %, half of what a weighed mass is (tolerances.h).
+inline constexpr double kLean = 10.0 * M_PI / 180.0;
 
 /// Two spatial joints (or links) that are one planar one.
 struct PairSpec {
@@ -54,6 +60,10 @@ Reduction reduce(const SpatialTree& spatial, const std::vector<PairSpec>& joints
 
 /// The tree with joints held: they are fixed there.
 SpatialTree hold_joints(const SpatialTree& spatial, const std::vector<HeldJoint>& held);
+
+/// The same robot with its leaning joints' origins moved along their axes: those of one axle to its
+/// middle, those that hang on them into their plane. Links keep their axes, not their origins.
+SpatialTree gather_leaning(SpatialTree tree);
 
 /// A joint below which nothing has mass can't be simulated; it is held at zero. InputError where it
 /// is in a pair.

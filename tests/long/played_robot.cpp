@@ -95,20 +95,18 @@ std::vector<int> PlayedRobot::sides(int body) const {
   return found;
 }
 
-/// Where a point of a planar body is in space, while both are in the state of `ends`: in the plane
-/// through the side's origin in which it turns, which leans where its axis does.
+/// Where a point of a planar body is in space, while both are in the state of `ends`: from the
+/// side's origin in the plane that it turns in, which leans where its axis does.
 Vec3 PlayedRobot::in_space(int body, int side, const Vec2& at, const Ends& ends) const {
   const Vec3 place =
       place_bodies(planar_, ends.first_base, ends.first)[static_cast<std::size_t>(body)];
-  const Vec2 p = place.head<2>() + Eigen::Rotation2Dd(-place[2]) * at;
-  const Vec3 origin = Eigen::Map<const Vec3>(data_->xpos + 3 * side);
-
+  const Vec2 way = Eigen::Rotation2Dd(-place[2]) * at;
   Vec3 normal = Vec3::UnitY();
   const int j = model_->body_jntadr[side];
   if (j >= 0 && model_->jnt_type[j] == mjJNT_HINGE)
     normal = Eigen::Map<const Vec3>(data_->xaxis + 3 * j);
-  const double out = (p.x() - origin.x()) * normal.x() + (p.y() - origin.z()) * normal.z();
-  return {p.x(), origin.y() - out / normal.y(), p.y()};
+  const double out = (way.x() * normal.x() + way.y() * normal.z()) / normal.y();
+  return Eigen::Map<const Vec3>(data_->xpos + 3 * side) + Vec3(way.x(), -out, way.y());
 }
 
 Vec3 PlayedRobot::in_frame(int side, const Vec3& point) const {
@@ -173,10 +171,18 @@ void PlayedRobot::add_attached(const model::SpatialTree& tree) {
   }
 }
 
+/// The floor is as far below the feet as in the plan: a leg that leans reaches the same place of
+/// the plane from a hip a little higher or lower.
 void PlayedRobot::add_contact(const Ends& ends) {
+  const std::vector<Vec3> places = place_bodies(planar_, ends.first_base, ends.first);
+  double floor = kInfinity;
   for (const model::PlanarPoint& foot : planar_.feet) {
+    const Vec3& place = places[static_cast<std::size_t>(foot.body)];
+    const double planned = place.y() + (Eigen::Rotation2Dd(-place[2]) * foot.position).y();
     for (const int side : sides(foot.body)) {
-      const Vec3 p = in_frame(side, in_space(foot.body, side, foot.position, ends));
+      const Vec3 at = in_space(foot.body, side, foot.position, ends);
+      const Vec3 p = in_frame(side, at);
+      floor = std::min(floor, at.z() - planned);
       insert_after(
           fmt::format("<body name=\"{}\"", name_of(side)),
           fmt::format("<geom name=\"foot_of_play_{}_{}\" type=\"sphere\" size=\"{}\" mass=\"0\" "
@@ -186,7 +192,7 @@ void PlayedRobot::add_contact(const Ends& ends) {
   }
   insert_after("<worldbody", fmt::format("<geom name=\"floor_of_play\" type=\"plane\" "
                                          "size=\"0 0 1\" pos=\"0 0 {}\"/>",
-                                         -kFootRadius));
+                                         (planar_.feet.empty() ? 0.0 : floor) - kFootRadius));
 }
 
 /// One equality a pin and side; where its ends are is set after loading, for MuJoCo would take

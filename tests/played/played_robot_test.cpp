@@ -10,6 +10,7 @@
 
 #include "jaculus/model/propose.h"
 #include "jaculus/model/urdf.h"
+#include "long/planar_pose.h"
 #include "model/support.h"
 
 namespace jaculus::test {
@@ -112,11 +113,21 @@ TEST(PlayedRobot, PinsOfChainsSideBySideAreOneAxle) {
   }
 }
 
-TEST(PlayedRobot, FeetLieInThePlaneThatTheirLegTurnsIn) {
+TEST(PlayedRobot, FeetLieInThePlaneThatTheirLegTurnsInAsHighAsPlanned) {
   const double lean = 0.05;
   const std::unique_ptr<Imported> m = imported(lean);
-  PlayedRobot robot(m->robot.planar, m->robot.urdf, model::read_tree(m->folder.path()), m->ends);
+  const model::PlanarModel& planar = m->robot.planar;
+  PlayedRobot robot(planar, m->robot.urdf, model::read_tree(m->folder.path()), m->ends);
   const mjModel& model = robot.model();
+  mj_kinematics(&model, &robot.data());
+  const int floor = mj_name2id(&model, mjOBJ_GEOM, "floor_of_play");
+  ASSERT_GE(floor, 0);
+
+  const std::vector<Eigen::Vector3d> places =
+      place_bodies(planar, m->ends.first_base, m->ends.first);
+  const model::PlanarPoint& foot = planar.feet.at(0);
+  const Eigen::Vector3d& shank = places.at(static_cast<std::size_t>(foot.body));
+  const double planned = shank.y() + (Eigen::Rotation2Dd(-shank[2]) * foot.position).y();
   int feet = 0;
   for (int g = 0; g < model.ngeom; ++g) {
     const char* name = mj_id2name(&model, mjOBJ_GEOM, g);
@@ -124,6 +135,9 @@ TEST(PlayedRobot, FeetLieInThePlaneThatTheirLegTurnsIn) {
     ++feet;
     // in the frame of the lower link, whose joint turns about y
     EXPECT_NEAR(model.geom_pos[3 * g + 1], 0.0, 1e-12) << name;
+    const double radius = model.geom_size[3 * g];
+    const double above = robot.data().geom_xpos[3 * g + 2] - model.geom_pos[3 * floor + 2] - radius;
+    EXPECT_NEAR(above, planned, 1e-5) << name;  // MuJoCo's file has six digits
   }
   EXPECT_EQ(feet, 4);
 }

@@ -154,8 +154,10 @@ std::string joint_name(const std::string& leg, std::size_t i, bool lettered) {
 using Legs = std::vector<std::vector<Chain>>;
 
 Legs group_by_place(std::vector<Chain> chains) {
+  // what lies side by side keeps the file's order, whatever its coordinates were rounded to
+  const auto place = [](const Chain& chain) { return std::round(chain.hip.x() / 1e-3); };
   std::stable_sort(chains.begin(), chains.end(),
-                   [](const Chain& a, const Chain& b) { return a.hip.x() > b.hip.x(); });
+                   [&](const Chain& a, const Chain& b) { return place(a) > place(b); });
   Legs legs;
   for (const Chain& chain : chains) {
     const double near = 0.25 * chain.length;  // hips of a five-bar are nearer, of two legs farther
@@ -176,7 +178,10 @@ void rename_pair(Draft& draft, const std::string& from, const std::string& to) {
 /// A point of a body in the frame that robot.yaml uses for its head link.
 Vec2 on_body(const Draft& draft, const SpatialTree& tree, int body, const Vec3& point) {
   const double phi = pose_of(draft.reduction, body)[2];
-  const Vec3 v = point - tree.links[tree.link_index(draft.reduction.bodies[body].name)].p_BL;
+  const SpatialLink& link = tree.links[tree.link_index(draft.reduction.bodies[body].name)];
+  const Vec3 axis = link.R_BL * tree.joints[link.joint].axis;
+  Vec3 v = point - link.p_BL;
+  if (tree.joints[link.joint].kind == SpatialJointKind::revolute) v -= v.dot(axis) * axis;
   return {std::cos(phi) * v.x() - std::sin(phi) * v.z(),
           std::sin(phi) * v.x() + std::cos(phi) * v.z()};
 }
@@ -255,7 +260,7 @@ void add_leg(Draft& draft, const SpatialTree& tree, const std::vector<Chain>& ch
 
 void find_feet(const ProposeOptions& options, Draft& draft) {
   if (!draft.floating) return;
-  const SpatialTree tree = hold_joints(draft.tree, held_of(draft));
+  const SpatialTree tree = gather_leaning(hold_joints(draft.tree, held_of(draft)));
   const double mass = tree.total_mass();
   double height = 0.0;
   for (const SpatialLink& link : tree.links)
