@@ -117,7 +117,11 @@ void fill_failure(const Plan& plan, Summary& s) {
 void add_warnings(const Plan& plan, Summary& s) {
   for (const PhaseFigures& phase : s.phases) {
     if (phase.at_bound)
-      s.warnings.push_back(fmt::format("the duration of {} stands at its bound", phase.name));
+      s.warnings.push_back(fmt::format("the duration of {} stands at its bound{}", phase.name,
+                                       plan.starts.count > 1
+                                           ? ""
+                                           : "; more starts (--starts 10) tell whether another "
+                                             "optimum is better"));
   }
   if (plan.starts.count > 1) {
     const auto percent = [&](int part) { return 100.0 * part / plan.starts.count; };
