@@ -112,10 +112,10 @@ Json dropped_json(const model::Dropped& d) {
 
 std::string dropped_text(const model::Dropped& d) {
   return fmt::format(
-      "kept: {:.6g} kg, pitch inertia {:.6g} kg m^2 about the centre of mass\n"
+      "kept of the file: {:.6g} kg, pitch inertia {:.6g} kg m^2 about the centre of mass\n"
       "dropped: sideways places of {:.4g} kg ({:.4g} kg m^2 of roll and yaw inertia), a centre of "
-      "mass {:.3g} mm to the left,\n  products of inertia of pitch with roll and yaw of {:.2g} %\n",
-      d.mass, d.pitch_inertia, d.mass_off_plane, d.inertia_moved, 1e3 * d.com_off_plane,
+      "mass {},\n  products of inertia of pitch with roll and yaw of {:.2g} %\n",
+      d.mass, d.pitch_inertia, d.mass_off_plane, d.inertia_moved, d.com_sideways(),
       1e2 * d.coupling);
 }
 
@@ -224,6 +224,17 @@ class NewFolder {
   bool fresh_ = true;
 };
 
+/// The robot just written. The file goes again where it is refused, so that the message says whose
+/// line it quotes.
+model::Robot read_written(const fs::path& out, model::Reading reading) {
+  try {
+    return model::read_robot(out, {}, reading);
+  } catch (const InputError& error) {
+    if (reading == model::Reading::lenient) throw;
+    throw InputError(fmt::format("--strict: of what would be written, {}", error.what()));
+  }
+}
+
 Written write_robot(const RobotOptions& options, const fs::path& out) {
   const auto reading = options.strict ? model::Reading::strict : model::Reading::lenient;
   Written w;
@@ -233,11 +244,11 @@ Written write_robot(const RobotOptions& options, const fs::path& out) {
   NewFolder folder(out);
   write_urdf_file(w.source, options.file, out / "robot.urdf");
   trajectory::write_file(out / "robot.yaml", w.proposal.yaml);
-  w.robot = model::read_robot(out, {}, reading);
+  w.robot = read_written(out, reading);
   if (!options.tail.empty()) {
     w.proposal.yaml += tail_section(w.robot, options.tail);
     trajectory::write_file(out / "robot.yaml", w.proposal.yaml);
-    w.robot = model::read_robot(out, {}, reading);
+    w.robot = read_written(out, reading);
   }
 
   for (const std::string& line : doubtful_limits(w.robot)) w.proposal.missing.push_back(line);

@@ -94,6 +94,9 @@ TEST(Propose, SaysWhatIsDropped) {
   const Dropped d = imported(test::quadruped_urdf()).proposal.dropped;
   EXPECT_NEAR(d.mass, 12.0, 1e-12);
   EXPECT_NEAR(d.com_off_plane, 0.0, 1e-15);
+  Dropped off;
+  off.com_off_plane = -6.28e-5;
+  EXPECT_EQ(off.com_sideways(), "0.06 mm to the right");
   EXPECT_NEAR(d.mass_off_plane, 6.0, 1e-12);
   // hips at 0.07 m, thighs at 0.14 m, shanks at 0.13 m from the plane
   EXPECT_NEAR(d.inertia_moved, 4 * (0.5 * 0.07 * 0.07 + 0.8 * 0.14 * 0.14 + 0.2 * 0.13 * 0.13),

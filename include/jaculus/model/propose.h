@@ -34,6 +34,9 @@ struct Dropped {
   double inertia_moved = 0.0;
   /// products of inertia of pitch with roll and yaw, against the pitch inertia [-]
   double coupling = 0.0;
+
+  /// com_off_plane in words, "0.06 mm to the right".
+  [[nodiscard]] std::string com_sideways() const;
 };
 
 struct Proposal {

@@ -65,6 +65,11 @@ void find_swollen(Draft& draft) {
 
 }  // namespace
 
+std::string Dropped::com_sideways() const {
+  return fmt::format("{:.2f} mm to the {}", 1e3 * std::abs(com_off_plane),
+                     com_off_plane < 0.0 ? "right" : "left");
+}
+
 Dropped dropped_of(const Draft& draft) {
   const SpatialTree tree = hold_joints(draft.tree, held_of(draft));
   Dropped dropped;

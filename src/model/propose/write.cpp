@@ -29,9 +29,9 @@ std::string head(const Draft& draft, const Dropped& d) {
       "# Kept in the plane: {:.6g} kg, pitch inertia {:.6g} kg m^2 about the centre of mass.\n"
       "# Dropped: sideways places of {:.4g} kg ({:.4g} kg m^2 of roll and yaw inertia), a centre "
       "of\n"
-      "# mass {:.3g} mm to the left, products of inertia of pitch with roll and yaw of {:.2g} %.\n",
+      "# mass {}, products of inertia of pitch with roll and yaw of {:.2g} %.\n",
       draft.tree.file.filename().string(), d.mass, d.pitch_inertia, d.mass_off_plane,
-      d.inertia_moved, 1e3 * d.com_off_plane, 1e2 * d.coupling);
+      d.inertia_moved, d.com_sideways(), 1e2 * d.coupling);
   for (const std::string& note : draft.notes) text += "# " + note + "\n";
   return text + "format: jaculus-robot/1\n";
 }
