@@ -42,7 +42,7 @@ void bind_nodes(nb::module_& module) {
       .def_static("load", &yaml::Node::load, nb::arg("file"))
       .def_static("parse", &yaml::Node::parse, nb::arg("text"), nb::arg("name"));
   module.def(
-      "problem_file", &problem_file, nb::arg("given"),
+      "find_problem_file", &find_problem_file, nb::arg("given"),
       "The file of a problem, experiment or study: a path, or a name that comes with jaculus.");
   module.def("data_folders", &data_folders, "Folders that hold models/, problems/ and effects/.");
 }

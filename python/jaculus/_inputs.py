@@ -25,7 +25,7 @@ def node_of(source: Source) -> _core.Node:
     if isinstance(source, Mapping):
         # JSON is YAML. Paths in it are relative to the working directory.
         return _core.Node.parse(json.dumps(source, indent=1, ensure_ascii=False, default=plain), "dict")
-    return _core.Node.load(_core.problem_file(os.fspath(source)))
+    return _core.Node.load(_core.find_problem_file(os.fspath(source)))
 
 
 def quantity(value: Union[str, float]) -> str:

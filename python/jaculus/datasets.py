@@ -174,7 +174,7 @@ def _effects(given: Union[Mapping[str, Mapping[str, float]], Iterable[str], str,
 def _experiment(source: Source, robot: Optional[str], controller: str) -> _core.Experiment:
     if isinstance(source, Mapping):
         return _core.load_experiment(node_of(source))
-    file = Path(_core.problem_file(os.fspath(source)))
+    file = Path(_core.find_problem_file(os.fspath(source)))
     if file.is_dir():
         file = file / "plan.csv"
     if file.suffix != ".csv":

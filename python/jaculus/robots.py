@@ -108,7 +108,7 @@ def load_problem(problem: Union[Source, Problem], *, robot: Optional[str] = None
     elif robot is None and not override:
         return Problem(_core.load_problem(node_of(problem)))
     else:
-        file = os.path.abspath(_core.problem_file(os.fspath(problem)))
+        file = os.path.abspath(_core.find_problem_file(os.fspath(problem)))
         name = _core.load_problem(_core.Node.load(file)).name
         changed = {"format": "jaculus-problem/1", "extends": file, "name": name}
     if robot is not None:

@@ -101,7 +101,7 @@ Loaded load_problem(const yaml::Node& node, const Common& common) {
 }  // namespace
 
 Loaded load(const std::string& given, const Common& common, const ProblemChanges& changes) {
-  const std::filesystem::path file = problem_file(given);
+  const std::filesystem::path file = find_problem_file(given);
   const bool as_it_is = changes.robot.empty() && changes.overrides.empty();
   if (as_it_is) return load_problem(yaml::Node::load(file), common);
   const yaml::Node node = changed(file, changes);

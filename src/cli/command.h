@@ -55,7 +55,7 @@ struct ProblemChanges {
   std::string robot;                   ///< instead of the file's, relative to where one is
   std::vector<std::string> overrides;  ///< "PATH=VALUE", over the file's
 };
-/// `given` as problem_file() takes it.
+/// `given` as find_problem_file() takes it.
 Loaded load(const std::string& given, const Common& common, const ProblemChanges& changes = {});
 
 /// Makes the folder and proves that files can be written into it; InputError otherwise.

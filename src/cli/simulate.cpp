@@ -35,7 +35,7 @@ bool is_plan(const fs::path& target) { return target.extension() == ".csv"; }
 
 /// The target as a file: a folder stands for the plan that `solve` wrote into it.
 fs::path target_file(const SimulateOptions& options) {
-  const fs::path target = problem_file(options.target);
+  const fs::path target = find_problem_file(options.target);
   if (!fs::exists(target))
     throw InputError(
         fmt::format("{}: there is no such file; allowed: an experiment (YAML), a plan (CSV) or the "

@@ -77,7 +77,7 @@ void show(const std::vector<studies::StudyResult>& results, const Common& common
 }
 
 int run_study(StudyOptions options) {
-  for (std::string& file : options.files) file = problem_file(file).string();
+  for (std::string& file : options.files) file = find_problem_file(file).string();
   const Common& common = options.common;
   check(options);
   if (!common.out.empty()) prepare_folder(common.out);

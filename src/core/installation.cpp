@@ -68,7 +68,7 @@ std::vector<fs::path> data_folders() {
   return folders;
 }
 
-fs::path problem_file(const std::string& given) {
+fs::path find_problem_file(const std::string& given) {
   const fs::path path = given;
   std::error_code code;
   if (path.has_parent_path() || path.has_extension() || fs::exists(path, code)) return path;

@@ -14,13 +14,13 @@ namespace {
 namespace fs = std::filesystem;
 
 TEST(Installation, ANameIsAProblemThatShips) {
-  EXPECT_EQ(problem_file("leap_tail"), source_folder() / "problems" / "leap_tail.yaml");
-  EXPECT_EQ(problem_file("fig4_shaft"), source_folder() / "problems" / "fig4_shaft.yaml");
+  EXPECT_EQ(find_problem_file("leap_tail"), source_folder() / "problems" / "leap_tail.yaml");
+  EXPECT_EQ(find_problem_file("fig4_shaft"), source_folder() / "problems" / "fig4_shaft.yaml");
 }
 
 TEST(Installation, APathStaysAsItIs) {
-  EXPECT_EQ(problem_file("leap_tail.yaml"), "leap_tail.yaml");
-  EXPECT_EQ(problem_file("mine/leap_tail"), "mine/leap_tail");
+  EXPECT_EQ(find_problem_file("leap_tail.yaml"), "leap_tail.yaml");
+  EXPECT_EQ(find_problem_file("mine/leap_tail"), "mine/leap_tail");
 }
 
 TEST(Installation, AFileComesBeforeAName) {
@@ -30,14 +30,14 @@ TEST(Installation, AFileComesBeforeAName) {
   fs::create_directories(folder);
   fs::current_path(folder);
   std::ofstream("leap_tail") << "mine\n";
-  EXPECT_EQ(problem_file("leap_tail"), "leap_tail");
+  EXPECT_EQ(find_problem_file("leap_tail"), "leap_tail");
   fs::current_path(before);
   fs::remove_all(folder);
 }
 
 TEST(Installation, AnUnknownNameIsToldWithTheNearest) {
   try {
-    static_cast<void>(problem_file("leap_tial"));
+    static_cast<void>(find_problem_file("leap_tial"));
     FAIL();
   } catch (const InputError& error) {
     const std::string what = error.what();

@@ -38,7 +38,7 @@ model::PlanarModel robot_of(const transcription::Problem& problem) {
 }
 
 Solved solve(const std::string& name, const std::vector<int>& grid = {}) {
-  transcription::Problem problem = transcription::read_problem(test::problem_file(name));
+  transcription::Problem problem = transcription::read_problem(problem_file(name));
   if (!grid.empty()) problem = on_grid(problem, grid);
   const model::Robot robot = model::read_robot(problem.robot_folder, problem.overrides);
   const solver::Plan plan = solver::make_plan(problem, robot.planar);
@@ -135,8 +135,8 @@ TEST(AuthorsPlans, PlayBackStablyWithFeedback) {
         "inactivetail_V7", "notail_Vel15_V8", "aerotail_Vel15_V8"}) {
     const std::string plan = name;
     const bool tailless = plan.starts_with("notail"), inactive = plan.starts_with("inactive");
-    transcription::Problem problem = transcription::read_problem(test::problem_file(
-        tailless ? "leap_tailless" : (inactive ? "leap_inactive" : "leap_tail")));
+    transcription::Problem problem = transcription::read_problem(
+        problem_file(tailless ? "leap_tailless" : (inactive ? "leap_inactive" : "leap_tail")));
     const Solved solved{robot_of(problem),
                         trajectory::read_csv(folder / "plans" / (plan + ".csv"))};
     for (const Quantity quantity : {Quantity::torque, Quantity::duty}) {

@@ -30,6 +30,6 @@ std::filesystem::path built_web_folder();
 /// The file of a problem, an experiment or a study as a user names it: a path, or the name of one
 /// that comes with jaculus ("leap_tail"). A path comes back as it is, whether a file is there or
 /// not. InputError where a name, which has neither folder nor extension, is nothing's.
-std::filesystem::path problem_file(const std::string& given);
+std::filesystem::path find_problem_file(const std::string& given);
 
 }  // namespace jaculus
