@@ -31,10 +31,13 @@ void restore_default_interrupts() {
 
 InterruptScope::InterruptScope() : before_{} {
   clear_interrupt();
+  sigaction(SIGINT, nullptr, &before_);
+  if (before_.sa_handler == SIG_IGN) return;  // as a shell starts what runs in its background
+
   struct sigaction action = {};
   action.sa_handler = raise_flag;
   sigemptyset(&action.sa_mask);
-  sigaction(SIGINT, &action, &before_);
+  sigaction(SIGINT, &action, nullptr);
 }
 
 InterruptScope::~InterruptScope() {

@@ -261,6 +261,13 @@ TEST(Tasks, AScopeTakesInterruptsAndGivesThemBack) {
 
   raise(SIGINT);
   EXPECT_EQ(taken, 1);
+
+  signal(SIGINT, SIG_IGN);
+  {
+    const InterruptScope scope;
+    raise(SIGINT);
+    EXPECT_FALSE(interrupt_requested());
+  }
   signal(SIGINT, SIG_DFL);
 }
 

@@ -75,7 +75,8 @@ def test_an_exception_of_the_progress_ends_a_diagnosis(pendulum_trials):
 
 
 DIAGNOSED = """
-import sys, jaculus
+import signal, sys, jaculus
+signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored in a shell's background
 jaculus.diagnose(sys.argv[1], progress=lambda stage: print(stage, flush=True))
 """
 

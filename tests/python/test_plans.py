@@ -127,6 +127,7 @@ def test_two_threads_solve_one_after_the_other():
 
 INTERRUPTED = """
 import signal, time, jaculus
+signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored in a shell's background
 def ctrl_c(iteration, objective, infeasibility):
     if iteration == 3:
         signal.raise_signal(signal.SIGINT)

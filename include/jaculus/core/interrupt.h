@@ -28,7 +28,8 @@ class Interrupted : public std::runtime_error {
 void stop_if_interrupted();
 
 /// Takes SIGINT for as long as it lives, in a program that has a handler of its own: a signal
-/// raises the flag, however often it comes. The flag is down at the start and at the end.
+/// raises the flag, however often it comes. Ignored signals stay so. The flag is down at the start
+/// and at the end.
 class InterruptScope {
  public:
   InterruptScope();
