@@ -14,7 +14,7 @@ import time
 
 from jaculus._command import program
 
-ROUNDS = int(os.environ.get("ROUNDS", "9"))
+ROUNDS = int(os.environ.get("ROUNDS", "15"))
 MOST = 1.05
 CODE = "import sys, jaculus; jaculus.solve('leap_tail').save(sys.argv[1])"
 
