@@ -35,7 +35,7 @@ auto compute(Work&& work) {
   return work();
 }
 
-/// A user's callback within C++ that doesn't expect exceptions: the first one is kept, asks the work
+/// A callback of the user within C++ that expects no exceptions: the first is kept, asks the work
 /// to end as Ctrl-C does, and is thrown again by rethrow().
 class Callback {
  public:

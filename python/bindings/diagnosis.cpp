@@ -10,10 +10,8 @@
 #include "bindings.h"
 #include "jaculus/diagnosis/diagnose.h"
 #include "jaculus/diagnosis/diagnosis_json.h"
-#include "jaculus/effects/user_effect.h"
+#include "jaculus/effects/trials.h"
 #include "jaculus/report/diagnosis_report.h"
-#include "jaculus/simulation/experiment.h"
-#include "jaculus/trajectory/csv.h"
 
 namespace jaculus::python {
 namespace {
@@ -27,18 +25,6 @@ struct DiagnosisResult {
   Diagnosis diagnosis;
   std::string title;
 };
-
-Diagnosis diagnose(const std::vector<Dataset>& datasets, diagnosis::DiagnoseOptions options,
-                   const std::vector<std::string>& effect_files, int jobs) {
-  std::vector<model::PlanarModel> robots;
-  for (const Dataset& dataset : datasets)
-    robots.push_back(simulation::dataset_robot(dataset).planar);
-  const effects::Catalogue catalogue = effects::catalogue_with(effect_files, robots);
-  for (const effects::Effect& effect : catalogue) options.effects.push_back(&effect);
-
-  const tbb::global_control workers(tbb::global_control::max_allowed_parallelism, jobs);
-  return diagnosis::diagnose(datasets, options);
-}
 
 DiagnosisResult run(const std::vector<const Dataset*>& given,
                     const std::optional<yaml::Node>& settings,
@@ -55,8 +41,12 @@ DiagnosisResult run(const std::vector<const Dataset*>& given,
   if (!horizon.empty()) options.accuracy.horizon = diagnosis::read_horizon(horizon, "horizon");
   options.progress = progress;  // what it throws ends the diagnosis
 
+  options.catalogue =
+      std::make_shared<const effects::Catalogue>(effects::catalogue_for(effect_files, datasets));
+
   const std::string title = fs::weakly_canonical(datasets.front().folder).filename().string();
-  return {compute([&] { return diagnose(datasets, options, effect_files, jobs); }), title};
+  const tbb::global_control workers(tbb::global_control::max_allowed_parallelism, jobs);
+  return {compute([&] { return diagnosis::diagnose(datasets, options); }), title};
 }
 
 report::Report report_of(const DiagnosisResult& result) {
@@ -64,9 +54,7 @@ report::Report report_of(const DiagnosisResult& result) {
 }
 
 void save(const DiagnosisResult& result, const fs::path& folder) {
-  fs::create_directories(folder);
-  trajectory::write_file(folder / "diagnosis.json", diagnosis::diagnosis_json(result.diagnosis));
-  trajectory::write_file(folder / "augmented.yaml", diagnosis::augmented_yaml(result.diagnosis));
+  diagnosis::write_diagnosis(result.diagnosis, folder);
   report::write_report(report_of(result), folder);
 }
 

@@ -11,10 +11,8 @@
 #include "cli/reporting.h"
 #include "jaculus/core/interrupt.h"
 #include "jaculus/diagnosis/diagnosis_json.h"
-#include "jaculus/effects/user_effect.h"
+#include "jaculus/effects/trials.h"
 #include "jaculus/report/diagnosis_report.h"
-#include "jaculus/simulation/experiment.h"
-#include "jaculus/trajectory/csv.h"
 
 namespace jaculus::cli {
 namespace {
@@ -37,13 +35,6 @@ const std::vector<std::pair<std::string, double>> kStages = {{"screening", 0.003
                                                              {"held-out gap and intervals", 0.8},
                                                              {"where the gap lies", 0.9}};
 
-std::vector<model::PlanarModel> robots_of(const std::vector<trajectory::Dataset>& datasets) {
-  std::vector<model::PlanarModel> robots;
-  for (const trajectory::Dataset& dataset : datasets)
-    robots.push_back(simulation::dataset_robot(dataset).planar);
-  return robots;
-}
-
 int run_diagnose(const DiagnoseOptions& options) {
   restore_default_interrupts();
   diagnosis::DiagnoseOptions diagnosing;
@@ -61,9 +52,9 @@ int run_diagnose(const DiagnoseOptions& options) {
   std::vector<trajectory::Dataset> datasets;
   for (const std::string& folder : options.datasets)
     datasets.push_back(trajectory::read_dataset(folder));
-  const effects::Catalogue catalogue =
-      effects::catalogue_with(options.effect_files, robots_of(datasets));
-  for (const effects::Effect& effect : catalogue) diagnosing.effects.push_back(&effect);
+  diagnosing.catalogue = std::make_shared<const effects::Catalogue>(
+      effects::catalogue_for(options.effect_files, datasets));
+
   check_figures(options.common);
   if (!options.common.out.empty()) prepare_folder(options.common.out);
   const tbb::global_control workers(tbb::global_control::max_allowed_parallelism,
@@ -71,14 +62,9 @@ int run_diagnose(const DiagnoseOptions& options) {
   diagnosing.progress = stage_bar(options.common, kStages);
   const diagnosis::Diagnosis diagnosis = diagnosis::diagnose(datasets, diagnosing);
   clear_progress(options.common);
-  const std::string json = diagnosis::diagnosis_json(diagnosis);
-  if (!options.common.out.empty()) {
-    const std::filesystem::path folder = options.common.out;
-    trajectory::write_file(folder / "diagnosis.json", json);
-    trajectory::write_file(folder / "augmented.yaml", diagnosis::augmented_yaml(diagnosis));
-  }
+  if (!options.common.out.empty()) diagnosis::write_diagnosis(diagnosis, options.common.out);
   if (options.common.json) {
-    print(json);
+    print(diagnosis::diagnosis_json(diagnosis));
   } else if (!options.common.quiet) {
     print(diagnosis::diagnosis_text(diagnosis));
   }

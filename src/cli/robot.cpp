@@ -14,6 +14,7 @@
 #include "cli/robot_xacro.h"
 #include "jaculus/components/motor.h"
 #include "jaculus/core/error.h"
+#include "jaculus/model/describe.h"
 #include "jaculus/model/mjcf.h"
 #include "jaculus/model/propose.h"
 #include "jaculus/trajectory/csv.h"
@@ -157,10 +158,7 @@ std::vector<std::string> doubtful_limits(const model::Robot& robot) {
 }
 
 std::string written_text(const Written& w, const fs::path& out) {
-  const model::PlanarModel& planar = w.robot.planar;
-  std::string text =
-      fmt::format("{}: {} planar bodies, {:.6g} kg, {} coordinates, {} motors\n", w.robot.name,
-                  planar.bodies.size(), planar.total_mass(), planar.size(), planar.motors.size());
+  std::string text = model::size_line(w.robot);
   for (const std::string& note : w.source.notes) text += "  " + note + "\n";
   for (const std::string& note : w.proposal.notes) text += "  " + note + "\n";
   for (const std::string& note : assumed_of(w)) text += "  " + note + "\n";

@@ -42,6 +42,7 @@ void check_seal(const SealOptions& options) {
 testbed::BlindingSpec blinding_spec(const SealOptions& options) {
   const Common& common = options.common;
   testbed::BlindingSpec spec;
+
   spec.singles = options.singles;
   spec.none = options.none;
   spec.pairs = options.pairs;
@@ -50,16 +51,20 @@ testbed::BlindingSpec blinding_spec(const SealOptions& options) {
   spec.several = options.several;
   spec.events = options.events;
   spec.groups = options.groups;
+
   spec.clutter = options.clutter;
   spec.resume = options.resume;
   spec.withheld = options.withheld;
+
   spec.seed = options.commit.empty() ? static_cast<std::uint64_t>(common.seed.value_or(1))
                                      : testbed::seed_of_commit(options.commit);
   spec.provenance =
       options.commit.empty() ? fmt::format("seed {}", spec.seed) : "commit " + options.commit;
+
   spec.plans.assign(options.plans.begin(), options.plans.end());
   for (const std::string& robot : options.robots)
     spec.robots.push_back(model::find_robot(robot, fs::current_path() / "robot"));
+
   spec.out = common.out;
   spec.key = options.key.empty()
                  ? fs::path(fs::path(common.out).lexically_normal().string() + ".key")

@@ -129,7 +129,9 @@ std::vector<SegmentTail> tails_of(const std::vector<OneOff>& disturbances) {
 ProblemBuilder builder_of(const DiagnoseOptions& options) {
   std::vector<const Effect*> list = options.effects;
   if (list.empty())
-    for (const Effect& effect : effects::effect_catalogue()) list.push_back(&effect);
+    for (const Effect& effect :
+         options.catalogue ? *options.catalogue : effects::effect_catalogue())
+      list.push_back(&effect);
 
   return [list, settings = options.settings](Observations observations) {
     PlantForward forward = plant_forward(observations, list, settings);

@@ -178,10 +178,12 @@ std::string unreached(const HeldOut& gap, const std::optional<double>& horizon) 
       reach);
 }
 
-Diagnosis with_accuracy(Diagnosis diagnosis, const Accuracy& accuracy, Tolerances tolerances) {
+/// With what was asked, which the reports say beside what was found.
+Diagnosis with_options(Diagnosis diagnosis, const DiagnoseOptions& options, Tolerances tolerances) {
+  diagnosis.catalogue = options.catalogue;
   diagnosis.tolerances = std::move(tolerances);
-  diagnosis.horizon = accuracy.horizon;
-  const std::string note = unreached(diagnosis.gap, accuracy.horizon);
+  diagnosis.horizon = options.accuracy.horizon;
+  const std::string note = unreached(diagnosis.gap, options.accuracy.horizon);
   if (!note.empty()) diagnosis.notes.push_back(note);
   return diagnosis;
 }
@@ -197,7 +199,7 @@ Diagnosis diagnose(const std::vector<trajectory::Dataset>& datasets,
                       ? run_pipeline(std::move(built), builder_of(asked), &datasets.front(), asked)
                       : insufficient(*built.problem);
   out.events = events_about(out, datasets, asked);
-  return with_accuracy(std::move(out), asked.accuracy, std::move(tolerances));
+  return with_options(std::move(out), asked, std::move(tolerances));
 }
 
 Diagnosis diagnose_problem(const Problem& problem, const DiagnoseOptions& options) {
@@ -209,7 +211,7 @@ Diagnosis diagnose_problem(const Problem& problem, const DiagnoseOptions& option
   Diagnosis out = enough ? run_pipeline({std::make_shared<const Problem>(asked), {}},
                                         builder_like(asked), nullptr, options)
                          : insufficient(problem);
-  return with_accuracy(std::move(out), options.accuracy, std::move(tolerances));
+  return with_options(std::move(out), options, std::move(tolerances));
 }
 
 HeldOut held_out_with(const std::vector<trajectory::Dataset>& datasets,

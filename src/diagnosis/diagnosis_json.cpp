@@ -12,6 +12,7 @@
 #include "jaculus/core/json.h"
 #include "jaculus/diagnosis/summary.h"
 #include "jaculus/effects/select.h"
+#include "jaculus/trajectory/csv.h"
 
 namespace jaculus::diagnosis {
 namespace {
@@ -282,6 +283,12 @@ std::string augmented_yaml(const Diagnosis& d) {
          "--augmented, or one by one --effect\neffects:" +
          (effects.empty() ? " []\n" : "\n" + effects) +
          (files.empty() ? "" : "effect_files:\n" + files);
+}
+
+void write_diagnosis(const Diagnosis& diagnosis, const std::filesystem::path& folder) {
+  std::filesystem::create_directories(folder);
+  trajectory::write_file(folder / "diagnosis.json", diagnosis_json(diagnosis));
+  trajectory::write_file(folder / "augmented.yaml", augmented_yaml(diagnosis));
 }
 
 }  // namespace jaculus::diagnosis

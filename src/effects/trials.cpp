@@ -118,6 +118,14 @@ std::vector<EffectValue> choose_effects(const EffectChoice& choice,
   return values;
 }
 
+Catalogue catalogue_for(const std::vector<std::string>& files,
+                        const std::vector<trajectory::Dataset>& datasets) {
+  std::vector<model::PlanarModel> robots;
+  for (const trajectory::Dataset& dataset : datasets)
+    robots.push_back(simulation::dataset_robot(dataset).planar);
+  return catalogue_with(files, robots);
+}
+
 SimulatedTrials simulate_trials(const simulation::Experiment& experiment,
                                 const std::vector<EffectValue>& effects,
                                 const model::PlanarModel& model) {

@@ -13,6 +13,7 @@
 #include "jaculus/diagnosis/physical.h"
 #include "jaculus/diagnosis/settings.h"
 #include "jaculus/diagnosis/verdict.h"
+#include "jaculus/effects/effect.h"
 
 namespace jaculus::diagnosis {
 
@@ -121,6 +122,8 @@ struct Diagnosis {
   std::vector<Tolerated> tolerated;  ///< of `model`, the farthest first, one deviation off or more
   long predictions = 0;
   Settings settings;
+  /// To whose effects `problem` points; null: the library's.
+  std::shared_ptr<const effects::Catalogue> catalogue;
   /// As diagnosed; null where nothing could be.
   std::shared_ptr<const Problem> problem;
   /// By which the gap was judged; null where nothing was fitted.

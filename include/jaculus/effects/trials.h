@@ -26,6 +26,10 @@ struct EffectChoice {
 std::vector<EffectValue> choose_effects(const EffectChoice& choice,
                                         const model::PlanarModel& model);
 
+/// catalogue_with() for the robots of datasets.
+Catalogue catalogue_for(const std::vector<std::string>& files,
+                        const std::vector<trajectory::Dataset>& datasets);
+
 /// What the sensors saw, and what a simulation knows of it.
 struct SimulatedTrials {
   trajectory::Dataset dataset;     ///< no folder yet; trials that have a stream
