@@ -73,4 +73,22 @@ MultiStart multi_start(int count,
   return all;
 }
 
+std::vector<int> optima(const MultiStart& all, double tie) {
+  std::vector<int> order;
+  for (int i = 0; i < count_of(all.starts); ++i)
+    if (converged_result(all.starts[i]) != nullptr) order.push_back(i);
+  const auto objective = [&](int start) { return all.starts[start].result.objective; };
+  std::stable_sort(order.begin(), order.end(),
+                   [&](int a, int b) { return objective(a) < objective(b); });
+
+  std::vector<int> found;
+  for (std::size_t first = 0, next = 0; first < order.size(); first = next) {
+    while (next < order.size() && within(objective(order[next]), objective(order[first]), tie))
+      ++next;
+    found.push_back(*std::min_element(order.begin() + static_cast<std::ptrdiff_t>(first),
+                                      order.begin() + static_cast<std::ptrdiff_t>(next)));
+  }
+  return found;
+}
+
 }  // namespace jaculus::solver

@@ -29,6 +29,45 @@ VerifyOptions verification_of(const transcription::Problem& problem) {
   return options;
 }
 
+/// The plan from one result: on finer meshes, where they are asked for, and verified.
+Plan finish(const transcription::Problem& problem, const model::PlanarModel& planned,
+            NlpResult result, const PlanOptions& options) {
+  Plan plan;
+  plan.program = std::make_unique<transcription::NonlinearProgram>(problem, planned);
+  plan.result = std::move(result);
+  detail::refine_mesh(plan, problem, planned, options);
+
+  const Vector x = plan.result.last_iterate();
+  if (x.size() != plan.program->variables() || !plan.program->evaluate_at(x)) return plan;
+  plan.trajectory = transcription::to_trajectory(*plan.program, x);
+  plan.verification = verify_plan(*plan.program, x, verification_of(problem));
+  return plan;
+}
+
+/// Of all optima that the starts found the best whose plan holds between nodes; where none's does,
+/// the best.
+Plan best_verified(detail::SolvedStarts solved, const transcription::Problem& problem,
+                   const model::PlanarModel& planned, const PlanOptions& options) {
+  std::optional<Plan> taken;
+  std::vector<int> passed_over;
+
+  for (auto& [start, result] : solved.results) {
+    if (taken && interrupt_requested()) break;
+    Plan plan = finish(problem, planned, std::move(result), options);
+    const bool holds = plan.verification && plan.verification->passed;
+    if (holds || !taken) {
+      plan.starts = solved.figures;
+      plan.starts.best = start;
+      if (holds) plan.starts.passed_over = passed_over;
+      taken = std::move(plan);
+    }
+    if (holds) break;
+    passed_over.push_back(start);
+  }
+
+  return std::move(*taken);
+}
+
 }  // namespace
 
 bool EarlierPlan::fits(const transcription::NonlinearProgram& program) const {
@@ -59,16 +98,12 @@ Plan make_plan(const transcription::Problem& problem, const model::PlanarModel& 
     return plan;
   }
 
+  std::vector<std::string> notes;
   if (earlier && !earlier->fits(*plan.program))
-    plan.notes = transcription::guess_gaps(*plan.program, earlier->trajectory);
-  plan.result = detail::solve_starts(plan, earlier, options);
-  detail::refine_mesh(plan, problem, planned, options);
-
-  const Vector x = plan.result.last_iterate();
-  if (x.size() == plan.program->variables() && plan.program->evaluate_at(x)) {
-    plan.trajectory = transcription::to_trajectory(*plan.program, x);
-    plan.verification = verify_plan(*plan.program, x, verification_of(problem));
-  }
+    notes = transcription::guess_gaps(*plan.program, earlier->trajectory);
+  plan = best_verified(detail::solve_starts(*plan.program, earlier, options), problem, planned,
+                       options);
+  plan.notes = std::move(notes);
 
   if (plan.converged()) {
     plan.limits = active_limits(*plan.program, plan.result);

@@ -80,6 +80,19 @@ NlpResult solve_start(transcription::NonlinearProgram& program,
   return search_failed ? try_again(program, start.x, solver, std::move(result)) : result;
 }
 
+/// Where no start ran to its end: why.
+NlpResult no_result(const MultiStart& all) {
+  NlpResult none;
+  none.status = interrupt_requested() ? Status::interrupted : Status::failed;
+  none.message =
+      interrupt_requested() ? "interrupted before any start ended" : "no start ran to its end";
+  for (const StartOutcome& start : all.starts) {
+    if (!start.error.empty()) none.message += ": " + start.error;
+    if (!start.error.empty()) break;
+  }
+  return none;
+}
+
 }  // namespace
 
 SolverOptions solver_options(const transcription::Problem& problem, const PlanOptions& options) {
@@ -97,13 +110,16 @@ SolverOptions solver_options(const transcription::Problem& problem, const PlanOp
   return solver;
 }
 
-NlpResult solve_starts(Plan& plan, const std::optional<EarlierPlan>& earlier,
-                       const PlanOptions& options) {
-  transcription::NonlinearProgram& program = *plan.program;
+SolvedStarts solve_starts(transcription::NonlinearProgram& program,
+                          const std::optional<EarlierPlan>& earlier, const PlanOptions& options) {
   const transcription::SolverSpec& spec = program.problem().solver;
   const std::uint64_t seed = spec.seed;
   SolverOptions solver = solver_options(program.problem(), options);
-  if (spec.starts <= 1) return solve_start(program, earlier, 0, task_seed(seed, 0), solver);
+  SolvedStarts solved;
+  if (spec.starts <= 1) {
+    solved.results.emplace_back(0, solve_start(program, earlier, 0, task_seed(seed, 0), solver));
+    return solved;
+  }
 
   MultiStartOptions multi;
   multi.seed = seed;
@@ -118,20 +134,20 @@ NlpResult solve_starts(Plan& plan, const std::optional<EarlierPlan>& earlier,
       },
       multi);
 
-  const int taken = all.best >= 0 ? all.best : all.least_bad;
-  plan.starts = {spec.starts, all.converged,
-                 static_cast<int>(std::lround(all.near_share * spec.starts)), std::max(taken, 0)};
-  if (taken >= 0) return std::move(all.starts[taken].result);
+  solved.figures = {spec.starts,
+                    all.converged,
+                    static_cast<int>(std::lround(all.near_share * spec.starts)),
+                    std::max(0, all.best >= 0 ? all.best : all.least_bad),
+                    {}};
+  for (const int start : optima(all, multi.tie))
+    solved.results.emplace_back(start, std::move(all.starts[start].result));
+  if (!solved.results.empty()) return solved;
 
-  NlpResult none;
-  none.status = interrupt_requested() ? Status::interrupted : Status::failed;
-  none.message =
-      interrupt_requested() ? "interrupted before any start ended" : "no start ran to its end";
-  for (const StartOutcome& start : all.starts) {
-    if (!start.error.empty()) none.message += ": " + start.error;
-    if (!start.error.empty()) break;
-  }
-  return none;
+  if (all.least_bad >= 0)
+    solved.results.emplace_back(all.least_bad, std::move(all.starts[all.least_bad].result));
+  else
+    solved.results.emplace_back(0, no_result(all));
+  return solved;
 }
 
 }  // namespace jaculus::solver::detail

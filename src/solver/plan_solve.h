@@ -2,6 +2,8 @@
 // How make_plan comes to a result: starts, feasibility stages, finer meshes.
 
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include "jaculus/solver/ipopt.h"
 #include "jaculus/solver/plan.h"
@@ -10,12 +12,19 @@ namespace jaculus::solver::detail {
 
 SolverOptions solver_options(const transcription::Problem& problem, const PlanOptions& options);
 
-/// Solves plan.program from the problem's guess, and from smooth random ones where the problem
-/// asks for several starts. A random start first goes through a feasibility stage; the problem's
-/// own guess does where the solve from it ends with no feasible point nearby although the stage
-/// finds one. Fills plan.starts.
-NlpResult solve_starts(Plan& plan, const std::optional<EarlierPlan>& earlier,
-                       const PlanOptions& options);
+/// What came of the starts of a problem.
+struct SolvedStarts {
+  StartFigures figures;
+  /// By start: the optima that were found, the best first, each once; where none was, the result
+  /// that is to be told of. Never empty.
+  std::vector<std::pair<int, NlpResult>> results;
+};
+
+/// Solves from the problem's guess, and from smooth random ones where the problem asks for several
+/// starts. A random start first goes through a feasibility stage; the problem's own guess does
+/// where the solve from it ends with no feasible point nearby although the stage finds one.
+SolvedStarts solve_starts(transcription::NonlinearProgram& program,
+                          const std::optional<EarlierPlan>& earlier, const PlanOptions& options);
 
 /// Solves again on finer meshes, each time from the plan before, as long as that converges. A finer
 /// solve that does not converge leaves the coarser plan and is told in plan.refinement_failure.

@@ -132,6 +132,11 @@ void add_warnings(const Plan& plan, Summary& s) {
                     "start went through a feasibility stage first",
                     plan.starts.converged, plan.starts.count, percent(plan.starts.converged),
                     plan.starts.near_best, percent(plan.starts.near_best), plan.starts.best));
+    if (!plan.starts.passed_over.empty())
+      s.warnings.push_back(
+          fmt::format("start {} found better, but its plan does not hold between "
+                      "nodes and was not taken",
+                      fmt::join(plan.starts.passed_over, ", ")));
   }
 
   if (plan.result.feasibility_iterations > 0) {

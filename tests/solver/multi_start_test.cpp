@@ -160,6 +160,9 @@ TEST(MultiStart, BestIsConvergedAndTiesGoToTheEarliest) {
   EXPECT_DOUBLE_EQ(all.near_share, 3.0 / 7);
   EXPECT_EQ(all.starts[4].task, TaskState::failed);
   EXPECT_EQ(all.starts[4].error, "no guess");
+
+  EXPECT_EQ(optima(all, 1e-7), (std::vector<int>{2, 1, 5}));
+  EXPECT_EQ(optima(all, 1e-12), (std::vector<int>{3, 2, 1, 5}));
 }
 
 TEST(MultiStart, NoneConverged) {

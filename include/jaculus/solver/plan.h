@@ -44,6 +44,8 @@ struct StartFigures {
   int converged = 0;
   int near_best = 0;  ///< converged and within 0.5 % of the best
   int best = 0;       ///< index of the one that was taken
+  /// of better objective than that one, but not verified between nodes: indices, best first
+  std::vector<int> passed_over;
 };
 
 /// A limit that holds the plan back in one phase: a path constraint, an input, a bound of a
