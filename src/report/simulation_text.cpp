@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "jaculus/report/dataset_report.h"
 #include "report/document/text_table.h"
 
@@ -34,6 +36,12 @@ std::string leap_text(const Json& trials) {
          "recipe: the authors' way from motion capture to v/T [m/s^2], with its bias against the "
          "simulated state at "
          "the plan's end\n";
+}
+
+bool any_left_the_ground(const Json& trials) {
+  return std::any_of(trials.begin(), trials.end(), [](const Json& trial) {
+    return trial.contains("leap") && trial["leap"]["lift_off"].is_object();
+  });
 }
 
 std::string trials_text(const Json& trials) {
@@ -71,7 +79,9 @@ std::string simulation_text(const simulation::Experiment& experiment, const Json
       text += fmt::format("{}: {}\n", trial["name"].get<std::string>(),
                           trial["message"].get<std::string>());
   if (experiment.setup.experiment == trajectory::ExperimentKind::leap)
-    text += "\n" + leap_text(summary["trials"]);
+    text += any_left_the_ground(summary["trials"])
+                ? "\n" + leap_text(summary["trials"])
+                : "\nno trial left the ground: there are no figures of a leap\n";
   return text;
 }
 
