@@ -60,17 +60,18 @@ std::string tail_section(const model::Robot& robot, const std::string& mass) {
 
 void check_tail_mass(const std::string& mass) {
   if (mass.empty()) return;
-  constexpr Bounds kSome{1e-9, kInfinity};
   const bool share = mass.find('%') != std::string::npos;
+  const Bounds some{1e-9, share ? 1.0 : kInfinity};
   try {
     const yaml::Node node = yaml::Node::parse("{mass: " + yaml::quoted(mass) + "}", "--tail");
-    (void)node.at("mass").number(share ? dimension::none : dimension::mass, kSome);
+    (void)node.at("mass").number(share ? dimension::none : dimension::mass, some);
   } catch (const InputError& error) {
     // a plain number is in kg
     double value = 0.0;
     const auto [end, code] = std::from_chars(mass.data(), mass.data() + mass.size(), value);
     if (code == std::errc() && end == mass.data() + mass.size() && value > 0.0) return;
-    throw InputError(fmt::format("--tail: '{}' given; allowed: a mass, as 1.2 kg or 10 %", mass));
+    throw InputError(fmt::format(
+        "--tail: '{}' given; allowed: a mass, as 1.2 kg or 10 %, of at most 100 %", mass));
   }
 }
 

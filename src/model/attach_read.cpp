@@ -57,7 +57,7 @@ class Keys {
 /// kg, or a share of the robot's own mass: "10 %".
 double mass_of(const yaml::Node& node, double robot_mass) {
   const bool share = node.is_scalar() && node.dump().find('%') != std::string::npos;
-  return share ? node.number(dimension::none, kAbove) * robot_mass
+  return share ? node.number(dimension::none, {kAbove.lower, 1.0}) * robot_mass
                : node.number(dimension::mass, kAbove);
 }
 
