@@ -138,6 +138,10 @@ class Converter {
       }
       if (shape.kind == ShapeKind::cylinder || shape.kind == ShapeKind::capsule)
         shape.size = Vec3(shape.size[0], shape.size[0], shape.size[1]);
+      // a file that says nothing has MuJoCo's default, which tells nothing of the robot
+      constexpr double kDefaultFriction = 1.0;
+      const double friction = m_.geom_friction[3 * g];
+      if (friction != kDefaultFriction) shape.friction = friction;
       shape.position = vector(m_.geom_pos + 3 * g) - shift;
       shape.rotation = matrix(m_.geom_quat + 4 * g);
       link.shapes.push_back(shape);

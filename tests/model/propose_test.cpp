@@ -313,6 +313,21 @@ TEST(Mjcf, ComesBackFromItsUrdfAndIsPlanar) {
   EXPECT_EQ(m.motors[1].viscous_friction, 0.0);
 }
 
+TEST(Mjcf, FeetHaveTheFrictionOfTheirGeoms) {
+  const std::optional<MjcfRobot> usual = hopper();
+  if (!usual) GTEST_SKIP() << "no MuJoCo";
+  const Proposal assumed = propose_robot(usual->tree, {});
+  EXPECT_TRUE(holds(assumed.yaml, "friction: 0.8   # fill in"));
+  EXPECT_TRUE(holds(assumed.missing.at(0), "friction: 0.8"));
+
+  const testing::Folder folder;
+  folder.write("hopper.xml", testing::replaced(test::kHopperMjcf, "size=\"0.02\" mass=\"0.5\"",
+                                               "size=\"0.02\" mass=\"0.5\" friction=\"0.6\""));
+  const Proposal stated = propose_robot(read_mjcf(folder.path() / "hopper.xml").tree, {});
+  EXPECT_TRUE(holds(stated.yaml, "friction: 0.6   # of the feet, by the file"));
+  for (const std::string& line : stated.missing) EXPECT_FALSE(holds(line, "friction: 0.8"));
+}
+
 TEST(Mjcf, IsToldFromUrdfByItsFirstElement) {
   const testing::Folder folder;
   folder.write("a",

@@ -26,6 +26,7 @@ struct SpatialShape {
   Vec3 position = Vec3::Zero();      ///< of its centre in the link's frame [m]
   Mat3 rotation = Mat3::Identity();  ///< its axes in the link's frame
   bool touches = true;               ///< others; else it only shows what the link looks like
+  double friction = kNaN;            ///< sliding, of its surface [-]; NaN: the file has none
 };
 
 struct SpatialLink {

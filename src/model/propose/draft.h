@@ -29,6 +29,7 @@ struct DraftFoot {
   int body = 0;               ///< of the reduction
   std::string source;         ///< what told where it is
   bool guessed = false;       ///< nothing in the file says where it is
+  double friction = kNaN;     ///< of what touches there, by the file [-]; NaN: it has none
 };
 
 /// Two chains from one hip whose last links are pinned together.

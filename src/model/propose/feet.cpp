@@ -20,6 +20,7 @@ struct Chain {
   Vec3 tip = Vec3::Zero();  ///< where it ends [m]
   double length = 0.0;      ///< from joint to joint to its end, in the plane [m]
   std::string source;       ///< what told the end
+  double friction = kNaN;   ///< of the shape that ends it [-]; NaN: unknown
   bool guessed = false;
   bool wheel = false;
 };
@@ -66,34 +67,34 @@ void find_tip(const SpatialTree& tree, int head, Chain& chain) {
   const std::vector<int> links = rigid_with(tree, head);
   // a rounding of what is at the joint itself
   double farthest = 1e-3;
-  const auto offer = [&](const Vec3& point, const std::string& source) {
-    if (in_plane_distance(point, joint) <= farthest) return false;
+  const auto offer = [&](const Vec3& point, const std::string& source, double friction = kNaN) {
+    if (in_plane_distance(point, joint) <= farthest) return;
     farthest = in_plane_distance(point, joint);
     chain.tip = point;
     chain.source = source;
-    return true;
+    chain.friction = friction;
   };
 
   for (const int l : links) {
     const SpatialLink& link = tree.links[l];
     for (const SpatialShape& shape : link.shapes)
-      if (shape.kind == ShapeKind::sphere && names_foot(link.name) &&
-          offer(far_end(shape, link, joint), ""))
-        chain.source =
-            fmt::format("centre of the sphere of '{}', radius {:.4g} m", link.name, shape.size[0]);
+      if (shape.kind == ShapeKind::sphere && names_foot(link.name))
+        offer(
+            far_end(shape, link, joint),
+            fmt::format("centre of the sphere of '{}', radius {:.4g} m", link.name, shape.size[0]),
+            shape.friction);
   }
   if (!chain.source.empty()) return;
   for (const int l : links)
     if (l != head && names_foot(tree.links[l].name))
-      (void)offer(tree.links[l].p_BL, "origin of '" + tree.links[l].name + "'");
+      offer(tree.links[l].p_BL, "origin of '" + tree.links[l].name + "'");
   if (!chain.source.empty()) return;
   for (const int l : links)
     for (const SpatialShape& shape : tree.links[l].shapes)
-      (void)offer(far_end(shape, tree.links[l], joint),
-                  "far end of a shape of '" + tree.links[l].name + "'");
+      offer(far_end(shape, tree.links[l], joint),
+            "far end of a shape of '" + tree.links[l].name + "'", shape.friction);
   if (!chain.source.empty()) return;
-  for (const int l : links)
-    (void)offer(tree.links[l].p_BL, "origin of '" + tree.links[l].name + "'");
+  for (const int l : links) offer(tree.links[l].p_BL, "origin of '" + tree.links[l].name + "'");
   if (!chain.source.empty()) return;
 
   const SpatialLink& link = tree.links[head];
@@ -194,7 +195,8 @@ DraftFoot end_of(const Draft& draft, const SpatialTree& tree, const Chain& chain
           on_body(draft, tree, last, chain.tip),
           last,
           chain.source,
-          chain.guessed};
+          chain.guessed,
+          chain.friction};
 }
 
 void add_foot(Draft& draft, const DraftFoot& foot) {

@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "model/propose/draft.h"
 
@@ -36,6 +38,16 @@ std::string head(const Draft& draft, const Dropped& d) {
   return text + "format: jaculus-robot/1\n";
 }
 
+/// The least of the feet's, where the file has it for each.
+std::optional<double> feet_friction(const Draft& draft) {
+  double least = kInfinity;
+  for (const DraftFoot& foot : draft.feet) {
+    if (std::isnan(foot.friction)) return {};
+    least = std::min(least, foot.friction);
+  }
+  return least;
+}
+
 std::string frame(const Draft& draft) {
   std::string text;
   if (draft.forward != "+x" || draft.up != "+z")
@@ -43,9 +55,11 @@ std::string frame(const Draft& draft) {
   if (!draft.base_link.empty()) text += fmt::format("base_link: {}\n", quoted(draft.base_link));
   text += fmt::format("base: {}\n", draft.floating ? "floating" : "fixed");
   if (draft.horizontal) text += "gravity: 0\n";
-  if (!draft.feet.empty())
-    text += "friction: 0.8   # fill in: rubber on a dry floor is assumed, 0.6 to 1\n";
-  return text;
+  if (draft.feet.empty()) return text;
+  const std::optional<double> friction = feet_friction(draft);
+  return text + (friction
+                     ? fmt::format("friction: {}   # of the feet, by the file\n", number(*friction))
+                     : "friction: 0.8   # fill in: rubber on a dry floor is assumed, 0.6 to 1\n");
 }
 
 std::string held(const Draft& draft) {
@@ -217,7 +231,7 @@ std::string rest(const Draft& draft, const std::string& motors) {
 }  // namespace
 
 std::string write_proposal(Draft& draft, const Dropped& dropped) {
-  if (!draft.feet.empty())
+  if (!draft.feet.empty() && !feet_friction(draft))
     draft.missing.emplace_back("friction: 0.8, rubber on a dry floor, is assumed");
   const std::string drives = motors(draft);
   return head(draft, dropped) + frame(draft) + held(draft) + pairs(draft) + loops(draft) +
