@@ -20,6 +20,8 @@ const std::vector<ToleranceKey>& tolerance_keys() {
       {"gain", &T::gain, d::none, "of each feedback gain, share of it"},
       {"floor_friction", &T::floor_friction, d::none, "share of the stated coefficient"},
       {"current_scale", &T::current_scale, d::none, "of logged current or torque, share of it"},
+      {"current_filter", &T::current_filter, d::time,
+       "low pass of logged current or torque, time constant"},
   };
 
   return keys;

@@ -99,5 +99,28 @@ TEST(ToleranceDirections, ALoggedInputHasNoLoopToBeOff) {
   }
 }
 
+TEST(ToleranceDirections, DriversReportsHaveAScaleEachAndOneLowPass) {
+  const model::Robot robot = model::read_robot(source_folder() / "models" / "pendulum");
+  ObservedDataset observed;
+  observed.dataset.robot = robot.folder.string();
+  observed.model = robot.planar;
+  const std::string joint = robot.planar.motors.front().joint, current = joint + "_current";
+  for (const std::string& name : {joint, current}) {
+    Channel channel;
+    channel.name = name;
+    observed.channels.push_back(channel);
+  }
+
+  const std::vector<ToleranceDirection> directions = tolerances_of(observed, Settings{});
+  simulation::Plant plant = simulation::nominal_plant(robot.planar);
+  simulation::Controller controller;
+  directions[place_of(directions, "scale of " + current)].move(-1.0, plant, controller);
+  EXPECT_EQ(plant.sensing.scale, (std::map<std::string, double>{{current, 0.98}}));
+  const ToleranceDirection& filter = directions[place_of(directions, "low pass of currents")];
+  filter.move(2.0, plant, controller);
+  EXPECT_EQ(plant.sensing.filter, (std::map<std::string, double>{{current, 2e-3}}));
+  EXPECT_EQ(filter.range.lower, 0.0);
+}
+
 }  // namespace
 }  // namespace jaculus::diagnosis

@@ -87,6 +87,9 @@ struct Sensing {
   std::map<std::string, double> scale;    ///< [-]
   /// SI; also seen by the controller where it reads the channel
   std::map<std::string, double> offset;
+  /// Time constant [s] of a first-order low pass through which a channel goes into the log, as of a
+  /// driver's ammeter. The controller reads without it.
+  std::map<std::string, double> filter;
   /// What a log has in place of a value, scaled and offset, at the time t it is of [s]; in the
   /// channel's unit. The controller reads without it.
   std::map<std::string, std::function<double(double value, double t)>> laws;

@@ -50,8 +50,8 @@ MultiStart multi_start(int count,
                        const std::function<NlpResult(int start, std::uint64_t seed)>& solve,
                        const MultiStartOptions& options = {});
 
-/// The starts that converged, by rising objective, `best` first; of those within `tie`, relative, of
-/// one before only the earliest.
+/// The starts that converged, by rising objective, `best` first; of those within `tie`, relative,
+/// of one before only the earliest.
 std::vector<int> optima(const MultiStart& all, double tie);
 
 }  // namespace jaculus::solver

@@ -37,8 +37,10 @@ Prediction prediction_of(const ObservedDataset& observed, const simulation::Plan
     const Channel& channel = observed.channels[c];
     const double scale = value_or(plant.sensing.scale, channel.name, 1.0);
     const double offset = value_or(plant.sensing.offset, channel.name, 0.0);
-    prediction.values.row(c) =
-        scale * raw_channel(plant.model, simulation, channel.name).array() + offset;
+    const double filter = value_or(plant.sensing.filter, channel.name, 0.0);
+    const Eigen::RowVectorXd raw = simulation::low_passed(
+        raw_channel(plant.model, simulation, channel.name), prediction.step, filter);
+    prediction.values.row(c) = scale * raw.array() + offset;
     if (const auto law = plant.sensing.laws.find(channel.name); law != plant.sensing.laws.end())
       for (Eigen::Index k = 0; k < simulation.time.size(); ++k)
         prediction.values(c, k) = law->second(prediction.values(c, k), simulation.time[k]);

@@ -169,6 +169,37 @@ void add_loop(Directions& directions, const PlanarModel& model, const model::Tol
   }
 }
 
+/// Whether a channel is what a driver reports of its motor's current.
+bool is_report(const Channel& channel) {
+  const trajectory::Quantity quantity = trajectory::parse_channel(channel.name).quantity;
+  return quantity == trajectory::Quantity::current || quantity == trajectory::Quantity::torque;
+}
+
+/// Drivers' ammeters, in logs that the model predicts: a scale each, and one low pass, for drivers
+/// of one robot are alike.
+void add_reports(Directions& directions, const ObservedDataset& observed,
+                 const model::Tolerances& t) {
+  std::vector<std::string> reports;
+  for (const Channel& channel : observed.channels)
+    if (is_report(channel)) reports.push_back(channel.name);
+
+  for (const std::string& name : reports) {
+    add(directions, t.current_scale, "scale of " + name,
+        [name](double d, Plant& plant) {
+          plant.sensing.scale.try_emplace(name, 1.0).first->second *= 1.0 + d;
+        },
+        {});
+  }
+
+  if (reports.empty() || t.current_filter == 0.0) return;
+  add(directions, t.current_filter, "low pass of currents",
+      [reports](double d, Plant& plant) {
+        for (const std::string& name : reports) plant.sensing.filter[name] += d;
+      },
+      {});
+  directions.back().range = kNotNegative;
+}
+
 }  // namespace
 
 std::vector<ToleranceDirection> tolerance_directions(const PlanarModel& model,
@@ -194,6 +225,7 @@ std::vector<ToleranceDirection> tolerances_of(const ObservedDataset& observed,
   const model::Robot robot = simulation::dataset_robot(observed.dataset);
   Directions directions = tolerance_directions(observed.model, robot.tolerances,
                                                observed.measured_input, settings.lever);
+  add_reports(directions, observed, robot.tolerances);
   if (observed.measured_input) directions.push_back(input_clock(settings.shift_deviation));
   return directions;
 }

@@ -47,4 +47,15 @@ double interpolate(const Eigen::Ref<const Eigen::RowVectorXd, 0, Eigen::InnerStr
   return (1.0 - share) * values[left] + share * values[left + 1];
 }
 
+Eigen::RowVectorXd low_passed(const Eigen::RowVectorXd& values, double step, double time) {
+  if (time <= 0.0 || values.size() < 2) return values;
+  const double keep = std::exp(-step / time);
+  Eigen::RowVectorXd passed = values;
+  for (Eigen::Index k = 1; k < values.size(); ++k) {
+    const double behind = time * (values[k] - values[k - 1]) / step;
+    passed[k] = values[k] - behind + keep * (passed[k - 1] - values[k - 1] + behind);
+  }
+  return passed;
+}
+
 }  // namespace jaculus::simulation

@@ -25,4 +25,10 @@ Eigen::RowVectorXd raw_channel(const model::PlanarModel& model, const Simulation
 double interpolate(const Eigen::Ref<const Eigen::RowVectorXd, 0, Eigen::InnerStride<>>& values,
                    double step, double time);
 
+/// y of y' = (v - y)/T, T: `time` [s], at the samples of v, which is linear between them and has
+/// stood at its first value before. With h the step and s v's slope there,
+///   y_(k+1) = v_(k+1) - T s + (y_k - v_k + T s) e^(-h/T),
+/// which is v itself at T = 0, with the slope -v' by T.
+Eigen::RowVectorXd low_passed(const Eigen::RowVectorXd& values, double step, double time);
+
 }  // namespace jaculus::simulation
