@@ -189,16 +189,6 @@ void apply_starts(const Model& model, const Base& base, const Vector& p, const P
   if (stands) level_feet(plant, start.q);
 }
 
-/// Whether a robot stands otherwise than the nominal one does.
-bool moves_start(const Plant& plant) {
-  const auto misreads_joint = [&](const model::PlanarMotor& motor) {
-    return plant.sensing.offset.contains(motor.joint) || plant.sensing.scale.contains(motor.joint);
-  };
-  const std::vector<model::PlanarMotor>& motors = plant.model.motors;
-  return plant.ground.foot_radius != 0.0 || plant.ground.compliance != 0.0 ||
-         std::any_of(motors.begin(), motors.end(), misreads_joint);
-}
-
 /// Sample times of a segment: its duration and a little more. The grid goes with the loop's steps,
 /// so that a late command is the same motion later and not another rounding of it.
 Vector sample_times(const ObservedDataset& observed, const Segment& segment, const Plant& plant,

@@ -1,6 +1,7 @@
 #include "diagnosis/forward/start_directions.h"
 
 #include <Eigen/QR>
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 
@@ -97,6 +98,15 @@ std::vector<StartDirection> start_directions(const ObservedDataset& observed,
   if (!stands && pitch >= 0)
     directions.push_back(direction(model, pitch, true, settings.start_pitch_rate, settings.lever));
   return directions;
+}
+
+bool moves_start(const simulation::Plant& plant) {
+  const auto misreads_joint = [&](const model::PlanarMotor& motor) {
+    return plant.sensing.offset.contains(motor.joint) || plant.sensing.scale.contains(motor.joint);
+  };
+  const std::vector<model::PlanarMotor>& motors = plant.model.motors;
+  return plant.ground.foot_radius != 0.0 || plant.ground.compliance != 0.0 ||
+         std::any_of(motors.begin(), motors.end(), misreads_joint);
 }
 
 }  // namespace jaculus::diagnosis

@@ -25,4 +25,7 @@ std::vector<StartDirection> start_directions(const ObservedDataset& observed,
                                              const simulation::StartState& start,
                                              const Settings& settings);
 
+/// Whether a robot stands otherwise than the nominal one does.
+bool moves_start(const simulation::Plant& plant);
+
 }  // namespace jaculus::diagnosis
