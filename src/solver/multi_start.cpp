@@ -21,6 +21,9 @@ bool within(double value, double best, double relative) {
 }
 
 void choose(MultiStart& all, const MultiStartOptions& options) {
+  const std::vector<int> found = optima(all, options.tie);
+  if (!found.empty()) all.best = found.front();
+
   double lowest = kInfinity, least_violation = kInfinity;
   for (const StartOutcome& start : all.starts) {
     if (const NlpResult* result = converged_result(start))
@@ -38,7 +41,6 @@ void choose(MultiStart& all, const MultiStartOptions& options) {
     if (result == nullptr) continue;
     ++all.converged;
     if (within(result->objective, lowest, options.near)) ++near;
-    if (all.best < 0 && within(result->objective, lowest, options.tie)) all.best = i;
   }
 
   const double count = std::max<double>(1.0, static_cast<double>(all.starts.size()));
@@ -47,6 +49,24 @@ void choose(MultiStart& all, const MultiStartOptions& options) {
 }
 
 }  // namespace
+
+std::vector<int> optima(const MultiStart& all, double tie) {
+  std::vector<int> order;
+  for (int i = 0; i < count_of(all.starts); ++i)
+    if (converged_result(all.starts[i]) != nullptr) order.push_back(i);
+  const auto objective = [&](int start) { return all.starts[start].result.objective; };
+  std::stable_sort(order.begin(), order.end(),
+                   [&](int a, int b) { return objective(a) < objective(b); });
+
+  std::vector<int> found;
+  for (std::size_t first = 0, next = 0; first < order.size(); first = next) {
+    while (next < order.size() && within(objective(order[next]), objective(order[first]), tie))
+      ++next;
+    found.push_back(*std::min_element(order.begin() + static_cast<std::ptrdiff_t>(first),
+                                      order.begin() + static_cast<std::ptrdiff_t>(next)));
+  }
+  return found;
+}
 
 const NlpResult& MultiStart::best_result() const {
   if (best < 0) throw std::logic_error("no start converged: there is no best one");
@@ -71,24 +91,6 @@ MultiStart multi_start(int count,
   }
   choose(all, options);
   return all;
-}
-
-std::vector<int> optima(const MultiStart& all, double tie) {
-  std::vector<int> order;
-  for (int i = 0; i < count_of(all.starts); ++i)
-    if (converged_result(all.starts[i]) != nullptr) order.push_back(i);
-  const auto objective = [&](int start) { return all.starts[start].result.objective; };
-  std::stable_sort(order.begin(), order.end(),
-                   [&](int a, int b) { return objective(a) < objective(b); });
-
-  std::vector<int> found;
-  for (std::size_t first = 0, next = 0; first < order.size(); first = next) {
-    while (next < order.size() && within(objective(order[next]), objective(order[first]), tie))
-      ++next;
-    found.push_back(*std::min_element(order.begin() + static_cast<std::ptrdiff_t>(first),
-                                      order.begin() + static_cast<std::ptrdiff_t>(next)));
-  }
-  return found;
 }
 
 }  // namespace jaculus::solver

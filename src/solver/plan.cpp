@@ -29,11 +29,12 @@ VerifyOptions verification_of(const transcription::Problem& problem) {
   return options;
 }
 
-/// The plan from one result: on finer meshes, where they are asked for, and verified.
-Plan finish(const transcription::Problem& problem, const model::PlanarModel& planned,
+/// The plan from one result of a program: on finer meshes, where they are asked for, and verified.
+Plan finish(std::unique_ptr<transcription::NonlinearProgram> program,
+            const transcription::Problem& problem, const model::PlanarModel& planned,
             NlpResult result, const PlanOptions& options) {
   Plan plan;
-  plan.program = std::make_unique<transcription::NonlinearProgram>(problem, planned);
+  plan.program = std::move(program);
   plan.result = std::move(result);
   detail::refine_mesh(plan, problem, planned, options);
 
@@ -44,16 +45,19 @@ Plan finish(const transcription::Problem& problem, const model::PlanarModel& pla
   return plan;
 }
 
-/// Of all optima that the starts found the best whose plan holds between nodes; where none's does,
-/// the best.
-Plan best_verified(detail::SolvedStarts solved, const transcription::Problem& problem,
+/// Of all optima that the starts of a program found the best whose plan holds between nodes; where
+/// none's does, the best.
+Plan best_verified(std::unique_ptr<transcription::NonlinearProgram> program,
+                   const std::optional<EarlierPlan>& earlier, const transcription::Problem& problem,
                    const model::PlanarModel& planned, const PlanOptions& options) {
+  detail::SolvedStarts solved = detail::solve_starts(*program, earlier, options);
   std::optional<Plan> taken;
   std::vector<int> passed_over;
 
   for (auto& [start, result] : solved.results) {
     if (taken && interrupt_requested()) break;
-    Plan plan = finish(problem, planned, std::move(result), options);
+    if (!program) program = std::make_unique<transcription::NonlinearProgram>(problem, planned);
+    Plan plan = finish(std::move(program), problem, planned, std::move(result), options);
     const bool holds = plan.verification && plan.verification->passed;
     if (holds || !taken) {
       plan.starts = solved.figures;
@@ -101,8 +105,7 @@ Plan make_plan(const transcription::Problem& problem, const model::PlanarModel& 
   std::vector<std::string> notes;
   if (earlier && !earlier->fits(*plan.program))
     notes = transcription::guess_gaps(*plan.program, earlier->trajectory);
-  plan = best_verified(detail::solve_starts(*plan.program, earlier, options), problem, planned,
-                       options);
+  plan = best_verified(std::move(plan.program), earlier, problem, planned, options);
   plan.notes = std::move(notes);
 
   if (plan.converged()) {

@@ -134,11 +134,9 @@ SolvedStarts solve_starts(transcription::NonlinearProgram& program,
       },
       multi);
 
-  solved.figures = {spec.starts,
-                    all.converged,
-                    static_cast<int>(std::lround(all.near_share * spec.starts)),
-                    std::max(0, all.best >= 0 ? all.best : all.least_bad),
-                    {}};
+  solved.figures.count = spec.starts;
+  solved.figures.converged = all.converged;
+  solved.figures.near_best = static_cast<int>(std::lround(all.near_share * spec.starts));
   for (const int start : optima(all, multi.tie))
     solved.results.emplace_back(start, std::move(all.starts[start].result));
   if (!solved.results.empty()) return solved;

@@ -14,7 +14,7 @@ SolverOptions solver_options(const transcription::Problem& problem, const PlanOp
 
 /// What came of the starts of a problem.
 struct SolvedStarts {
-  StartFigures figures;
+  StartFigures figures;  ///< none taken yet
   /// By start: the optima that were found, the best first, each once; where none was, the result
   /// that is to be told of. Never empty.
   std::vector<std::pair<int, NlpResult>> results;
