@@ -47,15 +47,16 @@ double interpolate(const Eigen::Ref<const Eigen::RowVectorXd, 0, Eigen::InnerStr
   return (1.0 - share) * values[left] + share * values[left + 1];
 }
 
-Eigen::RowVectorXd low_passed(const Eigen::RowVectorXd& values, double step, double time) {
+Eigen::RowVectorXd low_passed(Eigen::RowVectorXd values, double step, double time) {
   if (time <= 0.0 || values.size() < 2) return values;
   const double keep = std::exp(-step / time);
-  Eigen::RowVectorXd passed = values;
+  double before = values[0];  // of v
   for (Eigen::Index k = 1; k < values.size(); ++k) {
-    const double behind = time * (values[k] - values[k - 1]) / step;
-    passed[k] = values[k] - behind + keep * (passed[k - 1] - values[k - 1] + behind);
+    const double value = values[k], behind = time * (value - before) / step;
+    values[k] = value - behind + keep * (values[k - 1] - before + behind);
+    before = value;
   }
-  return passed;
+  return values;
 }
 
 }  // namespace jaculus::simulation

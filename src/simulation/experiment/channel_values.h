@@ -29,6 +29,6 @@ double interpolate(const Eigen::Ref<const Eigen::RowVectorXd, 0, Eigen::InnerStr
 /// stood at its first value before. With h the step and s v's slope there,
 ///   y_(k+1) = v_(k+1) - T s + (y_k - v_k + T s) e^(-h/T),
 /// which is v itself at T = 0, with the slope -v' by T.
-Eigen::RowVectorXd low_passed(const Eigen::RowVectorXd& values, double step, double time);
+Eigen::RowVectorXd low_passed(Eigen::RowVectorXd values, double step, double time);
 
 }  // namespace jaculus::simulation
