@@ -32,6 +32,8 @@ double largest_share(const EffectShare& share) {
 }  // namespace
 
 ModelFit without_idle_members(HeldOutGaps& gaps, ModelFit model) {
+  // What is left out together must be idle together, so each smaller set is set beside the first.
+  const HeldOut all = gaps.of(model);
   while (model.candidates.size() > 1 && gaps.of(model).valid) {
     std::optional<ModelFit> best;
     for (const int dropped : model.candidates) {
@@ -40,7 +42,7 @@ ModelFit without_idle_members(HeldOutGaps& gaps, ModelFit model) {
       if (!best || gaps.of(less).after < gaps.of(*best).after) best = less;
     }
 
-    if (!best || needed(gaps.of(model), gaps.of(*best), gaps.settings())) break;
+    if (!best || needed(all, gaps.of(*best), gaps.settings())) break;
     model = std::move(*best);
   }
   return model;

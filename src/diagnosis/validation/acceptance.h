@@ -5,11 +5,12 @@
 
 namespace jaculus::diagnosis {
 
-/// The model without those members that don't help to predict, the least missed first: without a
-/// member that stays the held-out error is larger by settings.least_improvement and its energy
-/// beyond noise is settings.named_beside times as large. Evidence alone may ask for
-/// an effect (a few milliseconds of delay under a noisy input) that changes no motion that anybody
-/// would notice. Smaller sets that the search did not fit are fitted here.
+/// The model without those members that don't help to predict, the least missed first, as long as
+/// all that are left out are idle together: a set is smaller than is good where the held-out error
+/// is larger by settings.least_improvement and its energy beyond noise settings.named_beside times
+/// as large as with all members. Evidence alone may ask for an effect (a few milliseconds of delay
+/// under a noisy input) that changes no motion that anybody would notice. Smaller sets that the
+/// search did not fit are fitted here.
 ModelFit without_idle_members(HeldOutGaps& gaps, ModelFit model);
 
 /// The model without those members that explain less than settings.remainder_share of the held-out
