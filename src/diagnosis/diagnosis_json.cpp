@@ -134,7 +134,8 @@ Json remainder_json(const Diagnosis& d) {
                       {"to_s", json_number(e.to)},
                       {"peak", json_number(e.peak)},
                       {"unit", e.unit},
-                      {"probability", json_number(e.probability)}});
+                      {"probability", json_number(e.probability)},
+                      {"every_trial", e.every_trial}});
   return {{"events", events},
           {"established", d.verdict == Verdict::partial || d.verdict == Verdict::unexplained},
           {"probability", d.lacking_probability},

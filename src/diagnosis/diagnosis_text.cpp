@@ -118,8 +118,9 @@ std::string events_text(const Diagnosis& d) {
   std::string text;
   if (!d.events.empty()) text += "forces that acted once (peak of their missing force):\n";
   for (const ForceEvent& e : d.events)
-    text += fmt::format("  {:<10} {:<12} {:6.2f} to {:.2f} s  {:.3g} {}\n", e.trial, e.joint,
-                        e.from, e.to, e.peak, e.unit);
+    text +=
+        fmt::format("  {:<10} {:<12} {:6.2f} to {:.2f} s  {:.3g} {}{}\n", e.trial, e.joint, e.from,
+                    e.to, e.peak, e.unit, e.every_trial ? " (in most other trials too)" : "");
   return text;
 }
 

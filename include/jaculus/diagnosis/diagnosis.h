@@ -61,9 +61,11 @@ struct ForceEvent {
   int dataset = 0;
   std::string trial, joint;
   double from = 0.0, to = 0.0;  ///< [s]
-  double peak = 0.0;            ///< mean of the box of time with most of it [unit]
+  double peak = 0.0;            ///< of the half-sine that is most like it [unit]
   std::string unit;             ///< "N m", "N"
   double probability = 0.0;     ///< that what usually is missing doesn't make it anywhere
+  /// Most other trials have it at the same time as well: it comes with the clock or the motion.
+  bool every_trial = false;
 };
 
 /// A disturbance of one segment alone.

@@ -2,19 +2,14 @@
 // Forces that acted once: a push, a cable that caught, a hand.
 //
 // Under a logged input the model that is stated runs from every measured state to the next, a box
-// of time later, over all of every trial and not only the windows that it was fitted to; what the
-// rate then misses, weighted by the mass matrix, is the mean of the force that is missing:
-//   f = M(q) (v measured - v restarted)/h.
-// Rates are those of parabolas through the samples within half a box, so that means over several
-// boxes telescope and their noise falls with their number. Means over 1, 2, 4 and 8 boxes are
-// compared with their usual size, the median of |mean| over 0.6745; an event is a run whose mean
-// is beyond the normal quantile at `event_level` over all runs that were tried, the most unusual
-// first. What usually is missing says how small an event may be. A rate that was measured wrongly
-// at one instant pushes the boxes on both sides of it against one another, so a run counts by the
-// nearest to zero of its sum and of those with a box more at either side. What another trial has
-// at the same time comes with the motion and is no event. Limits of validity: a fault that comes
-// and goes with the motion (cogging, a compliance that is not in the model) makes large forces
-// usual; one that acts rarely looks like an event.
+// of time later, over all of every trial and not only the windows that it was fitted to. What is
+// missing is the constant force under which the box ends with the rates measured,
+//   f <- f + M(q) (v measured - v simulated under f)/h   until it stays.
+// The first of these is not enough where a joint is at rest: friction takes up its own share of a
+// push before the joint moves. Rates are those of parabolas through the samples within half a box,
+// so that means over several boxes telescope and their noise falls with their number. Pulses in
+// this force are told from what usually is missing by pulses.h, which may follow the friction at
+// the joint and the bodies' weights, and is larger in fast motion.
 
 #include <vector>
 
@@ -28,18 +23,5 @@ namespace jaculus::diagnosis {
 /// input.
 std::vector<ForceEvent> force_events(const Problem& all, const PlantForward& forward,
                                      const Vector& p);
-
-/// The forces of boxes that follow one another, of one joint in one trial.
-struct ForceSeries {
-  std::vector<double> time;   ///< middle of each box [s]
-  std::vector<double> force;  ///< [N m] or [N]
-};
-/// A run of boxes that is an event.
-struct EventRun {
-  int series = 0, first = 0, last = 0;
-  double deviations = 0.0;  ///< of its mean from zero, in usual sizes
-};
-/// Those of the series of one joint in all trials, the most unusual first.
-std::vector<EventRun> unusual_runs(const std::vector<ForceSeries>& series, double level);
 
 }  // namespace jaculus::diagnosis
