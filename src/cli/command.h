@@ -4,9 +4,11 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 
+#include "jaculus/core/executor.h"
 #include "jaculus/model/robot.h"
 #include "jaculus/transcription/problem.h"
 
@@ -24,6 +26,9 @@ struct Common {
   int jobs = 1;
   bool quiet = false;
   bool json = false;
+  std::string executor = "local";
+  std::string slurm_options;      ///< of sbatch, a line
+  std::optional<double> chunk_s;  ///< work of an element of an array [s]
   std::string figures;  ///< formats of static figures, "png,svg"; empty where not asked for
 };
 
@@ -37,6 +42,15 @@ CLI::Validator whole_number(int lower, int upper);
 
 void add_common(CLI::App& command, Common& common, const std::string& out_help);
 
+/// --executor and what belongs to it, for commands that repeat things.
+void add_executor(CLI::App& command, Common& common);
+/// The executor that was asked for, with its jobs in `folder`; null: here. InputError where the
+/// flags don't belong together or there is no --out, which workers write into.
+std::shared_ptr<const Executor> make_executor(const Common& common,
+                                              const std::filesystem::path& folder);
+/// Where the jobs of a command are that writes into `out`.
+std::filesystem::path jobs_folder(const std::filesystem::path& out);
+
 // One function a command, each in the file of its name.
 void add_check(CLI::App& app, Action& chosen);
 void add_export(CLI::App& app, Action& chosen);
@@ -48,6 +62,7 @@ void add_robot(CLI::App& app, Action& chosen);
 void add_diagnose(CLI::App& app, Action& chosen);
 void add_testbed(CLI::App& app, Action& chosen);
 void add_evaluate(CLI::App& app, Action& chosen);
+void add_jobs(CLI::App& app, Action& chosen);
 
 using Loaded = transcription::LoadedProblem;
 /// What the command line changes of a problem.

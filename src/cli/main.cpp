@@ -88,6 +88,7 @@ int run(int argc, char** argv) {
   add_diagnose(app, chosen);
   add_testbed(app, chosen);
   add_evaluate(app, chosen);
+  add_jobs(app, chosen);
 
   try {
     app.parse(argc, argv);
@@ -108,6 +109,8 @@ int main(int argc, char** argv) {
   try {
     jaculus::install_interrupt_handler();
     return jaculus::cli::run(argc, argv);
+  } catch (const jaculus::WorkerDone& done) {
+    return done.complete ? jaculus::cli::kDone : jaculus::cli::kNotSolved;
   } catch (const jaculus::InputError& error) {
     fmt::print(stderr, "jaculus: {}\n", error.what());
     return jaculus::cli::kBadInput;

@@ -12,15 +12,6 @@
 namespace jaculus::cli {
 namespace {
 
-/// "2 min 05 s"
-std::string duration(double seconds) {
-  if (!std::isfinite(seconds)) return "?";
-  const int whole = static_cast<int>(std::lround(seconds));
-  if (whole < 60) return fmt::format("{} s", whole);
-  if (whole < 3600) return fmt::format("{} min {:02} s", whole / 60, whole % 60);
-  return fmt::format("{} h {:02} min", whole / 3600, whole / 60 % 60);
-}
-
 constexpr int kWidth = 30;  ///< of a bar [characters]
 
 std::string bar(double share) {
@@ -29,6 +20,14 @@ std::string bar(double share) {
 }
 
 }  // namespace
+
+std::string duration(double seconds) {
+  if (!std::isfinite(seconds)) return "?";
+  const int whole = static_cast<int>(std::lround(seconds));
+  if (whole < 60) return fmt::format("{} s", whole);
+  if (whole < 3600) return fmt::format("{} min {:02} s", whole / 60, whole % 60);
+  return fmt::format("{} h {:02} min", whole / 3600, whole / 60 % 60);
+}
 
 void add_figures(CLI::App& command, Common& common) {
   command.add_option("--figures", common.figures,

@@ -25,6 +25,9 @@ void check_figures(const Common& common);
 /// prints.
 void write_reporting(const report::Report& report, const Common& common);
 
+/// "2 min 05 s"; "?" for what is not known.
+std::string duration(double seconds);
+
 /// A bar with the remaining time on standard error, for TaskOptions::progress and the like; empty
 /// where `common` shows no progress.
 std::function<void(const TaskProgress&)> progress_bar(const Common& common,

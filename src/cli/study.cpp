@@ -23,22 +23,25 @@ struct StudyOptions {
   bool resume = false;
 };
 
-studies::StudyOptions study_options(const StudyOptions& options, const std::string& name) {
+/// Where a study goes: --out itself, or where there are several a folder of its own in it.
+std::string folder_of(const StudyOptions& options, const std::string& file) {
+  const std::string& out = options.common.out;
+  if (out.empty() || options.files.size() == 1) return out;
+  return (std::filesystem::path(out) / std::filesystem::path(file).stem()).string();
+}
+
+studies::StudyOptions study_options(const StudyOptions& options, const std::string& file) {
+  const std::string name = std::filesystem::path(file).stem().string();
   studies::StudyOptions study;
   study.jobs = options.common.jobs;
   study.resume = options.resume;
   if (!options.common.quiet) {
     study.notice = [](const std::string& message) { fmt::print(stderr, "jaculus: {}\n", message); };
   }
+  study.executor = make_executor(options.common, jobs_folder(folder_of(options, file)));
+  study.stage = "study_" + name;
   study.progress = progress_bar(options.common, options.files.size() > 1 ? name : "");
   return study;
-}
-
-/// Where a study goes: --out itself, or where there are several a folder of its own in it.
-std::string folder_of(const StudyOptions& options, const std::string& file) {
-  const std::string& out = options.common.out;
-  if (out.empty() || options.files.size() == 1) return out;
-  return (std::filesystem::path(out) / std::filesystem::path(file).stem()).string();
 }
 
 void check(const StudyOptions& options) {
@@ -86,8 +89,10 @@ int run_study(StudyOptions options) {
   for (const std::string& file : options.files) {
     const std::string folder = folder_of(options, file);
     if (!folder.empty()) prepare_folder(folder);
-    results.push_back(studies::run_study(
-        file, folder, study_options(options, std::filesystem::path(file).stem().string())));
+    const studies::StudyOptions study = study_options(options, file);
+    const bool of_another = !worker_stage().empty() && worker_stage() != study.stage;
+    if (study.executor && of_another) continue;
+    results.push_back(studies::run_study(file, folder, study));
     clear_progress(common);
     complete = complete && results.back().complete;
     if (interrupt_requested()) break;
@@ -125,6 +130,7 @@ void add_study(CLI::App& app, Action& chosen) {
       ->required();
   add_common(*command, options->common, "folder for the results; nothing is written unless given");
   add_figures(*command, options->common);
+  add_executor(*command, options->common);
   command->add_flag("--resume", options->resume,
                     "go on with what an interrupted run has finished in --out");
   command->callback([options, &chosen] { chosen = [options] { return run_study(*options); }; });

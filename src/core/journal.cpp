@@ -73,6 +73,20 @@ void sync_folder(const std::filesystem::path& file) {
   close(descriptor);
 }
 
+/// Takes whole records off the front of `rest`; returns how many bytes they are.
+std::uint64_t take_records(std::string_view rest, std::map<int, std::string>& finished) {
+  std::uint64_t taken = 0;
+  const std::size_t size = rest.size();
+  for (;;) {
+    const char* start = rest.data();
+    const auto index = take_number(rest);
+    const auto payload = index ? take_checked(rest, start) : std::nullopt;
+    if (!payload) return taken;
+    finished.emplace(static_cast<int>(*index), *payload);
+    taken = size - rest.size();
+  }
+}
+
 /// A killed run's children may hold the lock for a moment longer than it lived.
 bool lock_patiently(int descriptor) {
   for (int attempt = 0; attempt < 20; ++attempt) {
@@ -111,26 +125,38 @@ JournalContent read_journal(const std::filesystem::path& file) {
     content.has_header = true;
     content.key = *key;
     content.good_bytes = bytes.size() - rest.size();
-    for (;;) {
-      const char* start = rest.data();
-      const auto index = take_number(rest);
-      const auto payload = index ? take_checked(rest, start) : std::nullopt;
-      if (!payload) break;
-      content.finished.emplace(static_cast<int>(*index), *payload);
-      content.good_bytes = bytes.size() - rest.size();
-    }
+    content.good_bytes += take_records(rest, content.finished);
   }
 
   content.torn_bytes = bytes.size() - content.good_bytes;
   return content;
 }
 
-Journal::Journal(const std::filesystem::path& file, std::string_view key) {
+std::map<int, std::string> JournalTail::take(std::string_view key) {
+  std::map<int, std::string> fresh;
+  if (offset_ == 0) {
+    JournalContent content = read_journal(file_);
+    if (!content.has_header) return fresh;
+    if (content.key != key)
+      throw InputError(file_.string() + ": belongs to another list of tasks (its inputs differ)");
+    offset_ = content.good_bytes;
+    return std::move(content.finished);
+  }
+
+  std::ifstream stream(file_, std::ios::binary);
+  stream.seekg(static_cast<std::streamoff>(offset_));
+  const std::string bytes((std::istreambuf_iterator<char>(stream)),
+                          std::istreambuf_iterator<char>());
+  offset_ += take_records(bytes, fresh);
+  return fresh;
+}
+
+Journal::Journal(const std::filesystem::path& file, std::string_view key, JournalLock lock) {
   descriptor_ = open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
   if (descriptor_ < 0)
     throw InputError(file.string() + ": can't be written: " + std::strerror(errno));
   try {
-    if (!lock_patiently(descriptor_))
+    if (lock == JournalLock::file && !lock_patiently(descriptor_))
       throw InputError(file.string() + ": in use by another run; wait for it, or end it");
     content_ = read_journal(file);
 

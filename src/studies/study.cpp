@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "jaculus/core/executor.h"
 #include "jaculus/core/installation.h"
 #include "jaculus/core/journal.h"
 #include "jaculus/trajectory/csv.h"
@@ -64,13 +65,16 @@ TaskOptions task_options(const Loaded& loaded, const fs::path& folder,
   t.isolate = loaded.study.isolate;
   t.progress = options.progress;
   t.notice = options.notice;
+  t.executor = options.executor;
+  t.stage = options.stage;
   t.fingerprint =
       fmt::format("study {:016x}",
                   hash64(loaded.root.dump() + loaded.study.fingerprint + std::string(version())));
 
   if (folder.empty()) return t;
   t.journal = folder / "study.journal";
-  if (options.resume || !fs::exists(t.journal)) return t;
+  const bool worker = options.executor && !worker_stage().empty();  // the journal is not its own
+  if (options.resume || worker || !fs::exists(t.journal)) return t;
   if (read_journal(t.journal).key.find(t.fingerprint) != std::string::npos) return t;
 
   const fs::path aside = folder / "study.journal.old";
@@ -158,6 +162,7 @@ StudyResult run_study(const yaml::Node& node, const fs::path& folder, const Stud
   trajectory::write_file(folder / "study.csv", study_csv(result));
   trajectory::write_file(folder / "study.json", study_json(result));
   fs::remove(t.journal);
+  if (options.executor) remove_jobs(*options.executor);
   return result;
 }
 

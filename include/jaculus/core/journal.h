@@ -13,6 +13,7 @@
 #include <map>
 #include <string>
 #include <string_view>
+#include <utility>
 
 namespace jaculus {
 
@@ -32,11 +33,31 @@ struct JournalContent {
 /// or can't be read.
 JournalContent read_journal(const std::filesystem::path& file);
 
+/// Follows a journal that another process, maybe on another machine, is writing. It takes no lock.
+class JournalTail {
+ public:
+  explicit JournalTail(std::filesystem::path file) : file_(std::move(file)) {}
+  /// What has been added since the last call; a record that is not whole yet comes later. InputError
+  /// where the journal has another key.
+  std::map<int, std::string> take(std::string_view key);
+
+ private:
+  std::filesystem::path file_;
+  std::uint64_t offset_ = 0;
+};
+
+/// How a journal is kept from two writers.
+enum class JournalLock {
+  file,        ///< by a lock, on this machine
+  sole_writer  ///< by its name, that no other process takes: file systems of clusters may lack locks
+};
+
 /// An open journal, locked against other processes.
 class Journal {
  public:
   /// Opens or creates. InputError where it belongs to another key, is in use, or can't be written.
-  Journal(const std::filesystem::path& file, std::string_view key);
+  Journal(const std::filesystem::path& file, std::string_view key,
+          JournalLock lock = JournalLock::file);
   ~Journal();
   Journal(const Journal&) = delete;
   Journal& operator=(const Journal&) = delete;

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -14,6 +15,8 @@
 #include "jaculus/core/types.h"
 
 namespace jaculus {
+
+struct Executor;
 
 enum class TaskState {
   done,
@@ -51,6 +54,11 @@ struct TaskOptions {
   /// Only tasks before this index run; the rest is left cancelled. Not part of the journal's key,
   /// so that a later run can go on to more.
   std::optional<int> until = {};
+
+  /// Runs the tasks on a cluster (executor.h); null: here, and so do the tasks of an isolated task.
+  std::shared_ptr<const Executor> executor = {};
+  /// Names this list among those of its command, as a folder can be named; with an executor only.
+  std::string stage = {};
 
   /// Called after every task, one call at a time, from any worker.
   std::function<void(const TaskProgress&)> progress = {};

@@ -31,6 +31,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -91,6 +92,8 @@ struct StudyOptions {
   bool resume = false;
   std::function<void(const TaskProgress&)> progress = {};
   std::function<void(const std::string&)> notice = {};
+  std::shared_ptr<const Executor> executor = {};  ///< as of TaskOptions
+  std::string stage = "study";                    ///< as of TaskOptions
 };
 
 /// Reads and checks a study without running it: a sentence on what it is and its size. InputError

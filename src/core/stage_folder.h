@@ -1,0 +1,80 @@
+#pragma once
+// The folder of one list of tasks on a cluster; executor.h has what is in it.
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "jaculus/core/journal.h"
+
+namespace jaculus::detail {
+
+/// Indices as text and back: "0-24,30".
+std::string ranges_text(const std::vector<int>& indices);
+std::vector<int> ranges_of(const std::string& text);
+
+/// An element of an array: a chunk of a round.
+struct Element {
+  int round = 0, chunk = 0;
+  [[nodiscard]] std::string name() const;  ///< "1.7"
+  auto operator<=>(const Element&) const = default;
+};
+
+struct Round {
+  std::vector<std::vector<int>> chunks;
+  std::string job;  ///< Slurm's id; empty: never submitted
+};
+
+class StageFolder {
+ public:
+  explicit StageFolder(std::filesystem::path path) : path_(std::move(path)) {}
+
+  /// Makes the folder for this list. InputError where it belongs to another one.
+  void open(const std::string& stage, int count, const std::string& key);
+  /// InputError where the folder is no stage's.
+  void read();
+
+  [[nodiscard]] const std::string& stage() const { return stage_; }
+  [[nodiscard]] const std::string& key() const { return key_; }
+  [[nodiscard]] int count() const { return count_; }
+
+  /// Mean of the first tasks [s], where they have been measured.
+  [[nodiscard]] std::optional<double> cost_s() const { return cost_s_; }
+  void set_cost(double cost_s);
+
+  [[nodiscard]] int rounds() const;  ///< the last one's number
+  [[nodiscard]] Round round(int number) const;
+  void write_round(int number, const std::vector<std::vector<int>>& chunks) const;
+  void write_job(int number, const std::string& job) const;
+
+  [[nodiscard]] std::filesystem::path file(const char* folder, const std::string& name) const {
+    return path_ / folder / name;
+  }
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+
+  /// Records of `folder` (done or failed) that came since the last call, of all elements.
+  std::map<int, std::string> fresh(const char* folder);
+  /// Indices that an element's workers began.
+  [[nodiscard]] std::vector<int> begun(const Element& element) const;
+  /// Files of an element's workers: "1.7.0", "1.7.1" ...
+  [[nodiscard]] std::vector<std::string> workers(const char* folder, const Element& element) const;
+  /// The last line that an element printed; empty where there is none.
+  [[nodiscard]] std::string last_words(const Element& element) const;
+
+ private:
+  void write() const;
+
+  std::filesystem::path path_;
+  std::string stage_, key_;
+  int count_ = 0;
+  std::optional<double> cost_s_;
+  std::map<std::filesystem::path, JournalTail> tails_;
+};
+
+/// Stage folders below an executor's folder, by name.
+std::vector<std::filesystem::path> stage_folders(const std::filesystem::path& folder);
+
+}  // namespace jaculus::detail
