@@ -10,7 +10,9 @@
 #include "cli/plan.h"
 #include "cli/reporting.h"
 #include "jaculus/core/error.h"
+#include "jaculus/core/installation.h"
 #include "jaculus/core/interrupt.h"
+#include "jaculus/core/journal.h"
 #include "jaculus/core/tasks.h"
 #include "jaculus/report/compare_report.h"
 #include "jaculus/studies/comparison.h"
@@ -59,8 +61,9 @@ std::optional<solver::Summary> finished(const fs::path& folder,
 }
 
 /// Solves one problem and writes its folder.
-solver::Summary solve_one(const Loaded& loaded, const Common& common) {
-  const solver::SolvedPlan solved = solve_loaded(loaded, common);
+solver::Summary solve_one(const Loaded& loaded, const Common& common,
+                          const std::shared_ptr<const Executor>& executor = nullptr) {
+  const solver::SolvedPlan solved = solve_loaded(loaded, common, executor);
   const fs::path folder = fs::path(common.out) / loaded.problem.name;
   if (!common.out.empty() && !interrupt_requested()) {
     prepare_folder(folder);
@@ -73,6 +76,7 @@ solver::Summary solve_one(const Loaded& loaded, const Common& common) {
 /// Where a problem has several starts, these are what runs side by side, and the problems take
 /// turns.
 void solve_all(const std::vector<Loaded>& all, const CompareOptions& options,
+               const std::shared_ptr<const Executor>& executor,
                std::vector<std::optional<solver::Summary>>& summaries) {
   std::vector<std::size_t> open;
   bool several_starts = false;
@@ -82,9 +86,12 @@ void solve_all(const std::vector<Loaded>& all, const CompareOptions& options,
     several_starts = several_starts || all[i].problem.solver.starts > 1;
   }
 
-  if (several_starts || options.common.jobs == 1) {
+  if (several_starts || (options.common.jobs == 1 && !executor)) {
     for (const std::size_t i : open) {
-      solver::Summary summary = solve_one(all[i], options.common);
+      const bool of_another = !worker_stage().empty() && worker_stage() != stage_of(all[i].problem);
+      if (executor && of_another) continue;
+      const auto where = all[i].problem.solver.starts > 1 ? executor : nullptr;
+      solver::Summary summary = solve_one(all[i], options.common, where);
       if (interrupt_requested()) return;
       summaries[i] = std::move(summary);
     }
@@ -93,6 +100,13 @@ void solve_all(const std::vector<Loaded>& all, const CompareOptions& options,
 
   TaskOptions tasks;
   tasks.workers = options.common.jobs;
+  tasks.notice = notices(options.common);
+  tasks.executor = executor;
+  tasks.stage = "compare";
+  std::string described(version());
+  for (const Loaded& loaded : all)
+    described += transcription::describe_problem(loaded.problem).dump();
+  tasks.fingerprint = fmt::format("compare {:016x}", hash64(described));
   const auto task = [&](int k) {
     return solver::to_json(solve_one(all[open[k]], options.common)).dump();
   };
@@ -135,10 +149,12 @@ int run_compare(const CompareOptions& options) {
   const std::vector<Loaded> all = load_all(options);
   check_figures(common);
   if (!common.out.empty()) prepare_folder(common.out);
+  // Workers must all see the same list, so that on a cluster its journals tell what is finished.
+  const auto executor = make_executor(common, jobs_folder(common.out));
   std::vector<std::optional<solver::Summary>> summaries(all.size());
-  for (std::size_t i = 0; i < all.size() && options.resume; ++i)
+  for (std::size_t i = 0; i < all.size() && options.resume && !executor; ++i)
     summaries[i] = finished(fs::path(common.out) / all[i].problem.name, all[i].problem);
-  solve_all(all, options, summaries);
+  solve_all(all, options, executor, summaries);
   clear_progress(common);
   std::vector<studies::ComparisonRow> rows;
   for (std::size_t i = 0; i < all.size(); ++i)
@@ -151,6 +167,7 @@ int run_compare(const CompareOptions& options) {
   }
 
   const int code = report(rows, common);
+  if (executor) remove_jobs(*executor);
   if (common.out.empty()) return code;
   std::vector<report::PlanRecord> plans;
   for (std::size_t i = 0; i < all.size(); ++i)
@@ -182,6 +199,7 @@ void add_compare(CLI::App& app, Action& chosen) {
       ->required();
   add_common(*command, options->common, "folder for the results; nothing is written unless given");
   add_figures(*command, options->common);
+  add_executor(*command, options->common);
   command->add_flag("--resume", options->resume,
                     "keep what an interrupted run has finished in --out");
   command->callback([options, &chosen] { chosen = [options] { return run_compare(*options); }; });

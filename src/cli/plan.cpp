@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cctype>
 #include <chrono>
 #include <cstdio>
 #include <memory>
@@ -34,10 +35,21 @@ Progress progress_line(const Common& common, const std::string& name) {
 
 }  // namespace
 
-solver::SolvedPlan solve_loaded(const Loaded& loaded, const Common& common) {
+std::string stage_of(const transcription::Problem& problem) {
+  std::string name = problem.name;  // of any letters; a folder is named by it
+  for (char& c : name)
+    if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '.' && c != '-') c = '_';
+  return "starts_" + name;
+}
+
+solver::SolvedPlan solve_loaded(const Loaded& loaded, const Common& common,
+                                const std::shared_ptr<const Executor>& executor) {
   solver::PlanOptions options;
   options.jobs = common.jobs;
   options.progress = progress_line(common, loaded.problem.name);
+  options.executor = executor;
+  options.stage = stage_of(loaded.problem);
+  options.notice = notices(common);
   options.starts_progress = progress_bar(common, loaded.problem.name + ", starts");
 
   const solver::Plan plan = solver::make_plan(loaded.problem, loaded.robot.planar, options);

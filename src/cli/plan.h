@@ -10,8 +10,13 @@
 namespace jaculus::cli {
 
 /// Solves a loaded problem, with a line on standard error that is rewritten at every iteration
-/// where `common` shows progress. Numerical failure is a status in the summary.
-solver::SolvedPlan solve_loaded(const Loaded& loaded, const Common& common);
+/// where `common` shows progress. Numerical failure is a status in the summary. Several starts run
+/// on the executor, where there is one.
+solver::SolvedPlan solve_loaded(const Loaded& loaded, const Common& common,
+                                const std::shared_ptr<const Executor>& executor = nullptr);
+
+/// What the starts of a problem are called among the lists of a command.
+std::string stage_of(const transcription::Problem& problem);
 
 void add_solve(CLI::App& app, Action& chosen);
 void add_compare(CLI::App& app, Action& chosen);

@@ -29,6 +29,11 @@ std::string duration(double seconds) {
   return fmt::format("{} h {:02} min", whole / 3600, whole / 60 % 60);
 }
 
+std::function<void(const std::string&)> notices(const Common& common) {
+  if (common.quiet) return {};
+  return [](const std::string& text) { fmt::print(stderr, "jaculus: {}\n", text); };
+}
+
 void add_figures(CLI::App& command, Common& common) {
   command.add_option("--figures", common.figures,
                      "static figures for papers besides: png, svg, pdf, several with commas");

@@ -28,6 +28,9 @@ void write_reporting(const report::Report& report, const Common& common);
 /// "2 min 05 s"; "?" for what is not known.
 std::string duration(double seconds);
 
+/// Prints messages on standard error unless --quiet, for TaskOptions::notice and the like.
+std::function<void(const std::string&)> notices(const Common& common);
+
 /// A bar with the remaining time on standard error, for TaskOptions::progress and the like; empty
 /// where `common` shows no progress.
 std::function<void(const TaskProgress&)> progress_bar(const Common& common,

@@ -6,6 +6,8 @@
 
 #include "cli/plan.h"
 #include "cli/reporting.h"
+#include "jaculus/core/error.h"
+#include "jaculus/core/interrupt.h"
 #include "jaculus/report/plan_report.h"
 
 namespace jaculus::cli {
@@ -16,15 +18,26 @@ struct SolveOptions {
   std::string problem;
   std::optional<int> starts;  ///< replaces the problem's
   ProblemChanges changes;
+  bool resume = false;
 };
+
+std::shared_ptr<const Executor> executor_of(const SolveOptions& options, const Loaded& loaded) {
+  auto executor = make_executor(options.common, jobs_folder(options.common.out));
+  if (executor && loaded.problem.solver.starts <= 1)
+    throw InputError("--executor slurm: given for one start; allowed: with --starts 2 or more");
+  if (!executor && options.resume)
+    throw InputError("--resume: given without --executor slurm; allowed: with it");
+  return executor;
+}
 
 int run_solve(const SolveOptions& options) {
   const Common& common = options.common;
   Loaded loaded = load(options.problem, common, options.changes);
   check_figures(common);
   if (options.starts) loaded.problem.solver.starts = *options.starts;
+  const auto executor = executor_of(options, loaded);
   if (!common.out.empty()) prepare_folder(common.out);
-  const solver::SolvedPlan solved = solve_loaded(loaded, common);
+  const solver::SolvedPlan solved = solve_loaded(loaded, common, executor);
   clear_progress(common);
   if (!common.out.empty()) solver::write_plan(solved, common.out);
   if (common.json) {
@@ -38,6 +51,7 @@ int run_solve(const SolveOptions& options) {
         loaded.problem, loaded.robot.planar, solved.summary, solver::read_plan_tables(common.out));
     write_reporting(report::solve_report(record), common);
   }
+  if (executor && !interrupt_requested()) remove_jobs(*executor);
   return solved.summary.converged() ? kDone : kNotSolved;
 }
 
@@ -66,6 +80,9 @@ void add_solve(CLI::App& app, Action& chosen) {
                       "`jaculus check ROBOT` lists the paths");
   add_common(*command, options->common, "folder for the results; nothing is written unless given");
   add_figures(*command, options->common);
+  add_executor(*command, options->common);
+  command->add_flag("--resume", options->resume,
+                    "go on with the starts that an interrupted run on Slurm has finished in --out");
   command->callback([options, &chosen] { chosen = [options] { return run_solve(*options); }; });
 }
 

@@ -229,8 +229,8 @@ int score(const ScoreFlags& flags) {
   options.provenance = provenance;
   if (flags.limit > 0) options.limit = flags.limit;
   options.progress = progress_bar(common, "cases");
-  if (!common.quiet)
-    options.notice = [](const std::string& text) { fmt::print(stderr, "jaculus: {}\n", text); };
+  options.notice = notices(common);
+  options.executor = make_executor(common, jobs_folder(common.out));
   prepare_folder(common.out);
   const auto open = [&] {
     std::vector<evaluation::CaseTruth> truths;
@@ -271,6 +271,7 @@ void add_score(CLI::App& parent, Action& chosen) {
   add_common(*command, options->common,
              "folder for answers, score.json, score.txt and report.html");
   add_figures(*command, options->common);
+  add_executor(*command, options->common);
   command->callback([options, &chosen] { chosen = [options] { return score(*options); }; });
 }
 

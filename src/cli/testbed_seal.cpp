@@ -71,8 +71,8 @@ testbed::BlindingSpec blinding_spec(const SealOptions& options) {
                  : fs::path(options.key);
   spec.jobs = common.jobs;
   spec.progress = progress_bar(common, "cases");
-  if (!common.quiet)
-    spec.notice = [](const std::string& text) { fmt::print(stderr, "jaculus: {}\n", text); };
+  spec.notice = notices(common);
+  spec.executor = make_executor(common, spec.key.string() + ".jobs");
   return spec;
 }
 
@@ -137,6 +137,7 @@ void add_seal(CLI::App& parent, Action& chosen) {
   command->add_flag("--resume", options->resume,
                     "go on with what an interrupted run has finished (KEY.journal)");
   add_common(*command, options->common, "a new folder for the cases");
+  add_executor(*command, options->common);
   command->callback([options, &chosen] { chosen = [options] { return seal(*options); }; });
 }
 

@@ -10,6 +10,7 @@
 #include "evaluation/names.h"
 #include "evaluation/run_diagnosis.h"
 #include "jaculus/core/error.h"
+#include "jaculus/core/executor.h"
 #include "jaculus/core/installation.h"
 #include "jaculus/core/journal.h"
 #include "jaculus/diagnosis/diagnose.h"
@@ -51,7 +52,10 @@ TaskOptions task_options(const ScoreOptions& options, const std::string& name,
   tasks.progress = options.progress;
   tasks.notice = options.notice;
   tasks.until = options.limit;
-  if (fs::exists(tasks.journal) && !options.resume) {
+  tasks.executor = options.executor;
+  tasks.stage = name;
+  const bool worker = options.executor && !worker_stage().empty();  // the journal is not its own
+  if (fs::exists(tasks.journal) && !options.resume && !worker) {
     throw InputError(
         fmt::format("{}: answers of an earlier run are there; allowed: --resume, or another folder",
                     tasks.journal.string()));
@@ -202,6 +206,7 @@ Score score_cases(const fs::path& folder, const std::vector<std::string>& case_i
   score.provenance = options.provenance;
   trajectory::write_file(options.out / "score.json", score_json(score));
   trajectory::write_file(options.out / "score.txt", score_text(score));
+  if (options.executor) remove_jobs(*options.executor);
   return score;
 }
 

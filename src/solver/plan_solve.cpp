@@ -1,9 +1,14 @@
 #include "solver/plan_solve.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
+#include "jaculus/core/installation.h"
 #include "jaculus/core/interrupt.h"
+#include "jaculus/core/journal.h"
+#include "jaculus/transcription/describe.h"
 
 namespace jaculus::solver::detail {
 namespace {
@@ -125,6 +130,12 @@ SolvedStarts solve_starts(transcription::NonlinearProgram& program,
   multi.seed = seed;
   multi.tasks.workers = options.jobs;
   multi.tasks.progress = options.starts_progress;
+  multi.tasks.notice = options.notice;
+  multi.tasks.executor = options.executor;
+  multi.tasks.stage = options.stage;
+  multi.tasks.fingerprint = fmt::format(
+      "starts {:016x}",
+      hash64(transcription::describe_problem(program.problem()).dump() + std::string(version())));
   solver.progress = {};  // several processes at a time would talk at once
 
   MultiStart all = multi_start(

@@ -213,16 +213,22 @@ Plan read_plan(const yaml::Node& root) {
   return plan;
 }
 
+/// A point's columns of the grid.
+StudyJson grid_row(const Plan& plan, int index) {
+  StudyJson row = StudyJson::object();
+  if (plan.named) row["case"] = plan.cases[index / grid_size(plan.axes)].name;
+  const std::vector<double> values = grid_point(plan.axes, index % grid_size(plan.axes));
+  for (std::size_t i = 0; i < values.size(); ++i) row[plan.axes[i].parameter->column] = values[i];
+  return row;
+}
+
 StudyJson compute_row(const Plan& plan, int index) {
   int which = 0;
   const ReorientationSetup setup = setup_at(plan, index, &which);
   const Case& c = plan.cases[which];
   const ReorientationPoint point =
       compute_point(setup, c.search, plan.without_drag, plan.rigid, plan.still);
-  StudyJson row = StudyJson::object();
-  if (plan.named) row["case"] = c.name;
-  const std::vector<double> values = grid_point(plan.axes, index % grid_size(plan.axes));
-  for (std::size_t i = 0; i < values.size(); ++i) row[plan.axes[i].parameter->column] = values[i];
+  StudyJson row = grid_row(plan, index);
   for (const Output* o : plan.outputs) row[o->name] = o->value(point);
   if (plan.searched()) row["search_bound"] = point.search_bound;
   return row;
@@ -230,8 +236,12 @@ StudyJson compute_row(const Plan& plan, int index) {
 
 std::vector<std::string> bound_notes(const std::vector<StudyJson>& rows) {
   int count = 0;
-  for (const StudyJson& row : rows)
-    count += row.value("search_bound", std::string()).empty() ? 0 : 1;
+  for (const StudyJson& row : rows) {
+    const auto bound = row.find("search_bound");
+    const bool on_it =
+        bound != row.end() && bound->is_string() && !bound->get<std::string>().empty();
+    count += on_it ? 1 : 0;
+  }
   if (count == 0) return {};
   return {fmt::format(
       "the search ended on its bound at {} of {} points (column search_bound): more may lie beyond",
@@ -291,6 +301,7 @@ detail::PreparedStudy detail::prepare_reorientation(const yaml::Node& root) {
     return rows;
   };
 
+  study.failed_row = [plan](int i) { return grid_row(*plan, i); };
   study.notes = bound_notes;
   return study;
 }

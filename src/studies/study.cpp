@@ -84,6 +84,17 @@ TaskOptions task_options(const Loaded& loaded, const fs::path& folder,
   return t;
 }
 
+/// Rows of points that failed, where they belong.
+void add_failed(const Loaded& loaded, const std::vector<int>& failed,
+                std::vector<StudyJson>& rows) {
+  for (const int index : failed) {
+    StudyJson row = loaded.study.failed_row(index);
+    for (const std::string& column : loaded.study.columns)
+      if (!row.contains(column)) row[column] = nullptr;
+    rows.insert(rows.begin() + index, std::move(row));
+  }
+}
+
 StudyResult collect(const Loaded& loaded, const std::vector<TaskResult>& results) {
   StudyResult result{loaded.name, loaded.kind, loaded.caption, true, loaded.study.columns, {},
                      {},          {}};
@@ -93,6 +104,7 @@ StudyResult collect(const Loaded& loaded, const std::vector<TaskResult>& results
   result.samples = loaded.study.samples;
 
   std::vector<std::string> bytes;
+  std::vector<int> failed;
   for (std::size_t i = 0; i < results.size(); ++i) {
     const TaskResult& task = results[i];
     if (task.state == TaskState::done) {
@@ -100,18 +112,22 @@ StudyResult collect(const Loaded& loaded, const std::vector<TaskResult>& results
       continue;
     }
     result.complete = false;
-    if (task.state == TaskState::failed)
-      result.notes.push_back(fmt::format("point {} failed: {}", i + 1, task.error));
+    if (task.state != TaskState::failed) continue;
+    result.notes.push_back(fmt::format("point {} failed: {}", i + 1, task.error));
+    failed.push_back(static_cast<int>(i));
   }
 
-  if (bytes.size() < results.size()) {
+  if (bytes.size() < results.size())
     result.notes.push_back(
         fmt::format("{} of {} points are finished", bytes.size(), results.size()));
-    return result;
-  }
+  const bool interrupted = bytes.size() + failed.size() < results.size();
+  if (interrupted || (!failed.empty() && !loaded.study.failed_row)) return result;
 
   result.rows = loaded.study.rows(bytes);
-  if (loaded.study.notes) result.notes = loaded.study.notes(result.rows);
+  add_failed(loaded, failed, result.rows);
+  if (loaded.study.notes)
+    for (std::string& note : loaded.study.notes(result.rows))
+      result.notes.push_back(std::move(note));
   for (const detail::ReferenceQuery& query : loaded.references) {
     result.references.push_back(detail::evaluate(query, result.rows, result.notes));
   }
@@ -158,9 +174,10 @@ StudyResult run_study(const yaml::Node& node, const fs::path& folder, const Stud
   const Loaded loaded = load(node);
   const TaskOptions t = task_options(loaded, folder, options);
   const StudyResult result = collect(loaded, run_tasks(loaded.study.tasks, loaded.study.task, t));
-  if (folder.empty() || !result.complete) return result;
+  if (folder.empty() || result.rows.empty()) return result;
   trajectory::write_file(folder / "study.csv", study_csv(result));
   trajectory::write_file(folder / "study.json", study_json(result));
+  if (!result.complete) return result;  // the journal stays: --resume tries the rest again
   fs::remove(t.journal);
   if (options.executor) remove_jobs(*options.executor);
   return result;

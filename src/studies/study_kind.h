@@ -24,7 +24,10 @@ struct PreparedStudy {
   std::vector<std::string> axes = {};   ///< see StudyResult
   std::vector<StudyJson> samples = {};  ///< see StudyResult
   std::string fingerprint = {};         ///< of further files that the tasks depend on
-  bool isolate = false;                 ///< every task needs a process of its own
+  /// The row of a task that failed: its place in the grid. Only where rows are one a task; without
+  /// it a study with failures has no rows.
+  std::function<StudyJson(int)> failed_row = {};
+  bool isolate = false;  ///< every task needs a process of its own
 };
 
 /// Keys that every study has.

@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "jaculus/core/error.h"
+#include "jaculus/core/executor.h"
 #include "jaculus/core/installation.h"
 #include "jaculus/core/journal.h"
 #include "testbed/case_draws.h"
@@ -141,6 +142,10 @@ std::vector<Signatures> all_signatures(const BlindingSpec& spec, const std::vect
   TaskOptions options;
   options.workers = spec.jobs;
   options.progress = spec.progress;
+  options.notice = spec.notice;
+  options.executor = spec.executor;
+  options.stage = "signatures";
+  options.fingerprint = fingerprint(spec);
   const auto results = run_tasks(
       count_of(jobs),
       [&](int i) {
@@ -176,6 +181,8 @@ std::vector<std::string> blind_cases(const BlindingSpec& spec) {
   options.notice = spec.notice;
   options.journal = journal_of(spec);
   options.fingerprint = fingerprint(spec);
+  options.executor = spec.executor;
+  options.stage = "cases";
   const auto results = run_tasks(
       count_of(cases),
       [&](int i) { return make_case(spec, cases[i], task_seed(spec.seed, i + 1), grounds); },
@@ -193,6 +200,7 @@ std::vector<std::string> blind_cases(const BlindingSpec& spec) {
 
   lock_labels(sealed_text(labels, spec.provenance), spec.out, spec.key);
   fs::remove(journal_of(spec));
+  if (spec.executor) remove_jobs(*spec.executor);
   return ids;
 }
 

@@ -68,6 +68,7 @@ struct ScoreOptions {
   std::vector<std::string> flags = {};  ///< further flags of `jaculus diagnose`
   std::function<void(const TaskProgress&)> progress = {};
   std::function<void(const std::string&)> notice = {};
+  std::shared_ptr<const Executor> executor = {};  ///< as of TaskOptions
 };
 
 /// Diagnoses every case of `folder` (in folder/<case_id> a dataset, or a group of them, set_1,

@@ -36,6 +36,9 @@ struct PlanOptions {
   std::function<void(const IterationInfo&)> progress = {};
   /// after every start, where there are several
   std::function<void(const TaskProgress&)> starts_progress = {};
+  std::function<void(const std::string&)> notice = {};  ///< as of TaskOptions, for several starts
+  std::shared_ptr<const Executor> executor = {};        ///< as of TaskOptions, for several starts
+  std::string stage = "starts";                         ///< as of TaskOptions
 };
 
 /// Where several starts were made: what came of them.

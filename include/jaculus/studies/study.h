@@ -25,6 +25,8 @@
 // by more than `within` (in the column's unit; without it half a unit of the last digit as written:
 // 0.0005 for 0.302) is named in the notes as a disagreement.
 //
+// A point that failed has its row of the grid, empty beyond that, and its reason in the notes.
+//
 // A run writes study.csv and study.json into its folder. Every finished grid point is kept in
 // study.journal at once, so a killed run goes on where it was; the same bytes come out whatever the
 // number of workers and the interruptions.
@@ -74,7 +76,9 @@ struct StudyResult {
   std::string name;
   std::string kind;
   std::string caption;
-  bool complete = false;  ///< false: interrupted or failed points; such rows are not there
+  /// false: interrupted, and then there are no rows; or points failed, and then their rows have
+  /// the grid's columns and null, or the study's kind has no rows without them
+  bool complete = false;
   std::vector<std::string> columns;  ///< of study.csv, with units
   std::vector<StudyJson> rows;       ///< one object a grid point: number, text or null by column
   std::vector<StudyReference> references;

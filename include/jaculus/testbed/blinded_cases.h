@@ -95,6 +95,8 @@ struct BlindingSpec {
   bool resume = false;  ///< go on with what an interrupted run has finished
   std::function<void(const TaskProgress&)> progress = {};
   std::function<void(const std::string&)> notice = {};  ///< as of TaskOptions
+  /// as of TaskOptions; what it keeps holds labels, so its folder must not lie in `out`
+  std::shared_ptr<const Executor> executor = {};
 };
 
 /// Draws and plays all cases, writes a folder a case, labels.sealed and commitment.txt into `out`,
