@@ -20,6 +20,7 @@ void bind_inputs(nb::module_& module);
 void bind_tables(nb::module_& module);
 void bind_plans(nb::module_& module);
 void bind_datasets(nb::module_& module);
+void bind_imports(nb::module_& module);
 void bind_diagnosis(nb::module_& module);
 void bind_studies(nb::module_& module);
 

@@ -19,6 +19,7 @@ NB_MODULE(_core, module) {
   jaculus::python::bind_inputs(module);
   jaculus::python::bind_plans(module);
   jaculus::python::bind_datasets(module);
+  jaculus::python::bind_imports(module);
   jaculus::python::bind_diagnosis(module);
   jaculus::python::bind_studies(module);
 }

@@ -9,47 +9,12 @@
 #include <map>
 
 #include "jaculus/core/error.h"
-#include "trajectory/channel_units.h"
 #include "trajectory/line_reader.h"
+#include "trajectory/mapped_channel.h"
 #include "trajectory/open_input.h"
 
 namespace jaculus::trajectory {
 namespace {
-
-std::string column_text(const yaml::Node& node) {
-  // A number is a column's place where the file has no header.
-  std::string text = node.is_scalar() ? node.dump() : "";
-  double number = 0.0;
-  return parse_number(text, number) ? text : node.text();
-}
-
-MappedChannel read_channel(const std::string& name, const yaml::Node& node) {
-  node.only({"column", "columns", "unit", "scale", "offset"});
-  MappedChannel channel;
-  channel.channel = name;
-  if (node.has("column") == node.has("columns"))
-    throw node.error("allowed: one of column and columns");
-
-  if (const auto column = node.find("column")) channel.columns = {column_text(*column)};
-  if (const auto columns = node.find("columns"))
-    for (const yaml::Node& column : columns->items())
-      channel.columns.push_back(column_text(column));
-  if (channel.columns.empty())
-    throw node.at("columns").error("an empty list given; allowed: at least one column");
-
-  if (const auto scale = node.find("scale")) channel.scale = scale->number(dimension::none);
-  if (const auto offset = node.find("offset")) channel.shift = offset->number(dimension::none);
-  if (channel.scale == 0.0) throw node.at("scale").error("0 given; allowed: any other factor");
-
-  const auto unit = node.find("unit");
-  const ChannelUnit si = channel_unit({name, unit ? unit->text() : ""},
-                                      fmt::format("{}:{}", node.file().string(), node.line()));
-  channel.scale *= si.factor;
-  channel.shift *= si.factor;
-  channel.unit = si.si;
-
-  return channel;
-}
 
 class ColumnMapReader {
  public:
@@ -224,7 +189,7 @@ ColumnMap read_column_map(const yaml::Node& node) {
   if (const auto gaps = node.find("gaps")) map.gaps = gaps->texts();
 
   for (const auto& [name, channel] : node.at("channels").entries())
-    map.channels.push_back(read_channel(name, channel));
+    map.channels.push_back(read_mapped_channel(name, channel, "column"));
   const auto times =
       std::count_if(map.channels.begin(), map.channels.end(),
                     [](const MappedChannel& channel) { return channel.channel == "time"; });
