@@ -137,6 +137,13 @@ void bind_plans(nb::module_& module) {
       .def_prop_ro("force_x", &of_trajectory<&Motion::force_x>)
       .def_prop_ro("force_z", &of_trajectory<&Motion::force_z>)
       .def("save", &save_plan, nb::arg("folder"))
+      .def(
+          "export_json",
+          [](const PlanResult& r, double rate) {
+            const exporting::Source source = exporting::source(r.solved);
+            return exporting::to_json(exporting::resample(source, rate, exporting::Side::joint));
+          },
+          nb::arg("rate"))
       .def("report_html", [](const PlanResult& r) {
         return report::report_html(report::solve_report(r.record()));
       });

@@ -255,6 +255,27 @@ CLI::App* add_kind(CLI::App& parent, const std::string& kind, const std::string&
   return command;
 }
 
+/// Kinds that the Python package reads: its command takes them before it comes here.
+void add_python_kinds(CLI::App& parent, Action& chosen) {
+  for (const std::string kind : {"mcap", "bag", "parquet"}) {
+    CLI::App* command = parent.add_subcommand(
+        kind, kind == "parquet"
+                  ? "Parquet tables; by the command of the Python package."
+                  : "ROS 2 bags (MCAP, sqlite3); by the command of the Python package.");
+    command->allow_extras();
+    command->callback([kind, &chosen] {
+      chosen = [kind]() -> int {
+        throw InputError(
+            fmt::format("import {0}: this is the program alone, which can't read it; allowed: the "
+                        "command of the "
+                        "Python package (pip install of its wheel with rosbags, then python -m "
+                        "jaculus import {0})",
+                        kind));
+      };
+    });
+  }
+}
+
 }  // namespace
 
 void add_import(CLI::App& app, Action& chosen) {
@@ -295,6 +316,7 @@ void add_import(CLI::App& app, Action& chosen) {
       ->add_option("--map", csv->description,
                    "columns of the channels (YAML, format: jaculus-columns/1)")
       ->required();
+  add_python_kinds(*command, chosen);
 }
 
 }  // namespace jaculus::cli

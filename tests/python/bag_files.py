@@ -1,8 +1,12 @@
 """Bags that tests import, written by libraries that the importer does not use."""
 import csv
 import pathlib
+import sqlite3
 
+from mcap_ros2._dynamic import serialize_dynamic
 from mcap_ros2.writer import Writer
+
+import jaculus
 
 HEADER = """std_msgs/Header header
 """
@@ -46,3 +50,91 @@ def rows_of(file):
         reader = csv.reader(text)
         next(reader)
         return [[float(cell) for cell in row] for row in reader]
+
+
+def separate(kind):
+    return "=" * 80 + f"\nMSG: {kind}\n"
+
+
+CONTROLLER_STATUS = """float32 pos_estimate
+float32 vel_estimate
+float32 torque_target
+float32 torque_estimate
+float32 iq_setpoint
+float32 iq_measured
+uint32 active_errors
+uint8 axis_state
+uint8 procedure_result
+bool trajectory_done_flag
+"""  # ODrive's odrive_can
+# The first and some other fields of Unitree's unitree_go: a bag's own definition counts, whatever it is.
+LOW_STATE = """uint8[2] head
+uint8 level_flag
+MotorState[20] motor_state
+uint32 tick
+float32 power_v
+""" + separate("unitree_go/MotorState") + """uint8 mode
+float32 q
+float32 dq
+float32 ddq
+float32 tau_est
+float32 q_raw
+float32 dq_raw
+float32 ddq_raw
+int8 temperature
+uint32 lost
+uint32[2] reserve
+"""
+
+
+def write_sqlite3(folder, messages, definitions):
+    """A bag as ROS 2's sqlite3 plugin has it, by sqlite3 and mcap-ros2-support's CDR: of Humble without
+    definitions (metadata 5), of Jazzy with them (metadata 9)."""
+    folder.mkdir()
+    messages = list(messages)
+    base = sqlite3.connect(folder / "log_0.db3")
+    base.execute("CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT NOT NULL, type TEXT NOT NULL, "
+                 "serialization_format TEXT NOT NULL, offered_qos_profiles TEXT NOT NULL"
+                 + (", type_description_hash TEXT NOT NULL)" if definitions else ")"))
+    base.execute("CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER NOT NULL, "
+                 "timestamp INTEGER NOT NULL, data BLOB NOT NULL)")
+    if definitions:
+        base.execute("CREATE TABLE schema(schema_version INTEGER PRIMARY KEY, ros_distro TEXT NOT NULL)")
+        base.execute("CREATE TABLE metadata(id INTEGER PRIMARY KEY, metadata_version INTEGER NOT NULL, "
+                     "metadata TEXT NOT NULL)")
+        base.execute("CREATE TABLE message_definitions(id INTEGER PRIMARY KEY, topic_type TEXT NOT NULL, "
+                     "encoding TEXT NOT NULL, encoded_message_definition TEXT NOT NULL, "
+                     "type_description_hash TEXT NOT NULL)")
+        base.execute("INSERT INTO schema VALUES (4, 'jazzy')")
+    topics = {}
+    for topic, kind, definition, message, time in messages:
+        if topic not in topics:
+            topics[topic] = (len(topics) + 1, kind, serialize_dynamic(kind, definition)[kind])
+            row = [topics[topic][0], topic, kind, "cdr", ""] + ([""] if definitions else [])
+            base.execute(f"INSERT INTO topics VALUES ({','.join('?' * len(row))})", row)
+            if definitions:
+                base.execute("INSERT INTO message_definitions VALUES (?, ?, 'ros2msg', ?, '')",
+                             (topics[topic][0], kind, definition))
+        number, _, encode = topics[topic]
+        base.execute("INSERT INTO messages(topic_id, timestamp, data) VALUES (?, ?, ?)",
+                     (number, time, encode(message)))
+    base.commit()
+    base.close()
+
+    times = [message[4] for message in messages]
+    listed = "".join(
+        f"    - topic_metadata: {{name: {topic}, type: {kind}, serialization_format: cdr, "
+        f"offered_qos_profiles: ''}}\n      message_count: {sum(m[0] == topic for m in messages)}\n"
+        for topic, (_, kind, _) in topics.items())
+    (folder / "metadata.yaml").write_text(
+        f"rosbag2_bagfile_information:\n  version: {8 if definitions else 5}\n  storage_identifier: sqlite3\n"
+        f"  relative_file_paths: [log_0.db3]\n  duration: {{nanoseconds: {max(times) - min(times)}}}\n"
+        f"  starting_time: {{nanoseconds_since_epoch: {min(times)}}}\n  message_count: {len(messages)}\n"
+        f"  topics_with_message_count:\n{listed}  compression_format: ''\n  compression_mode: ''\n")
+    return folder
+
+
+def file_joints(robot):
+    """Joints of the robot's file, with signs, by joint in the plane."""
+    found = jaculus._core.robot_joints(jaculus._core.load_robot(robot))
+    return {name: dict(file) for name, _, file in found}
