@@ -22,6 +22,14 @@ def pyplot() -> Any:
     return matplotlib.pyplot
 
 
+def xarray() -> Any:
+    try:
+        import xarray
+    except ImportError as missing:
+        raise ImportError("to_xarray() needs xarray: pip install xarray") from missing
+    return xarray
+
+
 def labelled(name: str, unit: str) -> str:
     return f"{name} [{unit}]" if unit else name
 

@@ -11,7 +11,7 @@ import numpy as np
 from . import _core
 from ._inputs import Source, node_of
 from ._interrupts import Interrupted
-from ._tables import labelled, page, pandas, pyplot
+from ._tables import labelled, page, pandas, pyplot, xarray
 from .plans import Plan
 
 
@@ -46,6 +46,11 @@ class Stream:
         frame = pandas().DataFrame(self.values, columns=self.channels, index=index)
         frame.attrs["units"] = dict(self.units)
         return frame
+
+    def to_xarray(self) -> Any:
+        """An xarray.Dataset with a variable a channel over time [s]; each has its `units`."""
+        data = {name: ("time", self[name], {"units": self.units[name]}) for name in self.channels}
+        return xarray().Dataset(data, {"time": ("time", self.time, {"units": "s"})})
 
     def __repr__(self) -> str:
         return f"<jaculus.Stream {self.name}: {len(self.time)} samples of {', '.join(self.channels)}>"

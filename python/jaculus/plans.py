@@ -10,9 +10,10 @@ from typing import Any, Callable, Iterable, Mapping, Optional, Union
 import numpy as np
 
 from . import _core
+from ._exports import write_bag, write_rerun
 from ._inputs import Source
 from ._interrupts import Interrupted
-from ._tables import labelled, page, pandas, pyplot
+from ._tables import labelled, page, pandas, pyplot, xarray
 from .robots import Problem, load_problem
 
 Progress = Callable[[int, float, float], None]
@@ -119,6 +120,42 @@ class Plan:
         """Writes what `jaculus solve --out` does: plan.csv, summary.json, solution.json, report.html."""
         self._core.save(os.fspath(folder))
         return Path(folder)
+
+    def to_xarray(self) -> Any:
+        """An xarray.Dataset: `states` (time, state), `inputs` (time, input), `forces` (time, foot, axis), and
+        `phase`; `state_units` has the unit of each state [N m of inputs, N of forces]."""
+        xr = xarray()
+        time = ("time", self.time, {"units": "s"})
+        data = {"states": (("time", "state"), self.states), "inputs": (("time", "input"), self.inputs),
+                "forces": (("time", "foot", "axis"), self.forces, {"units": "N"})}
+        if self.phase:
+            data["phase"] = ("time", self.phase)
+        frame = xr.Dataset(data, {"time": time, "state": self.state_names, "input": self.input_names,
+                                  "foot": self.foot_names, "axis": ["x", "z"]})
+        return frame.assign_coords(state_units=("state", [self.units[name] for name in self.state_names]))
+
+    def to_bag(self, path: Union[str, "os.PathLike[str]"], *, rate: float = 500.0, start: float = 0.0,
+               even_unsolved: bool = False) -> Path:
+        """Writes a ROS 2 bag for PlotJuggler, Foxglove and players, by PyPI's rosbags.
+
+        The plan is resampled as `jaculus export` does. /joint_trajectory has it as one
+        trajectory_msgs/JointTrajectory, /joint_states as sensor_msgs/JointState a sample. Joints are those of
+        the robot's file, left and right written out with its signs; held ones stand at their place. Effort is
+        the torque at the joint, of one motor [N m].
+
+        Args:
+            path: "NAME.mcap" for one MCAP file (replaced); anything else is a new folder, a bag in sqlite3.
+            rate: samples a second [Hz].
+            start: stamp of the first sample, since the epoch [s].
+            even_unsolved: write a plan whose solve did not converge.
+        """
+        return write_bag(self._core, path, rate, start, even_unsolved)
+
+    def to_rerun(self, path: Union[str, "os.PathLike[str]"], *, rate: float = 500.0,
+                 even_unsolved: bool = False) -> Path:
+        """Writes a recording for Rerun, NAME.rrd: joints/NAME/position, velocity, effort, resampled as
+        `to_bag` has them, and the columns of plan.csv as plan/NAME. Needs rerun-sdk."""
+        return write_rerun(self, path, rate, even_unsolved)
 
     def __repr__(self) -> str:
         return f"<jaculus.Plan {self._core.problem.name}: {self.status}, objective {self.objective:.6g}>"

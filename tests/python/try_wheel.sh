@@ -12,7 +12,7 @@ say() { printf '%s\n' "$*" >&2; }
 
 say "A fresh virtual environment: tests/python"
 "$python" -m venv "$work/venv"
-"$work/venv/bin/pip" install -q "$wheel" pytest pandas matplotlib
+"$work/venv/bin/pip" install -q "$wheel" pytest pandas matplotlib rosbags mcap-ros2-support pyarrow tqdm xarray
 cd "$root"
 "$work/venv/bin/python" -m pytest -q tests/python
 "$work/venv/bin/python" tests/python/overhead.py
