@@ -73,22 +73,34 @@ def open_bag(path: PathLike, definitions: Iterable[PathLike]) -> Iterator[tuple[
         raise InputError(f"{file}: there is no such file or folder")
     given = _given_types(definitions)
     humble = library.typesys.get_typestore(library.typesys.Stores.ROS2_HUMBLE)
-    notes: list[str] = []
+    reader = _opened(file, humble)
     try:
-        with library.highlevel.AnyReader([file], default_typestore=humble) as reader:
-            own = {c.msgtype for c in reader.connections if c.msgdef.data}
-            own_types = set(reader.typestore.fielddefs) if own else set()
-            reader.typestore.register({k: v for k, v in given.items() if k not in own_types})
-            reader.typestore.register({k: v for k, v in humble.fielddefs.items()
-                                       if k not in reader.typestore.fielddefs})
-            assumed = sorted({c.msgtype for c in reader.connections} - own_types - set(given))
-            assumed = [kind for kind in assumed if kind in humble.fielddefs]
-            if assumed:
-                notes.append(f"the bag doesn't define {', '.join(assumed)}: read as in ROS 2 Humble")
-            yield reader, notes
-    except (library.highlevel.AnyReaderError, library.typesys.TypesysError, FileNotFoundError) as fault:
-        raise InputError(f"{file}: {fault}; allowed: a ROS 2 bag, its folder or its .mcap or .db3 file") \
-            from fault
+        own = {c.msgtype for c in reader.connections if c.msgdef.data}
+        own_types = set(reader.typestore.fielddefs) if own else set()
+        reader.typestore.register({k: v for k, v in given.items() if k not in own_types})
+        reader.typestore.register({k: v for k, v in humble.fielddefs.items()
+                                   if k not in reader.typestore.fielddefs})
+        assumed = sorted({c.msgtype for c in reader.connections} - own_types - set(given))
+        assumed = [kind for kind in assumed if kind in humble.fielddefs]
+        notes = [f"the bag doesn't define {', '.join(assumed)}: read as in ROS 2 Humble"] if assumed else []
+        yield reader, notes
+    finally:
+        reader.close()
+
+
+def _opened(file: Path, humble: Any) -> Any:
+    """rosbags' reader, open."""
+    allowed = ("allowed: a ROS 2 bag, its folder or its .mcap or .db3 file; of one that was cut off what `mcap "
+               "recover` or `ros2 bag reindex` makes")
+    try:
+        reader = rosbags().highlevel.AnyReader([file], default_typestore=humble)
+        reader.open()
+    except KeyError as encoding:  # of a schema that isn't ROS's: rosbags then reads none of the file
+        raise InputError(f"{file}: has messages that are not ROS's (schema encoding {encoding}); allowed: ROS 2 "
+                         "messages alone, as `mcap filter --include-topic-regex TOPIC` makes") from encoding
+    except Exception as fault:  # whatever a damaged file may raise
+        raise InputError(f"{file}: {fault or type(fault).__name__}; {allowed}") from fault
+    return reader
 
 
 def read_topics(reader: Any, wanted: set[str], place: str) -> dict[str, Topic]:
