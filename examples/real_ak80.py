@@ -1,0 +1,24 @@
+"""A real robot: the AK80-6 pendulum of DFKI's torque_limited_simple_pendulum, from its published log.
+
+    python real_ak80.py DATASET
+
+DATASET is a folder with dataset.yaml and its robot: JACULUS_DATA/pendulum/ak80. Takes two minutes.
+"""
+# %% The log
+import os
+import sys
+
+import jaculus
+
+dataset = jaculus.load_dataset(sys.argv[1] if len(sys.argv) > 1
+                               else os.path.join(os.environ["JACULUS_DATA"], "pendulum/ak80"))
+print(dataset.summary)
+print(dataset.provenance)
+dataset.plot("joints").savefig("real_ak80_log.png")
+
+# %% What does its model lack?
+diagnosis = jaculus.diagnose(dataset)
+print(diagnosis.summary)
+# prints: joint_coulomb_friction
+diagnosis.plot().savefig("real_ak80.png")
+assert diagnosis.gap["after"] < 0.3 * diagnosis.gap["before"]
