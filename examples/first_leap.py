@@ -3,6 +3,7 @@
 Run it anywhere where `pip install` of jaculus and matplotlib was done; cells (# %%) open as a notebook in
 VS Code, PyCharm, Spyder and Jupyter (jupytext). Takes a quarter of a minute.
 """
+
 # %% Solve a problem that comes with jaculus
 import jaculus
 
@@ -12,7 +13,13 @@ print(plan.summary)
 # prints: verification: passed
 
 # %% What is in it: arrays by name, SI units
-print("liftoff at", round(plan.figures["liftoff_velocity_m_s"], 2), "m/s after", round(plan.time[-1], 3), "s")
+print(
+    "liftoff at",
+    round(plan.figures["liftoff_velocity_m_s"], 2),
+    "m/s after",
+    round(plan.time[-1], 3),
+    "s",
+)
 print("columns:", ", ".join(plan.columns[:8]))
 plan.plot().savefig("first_leap.png")
 
@@ -23,7 +30,9 @@ print(comparison.summary)
 # prints: leap_tailless
 figure = comparison.plot("x_velocity")
 figure.savefig("first_leap_comparison.png")
-gain = plan.figures["average_acceleration_m_s2"] / tailless.figures["average_acceleration_m_s2"] - 1.0
+gain = (
+    plan.figures["average_acceleration_m_s2"] / tailless.figures["average_acceleration_m_s2"] - 1.0
+)
 assert gain > 0.0, "the tail should help"
 print(f"the tail adds {100 * gain:.0f} % of mean acceleration")
 

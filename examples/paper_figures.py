@@ -2,11 +2,14 @@
 
 Takes a minute or two.
 """
+
 # %% Studies that come with jaculus
 import jaculus
 
-studies = {name: jaculus.study(name, out=f"study_{name}", jobs=2)
-           for name in ("fig3_effectiveness", "fig4_shaft", "drag_bench", "fig6_drop")}
+studies = {
+    name: jaculus.study(name, out=f"study_{name}", jobs=2)
+    for name in ("fig3_effectiveness", "fig4_shaft", "drag_bench", "fig6_drop")
+}
 for name, study in studies.items():
     assert study.complete
     print(study.summary)

@@ -4,14 +4,16 @@
 
 DATASET is a folder with dataset.yaml and its robot: JACULUS_DATA/pendulum/ak80. Takes two minutes.
 """
+
 # %% The log
 import os
 import sys
 
 import jaculus
 
-dataset = jaculus.load_dataset(sys.argv[1] if len(sys.argv) > 1
-                               else os.path.join(os.environ["JACULUS_DATA"], "pendulum/ak80"))
+dataset = jaculus.load_dataset(
+    sys.argv[1] if len(sys.argv) > 1 else os.path.join(os.environ["JACULUS_DATA"], "pendulum/ak80")
+)
 print(dataset.summary)
 print(dataset.provenance)
 dataset.plot("joints").savefig("real_ak80_log.png")

@@ -4,6 +4,7 @@
 
 Without a file it takes a 25 kg quadruped that comes with jaculus. Takes a minute or two.
 """
+
 # %% The robot's file
 import pathlib
 import subprocess
@@ -14,8 +15,22 @@ import jaculus
 urdf = sys.argv[1] if len(sys.argv) > 1 else jaculus.load_robot("quadruped25").folder / "robot.urdf"
 
 # %% Make a robot of it, with a tail of a tenth of its mass; all that is assumed is printed
-done = subprocess.run([sys.executable, "-m", "jaculus", "robot", "import", urdf, "--tail", "10 %", "--out", "my_robot"],
-                      capture_output=True, text=True)
+done = subprocess.run(
+    [
+        sys.executable,
+        "-m",
+        "jaculus",
+        "robot",
+        "import",
+        urdf,
+        "--tail",
+        "10 %",
+        "--out",
+        "my_robot",
+    ],
+    capture_output=True,
+    text=True,
+)
 print(done.stdout, done.stderr)
 assert done.returncode == 0
 robot = jaculus.load_robot("my_robot")

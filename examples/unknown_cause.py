@@ -2,6 +2,7 @@
 
 Takes half a minute. docs/tutorial_unknown.md explains the file of an effect.
 """
+
 # %% An effect of your own: cogging, torque that repeats with the motor's angle
 import pathlib
 
@@ -19,8 +20,13 @@ torque: "sine * sin(7*q) + cosine * cos(7*q)"
 """)
 
 # %% A robot that has it, and a diagnosis that doesn't know it
-trials = jaculus.simulate("pendulum_trials", trials=4, seed=3, effects=["my_cogging:sine=0.25"],
-                          effect_files=["my_cogging.yaml"])
+trials = jaculus.simulate(
+    "pendulum_trials",
+    trials=4,
+    seed=3,
+    effects=["my_cogging:sine=0.25"],
+    effect_files=["my_cogging.yaml"],
+)
 quick = {"largest_model": 1, "kept_singles": 3}  # one effect at a time, for the sake of speed
 without = jaculus.diagnose(trials, settings=quick)
 print(without.summary)

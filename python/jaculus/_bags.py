@@ -1,4 +1,5 @@
 """ROS 2 bags, MCAP and sqlite3, through PyPI's rosbags."""
+
 from __future__ import annotations
 
 import os
@@ -43,10 +44,12 @@ class Topic:
 
 
 def _kind_of(file: Path) -> str:
-    """"trajectory_msgs/msg/JointTrajectory" of .../trajectory_msgs/msg/JointTrajectory.msg."""
+    """ "trajectory_msgs/msg/JointTrajectory" of .../trajectory_msgs/msg/JointTrajectory.msg."""
     parts = file.resolve().with_suffix("").parts
     if file.suffix != ".msg" or len(parts) < 4 or parts[-2] != "msg":
-        raise InputError(f"definitions: '{file}' given; allowed: PACKAGE/msg/NAME.msg, or a folder of such")
+        raise InputError(
+            f"definitions: '{file}' given; allowed: PACKAGE/msg/NAME.msg, or a folder of such"
+        )
     return "/".join(parts[-3:])
 
 
@@ -78,11 +81,16 @@ def open_bag(path: PathLike, definitions: Iterable[PathLike]) -> Iterator[tuple[
         own = {c.msgtype for c in reader.connections if c.msgdef.data}
         own_types = set(reader.typestore.fielddefs) if own else set()
         reader.typestore.register({k: v for k, v in given.items() if k not in own_types})
-        reader.typestore.register({k: v for k, v in humble.fielddefs.items()
-                                   if k not in reader.typestore.fielddefs})
+        reader.typestore.register(
+            {k: v for k, v in humble.fielddefs.items() if k not in reader.typestore.fielddefs}
+        )
         assumed = sorted({c.msgtype for c in reader.connections} - own_types - set(given))
         assumed = [kind for kind in assumed if kind in humble.fielddefs]
-        notes = [f"the bag doesn't define {', '.join(assumed)}: read as in ROS 2 Humble"] if assumed else []
+        notes = (
+            [f"the bag doesn't define {', '.join(assumed)}: read as in ROS 2 Humble"]
+            if assumed
+            else []
+        )
         yield reader, notes
     finally:
         reader.close()
@@ -90,14 +98,20 @@ def open_bag(path: PathLike, definitions: Iterable[PathLike]) -> Iterator[tuple[
 
 def _opened(file: Path, humble: Any) -> Any:
     """rosbags' reader, open."""
-    allowed = ("allowed: a ROS 2 bag, its folder or its .mcap or .db3 file; of one that was cut off what `mcap "
-               "recover` or `ros2 bag reindex` makes")
+    allowed = (
+        "allowed: a ROS 2 bag, its folder or its .mcap or .db3 file; of one that was cut off what `mcap "
+        "recover` or `ros2 bag reindex` makes"
+    )
     try:
         reader = rosbags().highlevel.AnyReader([file], default_typestore=humble)
         reader.open()
-    except KeyError as encoding:  # of a schema that isn't ROS's: rosbags then reads none of the file
-        raise InputError(f"{file}: has messages that are not ROS's (schema encoding {encoding}); allowed: ROS 2 "
-                         "messages alone, as `mcap filter --include-topic-regex TOPIC` makes") from encoding
+    except (
+        KeyError
+    ) as encoding:  # of a schema that isn't ROS's: rosbags then reads none of the file
+        raise InputError(
+            f"{file}: has messages that are not ROS's (schema encoding {encoding}); allowed: ROS 2 "
+            "messages alone, as `mcap filter --include-topic-regex TOPIC` makes"
+        ) from encoding
     except Exception as fault:  # whatever a damaged file may raise
         raise InputError(f"{file}: {fault or type(fault).__name__}; {allowed}") from fault
     return reader
@@ -112,11 +126,15 @@ def read_topics(reader: Any, wanted: set[str], place: str) -> dict[str, Topic]:
         if connection.topic not in wanted:
             continue
         if connection.msgtype != topic.kind:
-            raise InputError(f"{place}: {topic.name} has messages of {topic.kind} and {connection.msgtype}; "
-                             "allowed: one type a topic")
+            raise InputError(
+                f"{place}: {topic.name} has messages of {topic.kind} and {connection.msgtype}; "
+                "allowed: one type a topic"
+            )
         if connection.msgtype not in reader.typestore.fielddefs:
-            raise InputError(f"{place}: {topic.name}: the bag doesn't define {topic.kind}; allowed: "
-                             "definitions=[...], files PACKAGE/msg/NAME.msg")
+            raise InputError(
+                f"{place}: {topic.name}: the bag doesn't define {topic.kind}; allowed: "
+                "definitions=[...], files PACKAGE/msg/NAME.msg"
+            )
 
     used = [c for c in reader.connections if c.topic in wanted]
     for connection, time, raw in reader.messages(used) if used else ():
@@ -124,8 +142,10 @@ def read_topics(reader: Any, wanted: set[str], place: str) -> dict[str, Topic]:
         try:
             message = reader.deserialize(raw, connection.msgtype)
         except Exception as fault:  # whatever cut messages may raise
-            raise InputError(f"{place}: {topic.name}: message {len(topic.messages) + 1} is no {topic.kind}: "
-                             f"{fault}") from fault
+            raise InputError(
+                f"{place}: {topic.name}: message {len(topic.messages) + 1} is no {topic.kind}: "
+                f"{fault}"
+            ) from fault
         topic.times.append(time)
         topic.messages.append(message)
     return topics

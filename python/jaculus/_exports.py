@@ -1,4 +1,5 @@
 """Plans for the tools of ROS: bags for PlotJuggler, Foxglove and players, recordings for Rerun."""
+
 from __future__ import annotations
 
 import json
@@ -37,16 +38,22 @@ class Sampled:
         if not 1.0 <= rate <= 1e6:
             raise InputError(f"rate: {rate} given; allowed: 1 to 1e6 Hz")
         if not plan.converged and not even_unsolved:
-            raise InputError("the plan's solve did not converge; allowed: a converged plan, or any with "
-                             "even_unsolved=True")
+            raise InputError(
+                "the plan's solve did not converge; allowed: a converged plan, or any with "
+                "even_unsolved=True"
+            )
         given = json.loads(plan.export_json(float(rate)))
         moving, held = given["joints"], given["held_joints"]
         self.names: list[str] = [joint["name"] for joint in moving + held]
         time = np.array(given["time_s"])
         self.nanoseconds = np.round(time * 1e9).astype(np.int64)
         still = np.zeros((len(held), len(time)))
-        self.position = _by_sample([[joint["position"] for joint in moving],
-                                   still + np.array([joint["position"] for joint in held]).reshape(-1, 1)])
+        self.position = _by_sample(
+            [
+                [joint["position"] for joint in moving],
+                still + np.array([joint["position"] for joint in held]).reshape(-1, 1),
+            ]
+        )
         self.velocity = _by_sample([[joint["velocity"] for joint in moving], still])
         self.effort = _by_sample([[joint["torque"] for joint in moving], still])
 
@@ -62,18 +69,34 @@ def _messages(sampled: Sampled, start: int, store: Any) -> Any:
     def stamped(time: int) -> Any:
         return header(stamp=clock(sec=time // 10**9, nanosec=time % 10**9), frame_id="")
 
-    samples = list(zip(map(int, sampled.nanoseconds), sampled.position, sampled.velocity, sampled.effort))
-    points = [point(positions=p, velocities=v, accelerations=none, effort=e,
-                    time_from_start=duration(sec=t // 10**9, nanosec=t % 10**9)) for t, p, v, e in samples]
+    samples = list(
+        zip(map(int, sampled.nanoseconds), sampled.position, sampled.velocity, sampled.effort)
+    )
+    points = [
+        point(
+            positions=p,
+            velocities=v,
+            accelerations=none,
+            effort=e,
+            time_from_start=duration(sec=t // 10**9, nanosec=t % 10**9),
+        )
+        for t, p, v, e in samples
+    ]
     kind = "trajectory_msgs/msg/JointTrajectory"
-    yield TRAJECTORY_TOPIC, kind, types[kind](header=stamped(start), joint_names=sampled.names, points=points), start
+    yield TRAJECTORY_TOPIC, kind, types[kind](
+        header=stamped(start), joint_names=sampled.names, points=points
+    ), start
     kind = "sensor_msgs/msg/JointState"
     for t, p, v, e in samples:
-        message = types[kind](header=stamped(start + t), name=sampled.names, position=p, velocity=v, effort=e)
+        message = types[kind](
+            header=stamped(start + t), name=sampled.names, position=p, velocity=v, effort=e
+        )
         yield STATES_TOPIC, kind, message, start + t
 
 
-def write_bag(plan: _core.Plan, path: PathLike, rate: float, start: float, even_unsolved: bool) -> Path:
+def write_bag(
+    plan: _core.Plan, path: PathLike, rate: float, start: float, even_unsolved: bool
+) -> Path:
     sampled, library, target = Sampled(plan, rate, even_unsolved), rosbags(), Path(path)
     if start < 0.0:
         raise InputError(f"start: {start} given; allowed: 0 or later, in seconds since the epoch")
@@ -85,8 +108,9 @@ def write_bag(plan: _core.Plan, path: PathLike, rate: float, start: float, even_
 
     with tempfile.TemporaryDirectory() as scratch:
         folder = Path(scratch, target.stem) if single else target
-        with library.rosbag2.Writer(folder, version=9, storage_plugin=plugins.MCAP if single
-                                    else plugins.SQLITE3) as bag:
+        with library.rosbag2.Writer(
+            folder, version=9, storage_plugin=plugins.MCAP if single else plugins.SQLITE3
+        ) as bag:
             connections: dict[str, Any] = {}
             for topic, kind, message, time in _messages(sampled, round(start * 1e9), store):
                 if topic not in connections:
@@ -108,12 +132,20 @@ def write_rerun(plan: Any, path: PathLike, rate: float, even_unsolved: bool) -> 
     recording.save(os.fspath(path))
 
     def send(entity: str, seconds: np.ndarray, values: np.ndarray) -> None:
-        rerun.send_columns(entity, indexes=[rerun.TimeColumn("time", duration=seconds)],
-                           columns=rerun.Scalars.columns(scalars=values), recording=recording)
+        rerun.send_columns(
+            entity,
+            indexes=[rerun.TimeColumn("time", duration=seconds)],
+            columns=rerun.Scalars.columns(scalars=values),
+            recording=recording,
+        )
 
     for j, name in enumerate(sampled.names):
         for quantity in ("position", "velocity", "effort"):
-            send(f"joints/{name}/{quantity}", sampled.nanoseconds / 1e9, getattr(sampled, quantity)[:, j])
+            send(
+                f"joints/{name}/{quantity}",
+                sampled.nanoseconds / 1e9,
+                getattr(sampled, quantity)[:, j],
+            )
     for column in plan.columns:
         if column != "time":
             send(f"plan/{column}", plan.time, plan[column])

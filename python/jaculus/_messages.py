@@ -1,4 +1,5 @@
 """ROS messages into channels: stamps, joints, poses, fields by their path."""
+
 from __future__ import annotations
 
 import difflib
@@ -47,7 +48,9 @@ class Joints:
     def __init__(self, robot: _core.Robot):
         joints = _core.robot_joints(robot)
         self.slides: dict[str, bool] = {name: slides for name, slides, _ in joints}
-        self._file = {theirs: (name, sign) for name, _, file in joints for theirs, sign in file.items()}
+        self._file = {
+            theirs: (name, sign) for name, _, file in joints for theirs, sign in file.items()
+        }
 
     def find(self, theirs: str, renamed: dict[str, str]) -> Optional[tuple[str, float]]:
         """The robot's joint and the sign of its value; None where the robot has no such joint."""
@@ -59,14 +62,18 @@ class Joints:
     def check(self, renamed: dict[str, str], place: str) -> None:
         for ours in renamed.values():
             if ours not in self.slides and ours not in self._file:
-                raise InputError(f"{place}: joints: the robot has no joint '{ours}'{near(ours, self.slides)}; "
-                                 f"allowed: {', '.join(self.slides)}")
+                raise InputError(
+                    f"{place}: joints: the robot has no joint '{ours}'{near(ours, self.slides)}; "
+                    f"allowed: {', '.join(self.slides)}"
+                )
 
     def unit(self, channel: str) -> str:
         joint, _, quantity = channel.rpartition("_")
         if joint in self.slides and quantity in ("velocity", "torque"):
             slides = self.slides[joint]
-            return {"velocity": "m/s" if slides else "rad/s", "torque": "N" if slides else "N m"}[quantity]
+            return {"velocity": "m/s" if slides else "rad/s", "torque": "N" if slides else "N m"}[
+                quantity
+            ]
         return "m" if self.slides.get(channel) else "rad"
 
 
@@ -89,14 +96,18 @@ def stamps_of(topic: Topic, asked: str, place: str, notes: list[str]) -> np.ndar
     headers = header_stamps(topic)
     logged = np.array(topic.times, dtype=np.int64)
     if asked == "header" and headers is None:
-        raise InputError(f"{place}: {topic.name}: stamp: header, but no header's stamp is set; allowed: log")
+        raise InputError(
+            f"{place}: {topic.name}: stamp: header, but no header's stamp is set; allowed: log"
+        )
     if headers is None or asked == "log":
         why = "as asked" if asked == "log" else "no header's stamp is set"
         notes.append(f"{topic.name}: times are the recorder's ({why})")
         return logged
     late = (logged - headers) / 1e6
-    notes.append(f"{topic.name}: times are the headers' stamps (recorded {np.median(late):.3g} ms later at "
-                 f"the median, {late.max():.3g} ms at most)")
+    notes.append(
+        f"{topic.name}: times are the headers' stamps (recorded {np.median(late):.3g} ms later at "
+        f"the median, {late.max():.3g} ms at most)"
+    )
     return headers
 
 
@@ -109,9 +120,17 @@ def in_order(series: Series, topic: str, notes: list[str]) -> Series:
     stamps = series.stamps[order]
     first = np.concatenate([[True], np.diff(stamps) > 0])
     if not first.all():
-        notes.append(f"{topic}: {int(np.sum(~first))} messages repeat a stamp: the first of each is kept")
-    return Series(series.stream, series.rate_hz, stamps[first], series.channels, series.units,
-                  series.values[:, order[first]])
+        notes.append(
+            f"{topic}: {int(np.sum(~first))} messages repeat a stamp: the first of each is kept"
+        )
+    return Series(
+        series.stream,
+        series.rate_hz,
+        stamps[first],
+        series.channels,
+        series.units,
+        series.values[:, order[first]],
+    )
 
 
 def field_of(path: str) -> Callable[[Any], float]:
@@ -120,16 +139,22 @@ def field_of(path: str) -> Callable[[Any], float]:
     parts = re.findall(r"\.?([A-Za-z_]\w*)|\[([^\]]+)\]", path)
     whole = "".join(f"[{index}]" if index else f".{name}" for name, index in parts).lstrip(".")
     if not parts or whole != path.lstrip("."):
-        raise InputError(f"field '{path}': allowed: names with dots and [places], as motor_state[0].q")
+        raise InputError(
+            f"field '{path}': allowed: names with dots and [places], as motor_state[0].q"
+        )
 
     def take(message: Any) -> float:
         value = message
         for name, index in parts:
             if name:
                 if not hasattr(value, name):
-                    fields = [f for f in getattr(value, "__annotations__", {}) if not f.startswith("__")]
-                    raise InputError(f"field '{path}': there is no '{name}'{near(name, fields)}; "
-                                     f"allowed: {', '.join(fields) or 'nothing, it is a value'}")
+                    fields = [
+                        f for f in getattr(value, "__annotations__", {}) if not f.startswith("__")
+                    ]
+                    raise InputError(
+                        f"field '{path}': there is no '{name}'{near(name, fields)}; "
+                        f"allowed: {', '.join(fields) or 'nothing, it is a value'}"
+                    )
                 value = getattr(value, name)
                 continue
             if not index.isdigit() and index not in getattr(message, "name", ()):
@@ -149,17 +174,23 @@ def field_of(path: str) -> Callable[[Any], float]:
     return take
 
 
-def mapped(topic: Topic, channels: Sequence[_core.MappedChannel], place: str, notes: list[str]) -> np.ndarray:
+def mapped(
+    topic: Topic, channels: Sequence[_core.MappedChannel], place: str, notes: list[str]
+) -> np.ndarray:
     """(c, n) of a topic by a map of its fields."""
     rows = []
     for channel in channels:
         try:
-            fields = np.array([[take(m) for m in topic.messages] for take in map(field_of, channel.columns)])
+            fields = np.array(
+                [[take(m) for m in topic.messages] for take in map(field_of, channel.columns)]
+            )
         except InputError as fault:
             raise InputError(f"{place}: {topic.name}: {channel.channel}: {fault}") from None
         if np.isnan(fields).all():
-            raise InputError(f"{place}: {topic.name}: {channel.channel}: no message has "
-                             f"{' or '.join(channel.columns)}")
+            raise InputError(
+                f"{place}: {topic.name}: {channel.channel}: no message has "
+                f"{' or '.join(channel.columns)}"
+            )
         if len(channel.columns) > 1:
             notes.append(f"{channel.channel} is the mean of {', '.join(channel.columns)}")
         rows.append(channel.scale * fields.mean(axis=0) + channel.shift)
@@ -182,8 +213,13 @@ def _sorted_names(names: Iterable[str], robot: Joints) -> list[str]:
     return sorted(names, key=key)
 
 
-def joint_values(samples: Sequence[tuple[Sequence[str], dict[str, Sequence[float]]]], robot: Joints,
-                 renamed: dict[str, str], place: str, notes: list[str]) -> tuple[list[str], np.ndarray]:
+def joint_values(
+    samples: Sequence[tuple[Sequence[str], dict[str, Sequence[float]]]],
+    robot: Joints,
+    renamed: dict[str, str],
+    place: str,
+    notes: list[str],
+) -> tuple[list[str], np.ndarray]:
     """Channels of named joints over samples of (names, values by suffix "", "_velocity", "_torque").
 
     Returns:
@@ -196,7 +232,9 @@ def joint_values(samples: Sequence[tuple[Sequence[str], dict[str, Sequence[float
     for k, (names, kinds) in enumerate(samples):
         for suffix, values in kinds.items():
             if len(values) not in (0, len(names)):
-                raise InputError(f"{place}: sample {k + 1}: {len(values)} values for {len(names)} joints")
+                raise InputError(
+                    f"{place}: sample {k + 1}: {len(values)} values for {len(names)} joints"
+                )
             for theirs, value in zip(names, values):
                 found = robot.find(theirs, renamed)
                 if found is None:
@@ -210,13 +248,19 @@ def joint_values(samples: Sequence[tuple[Sequence[str], dict[str, Sequence[float
                 sides.setdefault(found[0], set()).add(theirs)
 
     if unknown:
-        notes.append(f"{place}: left out, as the robot has no such joints: {', '.join(sorted(unknown))}")
+        notes.append(
+            f"{place}: left out, as the robot has no such joints: {', '.join(sorted(unknown))}"
+        )
     if not sums:
-        raise InputError(f"{place}: none of its joints is one of the robot's; allowed: "
-                         f"{', '.join(robot.slides)}, or `joints` of the map")
+        raise InputError(
+            f"{place}: none of its joints is one of the robot's; allowed: "
+            f"{', '.join(robot.slides)}, or `joints` of the map"
+        )
     for joint, theirs in sides.items():
         if len(theirs) > 1:
-            notes.append(f"{place}: {joint} is the mean of {', '.join(sorted(theirs))}, each with its sign")
+            notes.append(
+                f"{place}: {joint} is the mean of {', '.join(sorted(theirs))}, each with its sign"
+            )
         elif theirs != {joint}:
             notes.append(f"{place}: {joint} is {next(iter(theirs))}")
 
@@ -225,17 +269,23 @@ def joint_values(samples: Sequence[tuple[Sequence[str], dict[str, Sequence[float
         return channels, np.array([sums[c] / counts[c] for c in channels])
 
 
-def joint_state(topic: Topic, robot: Joints, renamed: dict[str, str], place: str,
-                notes: list[str]) -> tuple[list[str], list[str], np.ndarray]:
+def joint_state(
+    topic: Topic, robot: Joints, renamed: dict[str, str], place: str, notes: list[str]
+) -> tuple[list[str], list[str], np.ndarray]:
     """Channels, units and values of sensor_msgs/JointState. Effort is the torque at the joint."""
-    samples = [(m.name, {"": m.position, "_velocity": m.velocity, "_torque": m.effort})
-               for m in topic.messages]
+    samples = [
+        (m.name, {"": m.position, "_velocity": m.velocity, "_torque": m.effort})
+        for m in topic.messages
+    ]
     channels, values = joint_values(samples, robot, renamed, f"{place}: {topic.name}", notes)
     if any(channel.endswith("_torque") for channel in channels):
-        notes.append(f"{topic.name}: effort is taken as the torque of one motor at its joint, behind the gear")
+        notes.append(
+            f"{topic.name}: effort is taken as the torque of one motor at its joint, behind the gear"
+        )
     units = [robot.unit(channel) for channel in channels]
-    notes.append(f"{topic.name} ({topic.kind}): " +
-                 ", ".join(f"{c} [{u}]" for c, u in zip(channels, units)))
+    notes.append(
+        f"{topic.name} ({topic.kind}): " + ", ".join(f"{c} [{u}]" for c, u in zip(channels, units))
+    )
     return channels, units, values
 
 
@@ -244,21 +294,32 @@ def poses(topic: Topic, place: str, notes: list[str]) -> tuple[np.ndarray, np.nd
     odometry = topic.kind == ODOMETRY
     given = [m.pose.pose if odometry else m.pose for m in topic.messages]
     position = np.array([[p.position.x, p.position.y, p.position.z] for p in given]).T
-    rotation = np.array([[p.orientation.x, p.orientation.y, p.orientation.z, p.orientation.w]
-                         for p in given]).T
+    rotation = np.array(
+        [[p.orientation.x, p.orientation.y, p.orientation.z, p.orientation.w] for p in given]
+    ).T
     norm = np.linalg.norm(rotation, axis=0)
     gaps = ~(np.isfinite(position).all(axis=0) & (np.abs(norm - 1.0) < 0.01))
     if gaps.all():
-        raise InputError(f"{place}: {topic.name}: no message has a unit quaternion and a finite position")
+        raise InputError(
+            f"{place}: {topic.name}: no message has a unit quaternion and a finite position"
+        )
     if gaps.any():
         notes.append(f"{topic.name}: {int(gaps.sum())} messages have no unit quaternion: gaps")
     position[:, gaps] = np.nan
     rotation = np.where(gaps, np.nan, rotation / np.where(norm > 0.0, norm, 1.0))
 
     frames = sorted({m.header.frame_id for m in topic.messages})
-    body = f" of {topic.messages[0].child_frame_id}" if odometry and topic.messages[0].child_frame_id else ""
-    notes.append(f"{topic.name} ({topic.kind}): pose{body} in frame '{', '.join(frames)}', z taken as up "
-                 "(REP-103); metres, rad")
+    body = (
+        f" of {topic.messages[0].child_frame_id}"
+        if odometry and topic.messages[0].child_frame_id
+        else ""
+    )
+    notes.append(
+        f"{topic.name} ({topic.kind}): pose{body} in frame '{', '.join(frames)}', z taken as up "
+        "(REP-103); metres, rad"
+    )
     if odometry:
-        notes.append(f"{topic.name}: twist and covariances are left out: rates follow from the poses")
+        notes.append(
+            f"{topic.name}: twist and covariances are left out: rates follow from the poses"
+        )
     return position, rotation

@@ -8,6 +8,7 @@ from typing import Any, Callable, Iterable, Mapping, Optional, Union
 
 from . import _core
 from ._inputs import Source, node_of, quantity
+from ._progress import show_stage, shown
 from ._tables import page, pandas, pyplot
 from .datasets import Dataset, load_dataset
 
@@ -74,7 +75,7 @@ def diagnose(datasets: Union[Given, Iterable[Given]], *, settings: Optional[Sour
              tolerances: Optional[Mapping[str, Union[str, float]]] = None,
              horizon: Union[str, float, None] = None,
              effect_files: Iterable[Union[str, "os.PathLike[str]"]] = (), jobs: int = 2,
-             progress: Optional[Callable[[str], None]] = None) -> Diagnosis:
+             progress: Union[bool, Callable[[str], None], None] = None) -> Diagnosis:
     """Finds where the gap between model and robot lies and which unmodelled effect causes it.
 
     Args:
@@ -88,6 +89,7 @@ def diagnose(datasets: Union[Given, Iterable[Given]], *, settings: Optional[Sour
         effect_files: YAML files of effects of your own, judged beside the others.
         jobs: threads at a time; the result does not depend on it.
         progress: called with the name of each stage as it begins. What it raises ends the diagnosis.
+            True: a bar of tqdm.
 
     Raises:
         InputError: with file, line and key.
@@ -97,9 +99,10 @@ def diagnose(datasets: Union[Given, Iterable[Given]], *, settings: Optional[Sour
     """
     many = [datasets] if isinstance(datasets, (Dataset, str, os.PathLike)) else list(datasets)
     loaded = [d if isinstance(d, Dataset) else load_dataset(d) for d in many]
-    return Diagnosis(_core.diagnose(
-        [dataset._core for dataset in loaded],
-        None if settings is None else node_of(settings),
-        [f"{channel}={quantity(value)}" for channel, value in (tolerances or {}).items()],
-        "" if horizon is None else quantity(horizon),
-        [os.fspath(file) for file in effect_files], jobs, progress))
+    with shown(progress, "diagnosis", show_stage, "stage") as call:
+        return Diagnosis(_core.diagnose(
+            [dataset._core for dataset in loaded],
+            None if settings is None else node_of(settings),
+            [f"{channel}={quantity(value)}" for channel, value in (tolerances or {}).items()],
+            "" if horizon is None else quantity(horizon),
+            [os.fspath(file) for file in effect_files], jobs, call))

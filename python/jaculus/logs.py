@@ -1,4 +1,5 @@
 """Logs of robots as others keep them, into datasets: ROS 2 bags, Parquet, tables of pandas."""
+
 from __future__ import annotations
 
 import math
@@ -11,222 +12,54 @@ from typing import Any, Optional, Union
 import numpy as np
 
 from . import _core
-from ._bags import PathLike, Topic, open_bag, read_topics
+from ._bags import PathLike
 from ._errors import InputError
 from ._inputs import Source, node_of
-from ._messages import (JOINT_STATE, ODOMETRY, POSE, TRAJECTORY, Joints, Series, in_order, joint_state,
-                        joint_values, mapped, near, poses, stamps_of)
+from ._messages import Joints, Series, near
 from ._tables import pandas
+from ._trials import Bag, Start
 from .datasets import Dataset, load_dataset
-
-Start = Union[str, float]
-
-KNOWN = {JOINT_STATE: "joints", ODOMETRY: "mocap", POSE: "mocap"}  # and the stream of the first such topic
 
 
 def _as_list(given: Any) -> list[Any]:
-    return [given] if isinstance(given, (str, os.PathLike)) or hasattr(given, "columns") else list(given)
+    return (
+        [given]
+        if isinstance(given, (str, os.PathLike)) or hasattr(given, "columns")
+        else list(given)
+    )
 
 
-def _read_stream(topic: Topic, entry: Optional[_core.BagTopic], stream: str, robot: Joints, place: str,
-                 notes: list[str]) -> Series:
-    """One topic as a stream."""
-    rate = entry.rate_hz if entry else math.nan
-    stamps = stamps_of(topic, entry.stamp if entry else "", place, notes)
-    if entry and entry.channels:
-        values = mapped(topic, entry.channels, place, notes)
-        names = [channel.channel for channel in entry.channels]
-        units = [channel.unit for channel in entry.channels]
-        return in_order(Series(stream, rate, stamps, names, units, values), topic.name, notes)
-
-    if topic.kind == JOINT_STATE:
-        names, units, values = joint_state(topic, robot, entry.joints if entry else {}, place, notes)
-        return in_order(Series(stream, rate, stamps, names, units, values), topic.name, notes)
-
-    position, rotation = poses(topic, place, notes)
-    series = in_order(Series(stream, rate, stamps, [], [], np.vstack([position, rotation])), topic.name, notes)
-    # REP-105: odometry's frame begins with x ahead. A motion capture's frame is anyone's.
-    forward = (entry.forward if entry else "") or ("+x" if topic.kind == ODOMETRY else "auto")
-    rest = entry.rest if entry and entry.rest is not None else 0.1
-    seconds = (series.stamps - series.stamps[0]) / 1e9
-    pose, told = _core.planar_pose("base", seconds, series.values[:3], series.values[3:], forward, rest)
-    if not any(note.startswith("forward") for note in told):
-        told.append(f"forward is taken as {forward} of its frame")
-    notes += [f"{topic.name}: {note}" for note in told]
-    notes.append(f"{topic.name}: x, y and the angles count from the mean of the first {rest:g} s")
-    series.channels, series.units, series.values = pose.channels, pose.units, np.array(pose.values)
-    return series
-
-
-class _Plan:
-    """What a JointTrajectory commands.
-
-    Attributes:
-        zero: when it begins [ns].
-        columns, values: of plan.csv, (n, c).
-    """
-
-    def __init__(self, topic: Topic, entry: Optional[_core.BagTopic], robot: Joints, place: str,
-                 notes: list[str]):
-        message = topic.messages[0]
-        where = f"{place}: {topic.name}"
-        if len(topic.messages) > 1:
-            notes.append(f"{topic.name}: of {len(topic.messages)} trajectories the first is the plan")
-        stamp = message.header.stamp.sec * 10**9 + message.header.stamp.nanosec
-        self.zero = stamp if stamp else topic.times[0]
-        since = [p.time_from_start.sec * 10**9 + p.time_from_start.nanosec for p in message.points]
-        if len(since) < 2 or np.min(np.diff(since)) <= 0:
-            raise InputError(f"{where}: {len(since)} points; allowed: two or more, at rising times")
-
-        samples = [(message.joint_names, {"": p.positions, "_velocity": p.velocities, "_torque": p.effort})
-                   for p in message.points]
-        names, values = joint_values(samples, robot, entry.joints if entry else {}, where, notes)
-        if any(len(p.accelerations) for p in message.points):
-            notes.append(f"{topic.name}: accelerations are left out: a plan has none")
-        units = [robot.unit(name) for name in names]
-        self.columns = ["time [s]"] + [f"{name} [{unit}]" for name, unit in zip(names, units)]
-        self.values = np.column_stack([np.array(since) / 1e9, values.T])
-        notes.append(f"{topic.name} ({topic.kind}): the plan, {len(since)} points, from its "
-                     f"{'header' if stamp else 'recording'} on; effort is taken as torque at the joint")
-
-    def write(self, file: Path) -> None:
-        rows = [",".join("" if math.isnan(v) else repr(float(v)) for v in row) for row in self.values]
-        file.write_text("\n".join([",".join(self.columns), *rows]) + "\n")
-
-    def same(self, other: _Plan) -> bool:
-        return self.columns == other.columns and np.array_equal(self.values, other.values, equal_nan=True)
-
-
-class _Bag:
-    """One bag: a trial. `series` and perhaps `plan`; `notes` on all that was assumed or left out."""
-
-    def __init__(self, path: PathLike, entries: dict[str, _core.BagTopic], robot: Joints, take_plan: bool,
-                 definitions: Iterable[PathLike]):
-        self.notes: list[str] = []
-        self.place = os.fspath(path)
-        with open_bag(path, definitions) as (reader, told):
-            self.notes += told
-            kinds = {c.topic: c.msgtype for c in reader.connections}
-            wanted = self._wanted(kinds, entries, take_plan)
-            topics = read_topics(reader, set(wanted), self.place)
-
-        self.plan: Optional[_Plan] = None
-        self.series: list[Series] = []
-        names: dict[str, str] = {}
-        for name in wanted:
-            topic, entry = topics[name], entries.get(name)
-            if not topic.messages:
-                self.notes.append(f"{name} ({topic.kind}) has no message")
-                continue
-            if entry:
-                robot.check(entry.joints, f"{name} of the map")
-            if topic.kind == TRAJECTORY and not (entry and entry.channels):
-                self._take_plan(topic, entry, robot, take_plan)
-                continue
-            stream = self._stream_name(topic, entry, names)
-            self.series.append(_read_stream(topic, entry, stream, robot, self.place, self.notes))
-            self.notes.append(f"{name}: stream {stream}, {len(self.series[-1].stamps)} samples")
-
-        left = [f"{t.name} ({t.kind}, {t.count} messages)" for t in topics.values() if t.name not in wanted]
-        if left:
-            self.notes.append(f"topics left out: {', '.join(sorted(left))}")
-        if not self.series:
-            raise InputError(f"{self.place}: no topic to take, of {', '.join(sorted(kinds)) or 'none'}; allowed: "
-                             f"messages of {', '.join(KNOWN)}, or `columns`, a map of fields")
-        self._check_clocks()
-
-    def _wanted(self, kinds: dict[str, str], entries: dict[str, _core.BagTopic], take_plan: bool) -> list[str]:
-        """Topics that are read, in the map's order or by name."""
-        if not entries:
-            return sorted(t for t, kind in kinds.items() if kind in KNOWN or (kind == TRAJECTORY and take_plan))
-        for name, entry in entries.items():
-            if name not in kinds:
-                raise InputError(f"{self.place}: there is no topic '{name}'{near(name, kinds)}; allowed: "
-                                 f"{', '.join(sorted(kinds))}")
-            if not entry.channels and kinds[name] not in (*KNOWN, TRAJECTORY):
-                raise InputError(f"{self.place}: {name} has messages of {kinds[name]}; allowed: `channels` in "
-                                 f"the map, or messages of {', '.join([*KNOWN, TRAJECTORY])}")
-        return list(entries)
-
-    def _take_plan(self, topic: Topic, entry: Optional[_core.BagTopic], robot: Joints, take: bool) -> None:
-        if not take or self.plan:
-            self.notes.append(f"{topic.name} ({topic.kind}) is left out: "
-                              f"{'another topic is the plan' if take else 'a plan is given or none is asked for'}")
-            return
-        self.plan = _Plan(topic, entry, robot, self.place, self.notes)
-
-    def _stream_name(self, topic: Topic, entry: Optional[_core.BagTopic], taken: dict[str, str]) -> str:
-        """As the map says; else joints or mocap, or the topic's name where these are taken."""
-        usual = "joints" if entry and entry.channels else KNOWN[topic.kind]
-        own = topic.name.strip("/").replace("/", "_")
-        name = (entry.stream if entry else "") or (own if usual in taken else usual)
-        if name in taken:
-            raise InputError(f"{self.place}: {taken[name]} and {topic.name} are both the stream '{name}'; "
-                             "allowed: `stream` of its own in the map")
-        taken[name] = topic.name
-        return name
-
-    def _check_clocks(self) -> None:
-        """Streams by headers and streams by the recorder's clock must mean the same clock."""
-        if len(self.series) < 2:
-            return
-        first, last = max(s.stamps[0] for s in self.series), min(s.stamps[-1] for s in self.series)
-        if first > last:
-            spans = ", ".join(f"{s.stream} {s.stamps[0] / 1e9:.3f} to {s.stamps[-1] / 1e9:.3f} s"
-                              for s in self.series)
-            raise InputError(f"{self.place}: streams don't overlap in time ({spans}); allowed: stamps of one "
-                             "clock, `stamp: log` in the map takes the recorder's")
-
-    def zero(self, start: Start) -> int:
-        """Time zero [ns] by `start`."""
-        first = min(int(s.stamps[0]) for s in self.series)
-        if start == "plan":
-            if not self.plan:
-                raise InputError(f"{self.place}: start: plan, but the bag has no plan; allowed: first, seconds, "
-                                 "CHANNEL>VALUE")
-            self.notes.append("time zero is where the plan begins")
-            return self.plan.zero
-        if start == "first":
-            return first
-        name, above, value = str(start).partition(">")
-        try:
-            number = float(value if above else name)
-        except ValueError:
-            number = math.nan
-        if not math.isfinite(number):
-            raise InputError(f"start: '{start}' given; allowed: first, plan, seconds of the log, CHANNEL>VALUE")
-        if not above:
-            return first + round(number * 1e9)
-        return self._passes(name.strip(), number, first)
-
-    def _passes(self, name: str, value: float, first: int) -> int:
-        channels = {c: s for s in reversed(self.series) for c in s.channels}
-        if name not in channels:
-            raise InputError(f"start: there is no channel '{name}'{near(name, channels)}; allowed: "
-                             f"{', '.join(channels)}")
-        series = channels[name]
-        passing = np.flatnonzero(series.values[series.channels.index(name)] > value)
-        if not len(passing):
-            raise InputError(f"{self.place}: {name} never passes {value:g}; allowed: another start")
-        at = int(series.stamps[passing[0]])
-        self.notes.append(f"time zero where {name} first passes {value:g}: {(at - first) / 1e9:.6g} s of the log")
-        return at
-
-
-def _core_streams(series: Iterable[Series], zero: int, cut: Optional[tuple[float, float]],
-                  place: str) -> list[_core.Stream]:
+def _core_streams(
+    series: Iterable[Series], zero: int, cut: Optional[tuple[float, float]], place: str
+) -> list[_core.Stream]:
     streams = []
     for s in series:
         time = (s.stamps - zero) / 1e9
-        kept = np.ones(len(time), bool) if cut is None else (time >= cut[0] - 1e-9) & (time <= cut[1] + 1e-9)
+        kept = (
+            np.ones(len(time), bool)
+            if cut is None
+            else (time >= cut[0] - 1e-9) & (time <= cut[1] + 1e-9)
+        )
         if not kept.any():
-            raise InputError(f"{place}: {s.stream}: no sample lies within cut {cut[0]:g},{cut[1]:g} s of time zero")
-        streams.append(_core.make_stream(s.stream, s.rate_hz, time[kept], s.channels, s.units,
-                                         np.asfortranarray(s.values[:, kept])))
+            raise InputError(
+                f"{place}: {s.stream}: no sample lies within cut {cut[0]:g},{cut[1]:g} s of time zero"
+            )
+        streams.append(
+            _core.make_stream(
+                s.stream,
+                s.rate_hz,
+                time[kept],
+                s.channels,
+                s.units,
+                np.asfortranarray(s.values[:, kept]),
+            )
+        )
     return streams
 
 
-def _finish(dataset: _core.Dataset, out: PathLike, notes: list[str], source: str, provenance: str) -> Dataset:
+def _finish(
+    dataset: _core.Dataset, out: PathLike, notes: list[str], source: str, provenance: str
+) -> Dataset:
     """Writes the dataset, and reads it as any other."""
     assumed = list(dataset.notes)
     told = " ".join(f"{note.rstrip('.')}." for note in notes)
@@ -242,11 +75,20 @@ def _check_cut(cut: Optional[tuple[float, float]]) -> None:
         raise InputError(f"cut: {tuple(cut)} given; allowed: (FROM, TO) in seconds, FROM below TO")
 
 
-def import_bag(path: Union[PathLike, Iterable[PathLike]], out: PathLike, *, robot: str,
-               columns: Optional[Source] = None, experiment: str = "leap", plan: PathLike = "",
-               controller: str = "", start: Optional[Start] = None,
-               cut: Optional[tuple[float, float]] = None, definitions: Iterable[PathLike] = (),
-               provenance: str = "") -> Dataset:
+def import_bag(
+    path: Union[PathLike, Iterable[PathLike]],
+    out: PathLike,
+    *,
+    robot: str,
+    columns: Optional[Source] = None,
+    experiment: str = "leap",
+    plan: PathLike = "",
+    controller: str = "",
+    start: Optional[Start] = None,
+    cut: Optional[tuple[float, float]] = None,
+    definitions: Iterable[PathLike] = (),
+    provenance: str = "",
+) -> Dataset:
     """Makes a dataset of ROS 2 bags: MCAP and sqlite3, by PyPI's rosbags.
 
     Without `columns` all topics of these types are taken; anything else is left out, with a note:
@@ -283,19 +125,22 @@ def import_bag(path: Union[PathLike, Iterable[PathLike]], out: PathLike, *, robo
     joints = Joints(_core.load_robot(os.fspath(robot)))
     paths = _as_list(path)
     take_plan = not plan and "measured" not in controller
-    bags = [_Bag(p, entries, joints, take_plan, definitions) for p in paths]
+    bags = [Bag(p, entries, joints, take_plan, definitions) for p in paths]
     if not bags:
         raise ValueError("import_bag: no bag given; allowed: one or more")
 
     plans = [bag.plan for bag in bags if bag.plan]
     if plans and (len(plans) < len(bags) or not all(plans[0].same(p) for p in plans)):
-        raise InputError("the bags don't command the same trajectory; allowed: bags of one plan in a dataset")
+        raise InputError(
+            "the bags don't command the same trajectory; allowed: bags of one plan in a dataset"
+        )
     with tempfile.TemporaryDirectory() as scratch:
         file = Path(scratch, "plan.csv")
         if plans:
             plans[0].write(file)
-        dataset = _core.begin_import(experiment, os.fspath(robot), file if plans else os.fspath(plan),
-                                     controller)
+        dataset = _core.begin_import(
+            experiment, os.fspath(robot), file if plans else os.fspath(plan), controller
+        )
 
     notes: list[str] = []
     for k, bag in enumerate(bags, 1):
@@ -317,29 +162,52 @@ def _frame(path: Any, columns: _core.ColumnMap) -> Any:
         if file.suffix == ".parquet":
             return pandas().read_parquet(file)
         separator = r"\s+" if columns.separator == " " else columns.separator
-        frame = pandas().read_csv(file, sep=separator, skiprows=columns.skip_lines, na_values=columns.gaps,
-                                  header=0 if columns.header else None)
+        frame = pandas().read_csv(
+            file,
+            sep=separator,
+            skiprows=columns.skip_lines,
+            na_values=columns.gaps,
+            header=0 if columns.header else None,
+        )
     except (ValueError, OSError) as fault:
         raise InputError(f"{file}: {fault}; allowed: Parquet, or CSV as the map says") from fault
-    return frame if columns.header else frame.set_axis([str(i + 1) for i in range(frame.shape[1])], axis=1)
+    return (
+        frame
+        if columns.header
+        else frame.set_axis([str(i + 1) for i in range(frame.shape[1])], axis=1)
+    )
 
 
 def _column(frame: Any, name: str, place: str) -> np.ndarray:
     """A column as numbers; times of day in seconds since the first [s]."""
     if name not in frame.columns:
-        raise InputError(f"{place}: there is no column '{name}'{near(name, map(str, frame.columns))}; allowed: "
-                         f"{', '.join(map(str, frame.columns))}")
+        raise InputError(
+            f"{place}: there is no column '{name}'{near(name, map(str, frame.columns))}; allowed: "
+            f"{', '.join(map(str, frame.columns))}"
+        )
     values = frame[name]
     if pandas().api.types.is_datetime64_any_dtype(values):
         return (values - values.iloc[0]).dt.total_seconds().to_numpy()
     if not pandas().api.types.is_numeric_dtype(values):
-        raise InputError(f"{place}: column '{name}' holds {values.dtype}; allowed: numbers, gaps as the map says")
+        raise InputError(
+            f"{place}: column '{name}' holds {values.dtype}; allowed: numbers, gaps as the map says"
+        )
     return values.to_numpy(dtype=float, na_value=math.nan)
 
 
-def import_table(path: Any, out: PathLike, *, columns: Source, robot: str, experiment: str = "leap",
-                 plan: PathLike = "", controller: str = "", start: Start = "first",
-                 cut: Optional[tuple[float, float]] = None, provenance: str = "") -> Dataset:
+def import_table(
+    path: Any,
+    out: PathLike,
+    *,
+    columns: Source,
+    robot: str,
+    experiment: str = "leap",
+    plan: PathLike = "",
+    controller: str = "",
+    start: Start = "first",
+    cut: Optional[tuple[float, float]] = None,
+    provenance: str = "",
+) -> Dataset:
     """Makes a dataset of tables: Parquet, CSV, or pandas' own, through a map of their columns.
 
     Args:
@@ -360,19 +228,34 @@ def import_table(path: Any, out: PathLike, *, columns: Source, robot: str, exper
     for k, table in enumerate(tables, 1):
         place = "table" if hasattr(table, "columns") else os.fspath(table)
         frame = _frame(table, layout)
-        rows = {c.channel: c.scale * np.mean([_column(frame, name, place) for name in c.columns], axis=0)
-                + c.shift for c in layout.channels}
+        rows = {
+            c.channel: c.scale
+            * np.mean([_column(frame, name, place) for name in c.columns], axis=0)
+            + c.shift
+            for c in layout.channels
+        }
         time = rows.pop("time")
         if not len(time) or not np.all(np.diff(time) > 0.0):
             raise InputError(f"{place}: time: allowed: rising times in every row")
         zero = _table_zero(start, time, rows, place)
-        kept = np.ones(len(time), bool) if cut is None else (time - zero >= cut[0]) & (time - zero <= cut[1])
+        kept = (
+            np.ones(len(time), bool)
+            if cut is None
+            else (time - zero >= cut[0]) & (time - zero <= cut[1])
+        )
         if not kept.any():
-            raise InputError(f"{place}: no sample lies within cut {cut[0]:g},{cut[1]:g} s of time zero")
+            raise InputError(
+                f"{place}: no sample lies within cut {cut[0]:g},{cut[1]:g} s of time zero"
+            )
         units = {c.channel: c.unit for c in layout.channels}
-        stream = _core.make_stream(layout.stream, layout.rate_hz, (time - zero)[kept], list(rows),
-                                   [units[name] for name in rows],
-                                   np.asfortranarray(np.array(list(rows.values()))[:, kept]))
+        stream = _core.make_stream(
+            layout.stream,
+            layout.rate_hz,
+            (time - zero)[kept],
+            list(rows),
+            [units[name] for name in rows],
+            np.asfortranarray(np.array(list(rows.values()))[:, kept]),
+        )
         _core.add_trial(dataset, f"trial_{k:02}", [stream])
         used = {name for channel in layout.channels for name in channel.columns}
         left = [str(name) for name in frame.columns if str(name) not in used]
@@ -388,7 +271,9 @@ def _table_zero(start: Start, time: np.ndarray, rows: dict[str, np.ndarray], pla
     try:
         number = float(value if above else name)
     except ValueError:
-        raise InputError(f"start: '{start}' given; allowed: first, seconds of the file, CHANNEL>VALUE") from None
+        raise InputError(
+            f"start: '{start}' given; allowed: first, seconds of the file, CHANNEL>VALUE"
+        ) from None
     if not above:
         return number
     if name.strip() not in rows:

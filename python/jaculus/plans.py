@@ -14,9 +14,10 @@ from ._exports import write_bag, write_rerun
 from ._inputs import Source
 from ._interrupts import Interrupted
 from ._tables import labelled, page, pandas, pyplot, xarray
+from ._progress import show_iteration, shown
 from .robots import Problem, load_problem
 
-Progress = Callable[[int, float, float], None]
+Progress = Union[bool, Callable[[int, float, float], None]]
 
 
 class Plan:
@@ -176,7 +177,8 @@ def solve(problem: Union[Source, Problem], *, robot: Optional[str] = None,
         starts: number of starts, in place of the problem's: its guess, then smooth random ones.
         jobs: processes at a time where there are several starts.
         progress: called after every iteration with its number, the objective and the largest
-            violation of a row; not from within several starts. What it raises ends the solve.
+            violation of a row; not from within several starts. What it raises ends the solve. True:
+            a bar of tqdm.
 
     Returns:
         A `Plan`. One that did not converge says so by `status` and `converged`.
@@ -189,7 +191,8 @@ def solve(problem: Union[Source, Problem], *, robot: Optional[str] = None,
     Lightweight Tails, T-RO 2021.
     """
     loaded = load_problem(problem, robot=robot, override=override)
-    plan = Plan(_core.solve(loaded._core, seed, starts, jobs, progress))
+    with shown(progress, loaded.name, show_iteration, "iteration") as call:
+        plan = Plan(_core.solve(loaded._core, seed, starts, jobs, call))
     if plan.status == "interrupted":
         raise Interrupted(f"{loaded.name}: interrupted; result has the last iterate", plan)
     return plan

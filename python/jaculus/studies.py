@@ -8,6 +8,7 @@ from typing import Any, Callable, Optional, Union
 from . import _core
 from ._inputs import Source, node_of
 from ._interrupts import Interrupted
+from ._progress import show_point, shown
 from ._tables import page, pandas, pyplot
 
 
@@ -52,7 +53,7 @@ class Study:
 
 
 def study(source: Source, *, out: Union[str, "os.PathLike[str]", None] = None, jobs: int = 1,
-          resume: bool = False, progress: Optional[Callable[[int, int], None]] = None) -> Study:
+          resume: bool = False, progress: Union[bool, Callable[[int, int], None], None] = None) -> Study:
     """Runs a study: reorientation, tail design, drag bench, plans over grids of parameters.
 
     Args:
@@ -63,13 +64,14 @@ def study(source: Source, *, out: Union[str, "os.PathLike[str]", None] = None, j
         jobs: processes at a time.
         resume: insist on going on with what is finished in `out`.
         progress: called after every point with how many are done, and how many there are. What it
-            raises ends the study.
+            raises ends the study. True: a bar of tqdm.
 
     Raises:
         InputError: with file, line and key, before any work is done.
         Interrupted: Ctrl-C; `result` has what is finished.
     """
-    core = _core.study(node_of(source), "" if out is None else os.fspath(out), jobs, resume, progress)
+    with shown(progress, "study", show_point, "point") as call:
+        core = _core.study(node_of(source), "" if out is None else os.fspath(out), jobs, resume, call)
     if core.interrupted:
         raise Interrupted("interrupted; what is finished is kept in `out`", Study(core))
     return Study(core)

@@ -1,4 +1,5 @@
 """Runs every program of examples/*.py as its reader would, and checks what its comments say it prints."""
+
 import importlib.util
 import os
 import pathlib
@@ -28,7 +29,9 @@ def test_an_example_runs_and_prints_what_it_says(program, tmp_path):
     if 'environ["JACULUS_DATA"]' in text and not DATA.is_dir():
         pytest.skip("no shared data")
     environment = {**os.environ, "MPLBACKEND": "Agg", "JACULUS_DATA": str(DATA)}
-    done = subprocess.run([sys.executable, program], cwd=tmp_path, env=environment, capture_output=True, text=True)
+    done = subprocess.run(
+        [sys.executable, program], cwd=tmp_path, env=environment, capture_output=True, text=True
+    )
     assert done.returncode == 0, done.stdout + done.stderr
     for expected in re.findall(r"^# prints: (.+)", text, re.M):
         assert docs.occurs(expected, done.stdout), f"{expected!r} is not in\n{done.stdout}"

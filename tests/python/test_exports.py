@@ -1,4 +1,5 @@
 """Plans written by way of rosbags, read back by mcap-ros2-support, sqlite3 and Rerun's own program."""
+
 import json
 import re
 import sqlite3
@@ -17,10 +18,24 @@ RATE = 200.0
 def exported(leap, tmp_path_factory):
     """The same plan as the program exports it."""
     from jaculus._command import program
+
     folder = tmp_path_factory.mktemp("exported")
     leap.save(folder / "leap")
-    subprocess.run([program(), "export", folder / "leap", "--as", "json", "--rate", str(RATE), "--out",
-                    folder / "leap.json"], check=False, capture_output=True)
+    subprocess.run(
+        [
+            program(),
+            "export",
+            folder / "leap",
+            "--as",
+            "json",
+            "--rate",
+            str(RATE),
+            "--out",
+            folder / "leap.json",
+        ],
+        check=False,
+        capture_output=True,
+    )
     return json.loads((folder / "leap.json").read_text())
 
 
@@ -37,8 +52,9 @@ def check(messages, exported, start):
     moving, held = exported["joints"], exported["held_joints"]
     names = [joint["name"] for joint in moving + held]
     nothing = [[0.0] * len(exported["time_s"])] * len(held)
-    positions = np.array([j["position"] for j in moving]
-                         + [[j["position"]] * len(exported["time_s"]) for j in held]).T
+    positions = np.array(
+        [j["position"] for j in moving] + [[j["position"]] * len(exported["time_s"]) for j in held]
+    ).T
     velocities = np.array([j["velocity"] for j in moving] + nothing).T
     efforts = np.array([j["torque"] for j in moving] + nothing).T
     times = [round(t * 1e9) for t in exported["time_s"]]
@@ -49,7 +65,13 @@ def check(messages, exported, start):
     assert nanoseconds(plan.header.stamp) == start and plan.header.frame_id == ""
     assert len(plan.points) == len(times)
     for k, point in enumerate(plan.points):
-        assert fields(point) == ["positions", "velocities", "accelerations", "effort", "time_from_start"]
+        assert fields(point) == [
+            "positions",
+            "velocities",
+            "accelerations",
+            "effort",
+            "time_from_start",
+        ]
         np.testing.assert_array_equal(point.positions, positions[k])
         np.testing.assert_array_equal(point.velocities, velocities[k])
         np.testing.assert_array_equal(point.effort, efforts[k])
@@ -57,7 +79,11 @@ def check(messages, exported, start):
 
     assert len(states) == len(times)
     for k, (topic, kind, state, logged) in enumerate(states):
-        assert (topic, kind, logged) == ("/joint_states", "sensor_msgs/msg/JointState", start + times[k])
+        assert (topic, kind, logged) == (
+            "/joint_states",
+            "sensor_msgs/msg/JointState",
+            start + times[k],
+        )
         assert fields(state) == ["header", "name", "position", "velocity", "effort"]
         assert nanoseconds(state.header.stamp) == logged and state.header.frame_id == ""
         assert list(state.name) == names
@@ -70,13 +96,18 @@ def test_mcap_holds_the_plan_for_another_reader(leap, exported, tmp_path):
     pytest.importorskip("rosbags", reason="bags need rosbags")
     decoder = pytest.importorskip("mcap_ros2.decoder", reason="needs mcap-ros2-support")
     from mcap.reader import make_reader
+
     file = leap.to_bag(tmp_path / "leap.mcap", rate=RATE, start=12.5)
     with open(file, "rb") as stream:
         reader = make_reader(stream, decoder_factories=[decoder.DecoderFactory()])
         assert reader.get_header().profile == "ros2"
         read = [(c.topic, s.name, m, r.log_time) for s, c, r, m in reader.iter_decoded_messages()]
     first = [entry for entry in read if entry[0] == "/joint_trajectory"]
-    check(first + [entry for entry in read if entry[0] != "/joint_trajectory"], exported, 12_500_000_000)
+    check(
+        first + [entry for entry in read if entry[0] != "/joint_trajectory"],
+        exported,
+        12_500_000_000,
+    )
     leap.to_bag(file, rate=10.0)  # is replaced
     assert len(exported["joints"]) > len(leap.input_names)  # left and right
 
@@ -87,9 +118,15 @@ def test_sqlite3_holds_the_plan_for_another_reader(leap, exported, tmp_path):
     folder = leap.to_bag(tmp_path / "leap", rate=RATE)
     (file,) = folder.glob("*.db3")
     base = sqlite3.connect(file)
-    definitions = dict(base.execute("SELECT topic_type, encoded_message_definition FROM message_definitions"))
-    topics = {i: (name, kind) for i, name, kind in base.execute("SELECT id, name, type FROM topics")}
-    decoders = {kind: dynamic.generate_dynamic(kind, text)[kind] for kind, text in definitions.items()}
+    definitions = dict(
+        base.execute("SELECT topic_type, encoded_message_definition FROM message_definitions")
+    )
+    topics = {
+        i: (name, kind) for i, name, kind in base.execute("SELECT id, name, type FROM topics")
+    }
+    decoders = {
+        kind: dynamic.generate_dynamic(kind, text)[kind] for kind, text in definitions.items()
+    }
     rows = base.execute("SELECT topic_id, timestamp, data FROM messages ORDER BY id").fetchall()
     check([(*topics[i], decoders[topics[i][1]](data), time) for i, time, data in rows], exported, 0)
     with pytest.raises(jaculus.InputError, match="exists; allowed: a new folder"):
@@ -101,13 +138,18 @@ def test_definitions_in_the_bag_are_those_of_ros(leap, tmp_path):
     pytest.importorskip("rosbags", reason="bags need rosbags")
     reader = pytest.importorskip("mcap.reader", reason="needs mcap")
     with open(leap.to_bag(tmp_path / "leap.mcap", rate=RATE), "rb") as stream:
-        schemas = {s.name: s.data.decode() for s in reader.make_reader(stream).get_summary().schemas.values()}
-    whole = {name: re.sub(r"\s+", " ", re.split("=+\n", text)[0]).strip() for name, text in schemas.items()}
+        schemas = {
+            s.name: s.data.decode()
+            for s in reader.make_reader(stream).get_summary().schemas.values()
+        }
+    whole = {
+        name: re.sub(r"\s+", " ", re.split("=+\n", text)[0]).strip()
+        for name, text in schemas.items()
+    }
     assert whole == {
-        "trajectory_msgs/msg/JointTrajectory":
-            "std_msgs/Header header string[] joint_names trajectory_msgs/JointTrajectoryPoint[] points",
-        "sensor_msgs/msg/JointState":
-            "std_msgs/Header header string[] name float64[] position float64[] velocity float64[] effort"}
+        "trajectory_msgs/msg/JointTrajectory": "std_msgs/Header header string[] joint_names trajectory_msgs/JointTrajectoryPoint[] points",
+        "sensor_msgs/msg/JointState": "std_msgs/Header header string[] name float64[] position float64[] velocity float64[] effort",
+    }
 
 
 def test_a_plan_comes_back_as_the_plan_of_a_dataset(leap, exported, tmp_path):
@@ -118,16 +160,26 @@ def test_a_plan_comes_back_as_the_plan_of_a_dataset(leap, exported, tmp_path):
     stream = dataset.trials[0]["joints"]
     for joint in exported["joints"]:
         if joint["motor"] in stream.channels:
-            np.testing.assert_allclose(stream[joint["motor"]], joint["sign"] * np.array(joint["position"]),
-                                       rtol=0, atol=1e-15)
+            np.testing.assert_allclose(
+                stream[joint["motor"]],
+                joint["sign"] * np.array(joint["position"]),
+                rtol=0,
+                atol=1e-15,
+            )
     assert set(leap.input_names) <= set(stream.channels)
     np.testing.assert_allclose(stream.time, exported["time_s"], rtol=0, atol=1e-9)
 
 
 def test_an_unsolved_plan_is_exported_only_on_request(tmp_path):
     pytest.importorskip("rosbags", reason="bags need rosbags")
-    plan = jaculus.solve({"format": "jaculus-problem/1", "extends": "double_integrator.yaml", "name": "cut_short",
-                          "solver": {"max_iterations": 1}})
+    plan = jaculus.solve(
+        {
+            "format": "jaculus-problem/1",
+            "extends": "double_integrator.yaml",
+            "name": "cut_short",
+            "solver": {"max_iterations": 1},
+        }
+    )
     assert not plan.converged
     with pytest.raises(jaculus.InputError, match="did not converge"):
         plan.to_bag(tmp_path / "plan.mcap")
@@ -139,14 +191,20 @@ def test_an_unsolved_plan_is_exported_only_on_request(tmp_path):
 def test_rerun_reads_the_recording(leap, exported, tmp_path):
     rerun = pytest.importorskip("rerun", reason="needs rerun-sdk")
     file = leap.to_rerun(tmp_path / "leap.rrd", rate=RATE)
-    told = subprocess.run([sys.executable, "-m", "rerun", "rrd", "print", "-vvv", file], capture_output=True,
-                          text=True, check=True).stdout
+    told = subprocess.run(
+        [sys.executable, "-m", "rerun", "rrd", "print", "-vvv", file],
+        capture_output=True,
+        text=True,
+        check=True,
+    ).stdout
     assert rerun.__version__
     for joint in exported["joints"]:
         for quantity in ("position", "velocity", "effort"):
             assert f"/joints/{joint['name']}/{quantity}" in told
     assert "/plan/pitch" in told
-    subprocess.run([sys.executable, "-m", "rerun", "rrd", "verify", file], capture_output=True, check=True)
+    subprocess.run(
+        [sys.executable, "-m", "rerun", "rrd", "verify", file], capture_output=True, check=True
+    )
 
 
 def test_xarray_has_the_arrays_with_their_names(leap, pendulum_trials):

@@ -4,19 +4,35 @@ import pytest
 
 import jaculus
 
-COLUMNS = {"format": "jaculus-columns/1", "gaps": ["lost"], "channels": {
-    "time": {"column": "t", "unit": "ms"},
-    "pendulum": {"columns": ["a", "b"], "unit": "deg", "scale": 2, "offset": 10},
-    "pendulum_torque": {"column": "tau", "unit": "N m"}}}
-OPTIONS = {"columns": COLUMNS, "robot": "ak80_pendulum", "experiment": "pendulum",
-           "controller": "{kind: measured, input: torque}"}
+COLUMNS = {
+    "format": "jaculus-columns/1",
+    "gaps": ["lost"],
+    "channels": {
+        "time": {"column": "t", "unit": "ms"},
+        "pendulum": {"columns": ["a", "b"], "unit": "deg", "scale": 2, "offset": 10},
+        "pendulum_torque": {"column": "tau", "unit": "N m"},
+    },
+}
+OPTIONS = {
+    "columns": COLUMNS,
+    "robot": "ak80_pendulum",
+    "experiment": "pendulum",
+    "controller": "{kind: measured, input: torque}",
+}
 
 
 @pytest.fixture
 def frame():
     t = 5.0 + 2.0 * np.arange(20)
-    return pd.DataFrame({"t": t, "a": np.sin(t), "b": np.cos(t), "tau": np.where(t == 9.0, np.nan, 0.1 * t),
-                         "label": "x"})
+    return pd.DataFrame(
+        {
+            "t": t,
+            "a": np.sin(t),
+            "b": np.cos(t),
+            "tau": np.where(t == 9.0, np.nan, 0.1 * t),
+            "label": "x",
+        }
+    )
 
 
 def expect(dataset, frame):
@@ -50,19 +66,26 @@ def test_times_of_day_count_from_the_first(frame, tmp_path):
     np.testing.assert_allclose(dataset.trials[0]["joints"].time, 0.002 * np.arange(20), atol=1e-12)
 
 
-@pytest.mark.parametrize("spoil, told", [
-    (lambda f: f.rename(columns={"tau": "torque"}), "no column 'tau'.*allowed: t, a, b, torque, label"),
-    (lambda f: f.assign(tau="x"), "column 'tau' holds"),
-    (lambda f: f.iloc[::-1], "rising times"),
-])
+@pytest.mark.parametrize(
+    "spoil, told",
+    [
+        (
+            lambda f: f.rename(columns={"tau": "torque"}),
+            "no column 'tau'.*allowed: t, a, b, torque, label",
+        ),
+        (lambda f: f.assign(tau="x"), "column 'tau' holds"),
+        (lambda f: f.iloc[::-1], "rising times"),
+    ],
+)
 def test_faults_of_a_table_are_named(frame, tmp_path, spoil, told):
     with pytest.raises(jaculus.InputError, match=told):
         jaculus.import_table(spoil(frame), tmp_path / "out", **OPTIONS)
 
 
 def test_start_and_cut_select_samples(frame, tmp_path):
-    stream = jaculus.import_table(frame, tmp_path / "out", start="pendulum_torque>1.0", cut=(-0.002, 0.004),
-                                  **OPTIONS).trials[0]["joints"]
+    stream = jaculus.import_table(
+        frame, tmp_path / "out", start="pendulum_torque>1.0", cut=(-0.002, 0.004), **OPTIONS
+    ).trials[0]["joints"]
     np.testing.assert_allclose(stream.time, [-0.002, 0.0, 0.002, 0.004], atol=1e-12)
     with pytest.raises(jaculus.InputError, match="FROM below TO"):
         jaculus.import_table(frame, tmp_path / "out", cut=(1.0, 0.0), **OPTIONS)
