@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Union
+from typing import Any, Optional, Union
 
 from ._errors import InputError
 
@@ -33,7 +33,8 @@ class Topic:
         name, kind: "/joint_states", "sensor_msgs/msg/JointState".
         count: how many messages there are, read or not.
         times: the recorder's, a message each [ns].
-        messages: as objects with the message's fields; empty where the topic isn't read.
+        messages: as objects with the message's fields, or what was kept of them; empty where the topic
+            isn't read.
     """
 
     name: str
@@ -117,8 +118,12 @@ def _opened(file: Path, humble: Any) -> Any:
     return reader
 
 
-def read_topics(reader: Any, wanted: set[str], place: str) -> dict[str, Topic]:
-    """All topics of a bag by name; messages of those that are wanted."""
+Keep = Callable[[Any], Any]
+
+
+def read_topics(reader: Any, wanted: dict[str, Optional[Keep]], place: str) -> dict[str, Topic]:
+    """All topics of a bag by name. Of those that are wanted the messages, or what is to be kept of
+    each: a large message of which few fields are read would fill the memory."""
     topics: dict[str, Topic] = {}
     for connection in reader.connections:
         topic = topics.setdefault(connection.topic, Topic(connection.topic, connection.msgtype, 0))
@@ -147,5 +152,6 @@ def read_topics(reader: Any, wanted: set[str], place: str) -> dict[str, Topic]:
                 f"{fault}"
             ) from fault
         topic.times.append(time)
-        topic.messages.append(message)
+        keep = wanted[connection.topic]
+        topic.messages.append(keep(message) if keep else message)
     return topics

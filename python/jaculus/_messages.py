@@ -174,18 +174,49 @@ def field_of(path: str) -> Callable[[Any], float]:
     return take
 
 
+@dataclass
+class Row:
+    """What is kept of a message by a map: its header, None where it has none, and numbers in the
+    order of the map's fields."""
+
+    __slots__ = ("header", "values")
+    header: Any
+    values: tuple[float, ...]
+
+
+def keep_fields(
+    topic: str, channels: Sequence[_core.MappedChannel], place: str
+) -> Callable[[Any], Row]:
+    """A function that takes what a map reads out of a message."""
+    takes = []
+    for channel in channels:
+        where = f"{place}: {topic}: {channel.channel}"
+        try:
+            takes += [(where, field_of(path)) for path in channel.columns]
+        except InputError as fault:
+            raise InputError(f"{where}: {fault}") from None
+
+    def keep(message: Any) -> Row:
+        values = []
+        for where, take in takes:
+            try:
+                values.append(take(message))
+            except InputError as fault:
+                raise InputError(f"{where}: {fault}") from None
+        return Row(getattr(message, "header", None), tuple(values))
+
+    return keep
+
+
 def mapped(
     topic: Topic, channels: Sequence[_core.MappedChannel], place: str, notes: list[str]
 ) -> np.ndarray:
-    """(c, n) of a topic by a map of its fields."""
-    rows = []
+    """(c, n) of a topic whose messages were kept by `keep_fields`."""
+    kept = np.array([row.values for row in topic.messages]).T
+    rows, first = [], 0
     for channel in channels:
-        try:
-            fields = np.array(
-                [[take(m) for m in topic.messages] for take in map(field_of, channel.columns)]
-            )
-        except InputError as fault:
-            raise InputError(f"{place}: {topic.name}: {channel.channel}: {fault}") from None
+        fields = kept[first : first + len(channel.columns)]
+        first += len(channel.columns)
         if np.isnan(fields).all():
             raise InputError(
                 f"{place}: {topic.name}: {channel.channel}: no message has "

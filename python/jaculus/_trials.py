@@ -23,6 +23,7 @@ from ._messages import (
     in_order,
     joint_state,
     joint_values,
+    keep_fields,
     mapped,
     near,
     poses,
@@ -152,7 +153,12 @@ class Bag:
             self.notes += told
             kinds = {c.topic: c.msgtype for c in reader.connections}
             wanted = self._wanted(kinds, entries, take_plan)
-            topics = read_topics(reader, set(wanted), self.place)
+            keep = {
+                name: keep_fields(name, entry.channels, self.place)
+                for name, entry in entries.items()
+                if entry.channels
+            }
+            topics = read_topics(reader, {name: keep.get(name) for name in wanted}, self.place)
 
         self.plan: Optional[Command] = None
         self.series: list[Series] = []

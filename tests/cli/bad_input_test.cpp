@@ -394,5 +394,14 @@ TEST_F(BadInput, MakesNoFilesBesideAnOutputThatCantBeWritten) {
   EXPECT_FALSE(std::filesystem::exists(folder / "no"));
 }
 
+TEST_F(BadInput, BagsAreReadByThePythonPackageAndTheProgramSaysSo) {
+  for (const std::string kind : {"mcap", "bag", "parquet"}) {
+    const Outcome outcome = run_program({"import", kind, "log", "--robot", "arm", "--out", "x"});
+    expect_refusal(outcome);
+    EXPECT_TRUE(holds(outcome.err, "import " + kind));
+    EXPECT_TRUE(holds(outcome.err, "the command of the Python package"));
+  }
+}
+
 }  // namespace
 }  // namespace jaculus::cli

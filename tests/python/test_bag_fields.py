@@ -1,5 +1,8 @@
 """Fields of any message by their path; stamps."""
 
+import pathlib
+import re
+
 import numpy as np
 import pytest
 
@@ -136,6 +139,14 @@ def test_a_field_by_a_name_is_found_wherever_it_stands(tmp_path):
         **PENDULUM,
     )
     np.testing.assert_array_equal(dataset.trials[0]["joints"]["pendulum"], [0.0, 1.0, np.nan])
+
+
+def test_the_map_of_the_page_on_commands_is_one():
+    page = (pathlib.Path(__file__).parents[2] / "docs/commands.md").read_text()
+    (text,) = re.findall(r"```yaml\n(format: jaculus-bag/1\n.*?)```", page, re.S)
+    topics = jaculus._core.read_bag_map(jaculus._core.Node.parse(text, "commands.md"))
+    assert [topic.topic for topic in topics] == ["/joint_states", "/mocap/base", "/lowstate"]
+    assert topics[2].channels[0].columns == ["motor_state[0].q", "motor_state[3].q"]
 
 
 # Time
