@@ -54,10 +54,12 @@ class Joints:
 
     def find(self, theirs: str, renamed: dict[str, str]) -> Optional[tuple[str, float]]:
         """The robot's joint and the sign of its value; None where the robot has no such joint."""
-        name = renamed.get(theirs, theirs)
-        if name in self.slides:
-            return name, 1.0
-        return self._file.get(name)
+        if theirs in renamed:  # a joint in the plane, else one of the file
+            name = renamed[theirs]
+            return (name, 1.0) if name in self.slides else self._file.get(name)
+        if theirs in self._file:
+            return self._file[theirs]
+        return (theirs, 1.0) if theirs in self.slides else None
 
     def check(self, renamed: dict[str, str], place: str) -> None:
         for ours in renamed.values():
