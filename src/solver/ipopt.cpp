@@ -16,21 +16,25 @@
 #include "jaculus/core/error.h"
 #include "jaculus/solver/violations.h"
 #include "solver/ipopt_adapter.h"
+#include "solver/ipopt_frontal.h"
 
 namespace jaculus::solver {
 namespace {
 
 using OptionMap = std::map<std::string, std::string>;
 
+constexpr const char* kOwnLinearSolver = "frontal";
+
 std::string number_text(double value) { return fmt::format("{:.17g}", value); }
 
 /// The options every solve runs with, as Ipopt's own names and values.
 OptionMap base_options(const SolverOptions& options, bool warm) {
+  const bool own = options.linear_solver == kOwnLinearSolver;
   OptionMap map = {
       {"print_level", "0"},
       {"sb", "yes"},
       {"nlp_scaling_method", "user-scaling"},
-      {"linear_solver", options.linear_solver},
+      {"linear_solver", own ? "ma57" : options.linear_solver},
       {"hessian_approximation", options.exact_hessian ? "exact" : "limited-memory"},
       {"max_iter", std::to_string(options.max_iterations)},
       {"tol", number_text(options.tolerance)},
@@ -49,6 +53,12 @@ OptionMap base_options(const SolverOptions& options, bool warm) {
       {"mu_strategy", "monotone"},
       {"mu_init", "1e-2"},
   };
+
+  if (own) {  // it comes in MA57's place
+    map["linear_system_scaling"] = "none";
+    map["ma57_pivtol"] = "1e-2";
+    map["ma57_pivtolmax"] = "0.3";
+  }
 
   if (warm) {
     map["warm_start_init_point"] = "yes";
@@ -239,7 +249,8 @@ NlpResult refuse(std::vector<BoundConflict> conflicts) {
   return result;
 }
 
-NlpResult run_ipopt(transcription::Nlp& nlp, const Start& start, const SolverOptions& options) {
+NlpResult run_ipopt_with(transcription::Nlp& nlp, const Start& start,
+                         const SolverOptions& options) {
   use_one_blas_thread();
   Ipopt::SmartPtr<Ipopt::IpoptApplication> app = new Ipopt::IpoptApplication(false);
   app->RethrowNonIpoptException(true);
@@ -271,6 +282,19 @@ NlpResult run_ipopt(transcription::Nlp& nlp, const Start& start, const SolverOpt
   add_fixed_multipliers(nlp, result);
   measure_violation(nlp, result);
   return result;
+}
+
+/// The frontal solver where it can be had, MUMPS for all that it refuses.
+NlpResult run_ipopt(transcription::Nlp& nlp, const Start& start, const SolverOptions& options) {
+  if (options.linear_solver != kOwnLinearSolver) return run_ipopt_with(nlp, start, options);
+  if (options.exact_hessian && detail::FrontalInIpopt::available()) {
+    const detail::FrontalInIpopt frontal(nlp);
+    NlpResult result = run_ipopt_with(nlp, start, options);
+    if (!detail::FrontalInIpopt::refused()) return result;
+  }
+  SolverOptions with_mumps = options;
+  with_mumps.linear_solver = "mumps";
+  return run_ipopt_with(nlp, start, with_mumps);
 }
 
 }  // namespace

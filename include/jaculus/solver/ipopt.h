@@ -28,10 +28,12 @@ struct SolverOptions {
   double acceptable_tolerance = 1e-4;
   double row_tolerance = 1e-4;  ///< largest violation of a row, in the row's unit
   int max_iterations = 1000;
-  double time_limit_s = kInfinity;      ///< wall time [s]
-  std::string linear_solver = "mumps";  ///< or ma27, ma57, ... where the HSL library is installed
-  bool exact_hessian = true;            ///< false: limited-memory BFGS
-  bool stop_on_interrupt = true;        ///< end with Status::interrupted once interrupt_requested()
+  double time_limit_s = kInfinity;  ///< wall time [s]
+  /// `frontal`, for systems that are a chain along time (MUMPS where they aren't), mumps, or ma27,
+  /// ma57, ... where the HSL library is installed
+  std::string linear_solver = "frontal";
+  bool exact_hessian = true;      ///< false: limited-memory BFGS
+  bool stop_on_interrupt = true;  ///< end with Status::interrupted once interrupt_requested()
   /// further options by Ipopt's own names, over everything above
   std::map<std::string, std::string> ipopt = {};
 

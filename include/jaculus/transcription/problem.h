@@ -87,7 +87,7 @@ struct GuessSpec {
 struct SolverSpec {
   double tolerance = 1e-6;  ///< of the scaled optimality error [-]
   int max_iterations = 1000;
-  std::string linear_solver = "mumps";
+  std::string linear_solver = "frontal";
   int seed = 0;    ///< of everything random in a solve
   int starts = 1;  ///< multi-start: the guess first, then starts - 1 smooth random ones
 };
