@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "jaculus/core/small_product.h"
 #include "jaculus/dynamics/rigid_body.h"
 
 namespace jaculus::components {
@@ -59,10 +60,10 @@ void assemble(const dynamics::AbsoluteTree& tree, EquationsPoint& p) {
     put_rows(p.J, 2 * k, p.J_f);
     p.rhs0.segment<2>(n + 2 * k) = -acceleration(path, p, p.impact ? p.motion.V : p.motion.gamma);
   }
-  p.Nn = p.M.lazyProduct(G);
-  p.K.topLeftCorner(n, n) = G.transpose().lazyProduct(p.Nn);
-  p.K.topLeftCorner(n, n) += tree.armature;
-  p.K.bottomLeftCorner(m, n) = p.J_f.lazyProduct(G);
+  set_product(p.M, G, p.MG);
+  p.K.topLeftCorner(n, n) = tree.armature;
+  add_product(p.motion.Gt, p.MG, p.K.topLeftCorner(n, n));
+  set_product(p.J_f, G, p.K.bottomLeftCorner(m, n));
   p.K.topRightCorner(n, m) = -p.K.bottomLeftCorner(m, n).transpose();
   p.K.bottomRightCorner(m, m).setZero();
   p.rhs0.head(n) = -G.transpose().lazyProduct(p.r);
@@ -166,9 +167,9 @@ void add_loop_forces(const dynamics::AbsoluteTree& tree, EquationsPoint& p) {
 void chain_to_state(const EquationsPoint& p, const Matrix& first_Y, const Matrix& first_V,
                     Eigen::Ref<Matrix> out) {
   const int n = count_of(p.a);
-  out.leftCols(n) = first_Y.lazyProduct(p.motion.G);
-  out.leftCols(n) += first_V.lazyProduct(p.motion.X);
-  out.middleCols(n, n) = first_V.lazyProduct(p.motion.G);
+  set_product(first_Y, p.motion.G, out.leftCols(n));
+  add_product(first_V, p.motion.X, out.leftCols(n));
+  set_product(first_V, p.motion.G, out.middleCols(n, n));
   out.rightCols(out.cols() - 2 * n).setZero();
 }
 
@@ -186,36 +187,34 @@ void Equations::differentiate(EquationsPoint& p) const {
   add_loop_forces(tree_, p);
 
   p.Gamma.setZero();
+  chain_to_state(p, p.Res_Y, p.Res_V, p.Nw);
   if (tree_.nd > 0) {
     dynamics::loop_acceleration_derivatives(tree_, p.motion, p.A, p.impact, p.L_Y, p.L_V);
     chain_to_state(p, p.L_Y, p.L_V, p.d_loop_force);
-    for (int k = 0; k < tree_.nd; ++k) {
-      for (int r = 0; r < tree_.nd; ++r) {
-        const double f = p.motion.C_d_inverse(k, r);
-        if (f != 0.0) p.Gamma.noalias() -= (f * tree_.P_d.col(k)) * p.d_loop_force.row(r);
-      }
-    }
+    set_product(p.motion.C_d_inverse, p.d_loop_force, p.loop_w);
+    subtract_product(tree_.P_d, p.loop_w, p.Gamma);
+    set_product(p.M, tree_.P_d, p.MP_d);
+    subtract_product(p.MP_d, p.loop_w, p.Nw);  // + M Gamma
   }
-  chain_to_state(p, p.Res_Y, p.Res_V, p.Nw);
-  p.Nw += p.M.lazyProduct(p.Gamma);
-  p.rhs.topRows(n) = -p.motion.G.transpose().lazyProduct(p.Nw);
+  p.rhs.topRows(n).setZero();
+  subtract_product(p.motion.Gt, p.Nw, p.rhs.topRows(n));
   if (!p.impact) p.rhs.topRows(n).rightCols(inputs()) += tree_.input_map;
   if (!p.impact) add_friction_derivatives(p);
   if (m > 0) {
     chain_to_state(p, p.F_Y, p.F_V, p.rhs.bottomRows(m));
-    p.rhs.bottomRows(m) += p.J_f.lazyProduct(p.Gamma);
+    add_product(p.J_f, p.Gamma, p.rhs.bottomRows(m));
     p.rhs.bottomRows(m) *= -1.0;
   }
   p.Z = p.lu.solve(p.rhs);
 
   p.dA = p.Gamma;
-  p.dA += p.motion.G.lazyProduct(p.Z.topRows(n));
+  add_product(p.motion.G, p.Z.topRows(n), p.dA);
   if (tree_.nd > 0) {
     // Balance of the dependent joints: C_d^T dl = P_d^T (M dA - J_f^T df + R dw).
-    chain_to_state(p, p.Res_Y, p.Res_V, p.Nw);
-    p.Nw += p.M.lazyProduct(p.dA);
-    if (m > 0) p.Nw -= p.J_f.transpose().lazyProduct(p.Z.bottomRows(m));
-    p.S_Y.topRows(tree_.nd) = tree_.P_d.transpose().lazyProduct(p.Nw);
+    add_product(p.MG, p.Z.topRows(n), p.Nw);  // Nw has R dw and M Gamma
+    p.J_ft = p.J_f.transpose();
+    if (m > 0) subtract_product(p.J_ft, p.Z.bottomRows(m), p.Nw);
+    set_product(p.P_dt, p.Nw, p.S_Y.topRows(tree_.nd));
     p.d_loop_force = p.motion.C_d_inverse.transpose().lazyProduct(p.S_Y.topRows(tree_.nd));
   }
 }
@@ -314,24 +313,25 @@ void add_dependent_curvature(const dynamics::AbsoluteTree& tree, EquationsPoint&
 /// Subtracts the second derivatives, chained to (q, v, u), from H.
 void subtract_chained(const dynamics::AbsoluteTree& tree, EquationsPoint& p, Matrix& H) {
   const int n = tree.n;
-  const Matrix &G = p.motion.G, &X = p.motion.X;
+  const Matrix &G = p.motion.G, &X = p.motion.X, &Gt = p.motion.Gt;
 
-  p.Nn = p.YY.lazyProduct(G);
-  p.Nn += p.YV.lazyProduct(X);
-  p.qq = G.transpose().lazyProduct(p.Nn);
-  p.Nn2 = p.VV.lazyProduct(X);
-  p.Nn2 += p.YV.transpose().lazyProduct(G);
-  p.qq += X.transpose().lazyProduct(p.Nn2);
-  p.qv = p.Nn2.transpose().lazyProduct(G);
-  p.Nn = p.VV.lazyProduct(G);
+  set_product(p.YY, G, p.Nn);
+  add_product(p.YV, X, p.Nn);
+  p.NN2 = p.YV.transpose();
+  set_product(p.NN2, G, p.Nn2);
+  add_product(p.VV, X, p.Nn2);
+  set_product(Gt, p.Nn, p.qq);
+  add_product(p.motion.Xt, p.Nn2, p.qq);
+  set_product(Gt, p.Nn2, p.qv);  // by (v, q)
+  set_product(p.VV, G, p.Nn);
 
   H.topLeftCorner(n, n) -= p.qq;
-  H.block(0, n, n, n) -= p.qv;
-  H.block(n, 0, n, n) -= p.qv.transpose();
-  H.block(n, n, n, n) -= G.transpose().lazyProduct(p.Nn);
+  H.block(0, n, n, n) -= p.qv.transpose();
+  H.block(n, 0, n, n) -= p.qv;
+  subtract_product(Gt, p.Nn, H.block(n, n, n, n));
 
-  p.S_Y += p.YA.lazyProduct(p.dA);
-  p.nw = G.transpose().lazyProduct(p.S_Y);
+  add_product(p.YA, p.dA, p.S_Y);
+  set_product(Gt, p.S_Y, p.nw);
   H.topRows(n) -= p.nw;
   H.leftCols(n) -= p.nw.transpose();
 }

@@ -29,9 +29,12 @@ EquationsPoint::EquationsPoint(const Equations& equations, const std::vector<int
 
   K = Matrix::Zero(n + m, n + m);
   Gamma = dA = S_Y = Nw = Matrix::Zero(N, w);
-  d_loop_force = Matrix::Zero(nd, w);
+  d_loop_force = loop_w = Matrix::Zero(nd, w);
   rhs0 = adjoint = Vector::Zero(n + m);
-  Nn = Nn2 = Matrix::Zero(N, n);
+  MG = Nn = Nn2 = Matrix::Zero(N, n);
+  MP_d = Matrix::Zero(N, nd);
+  P_dt = tree.P_d.transpose();
+  J_ft = Matrix::Zero(N, m);
   nw = Matrix::Zero(n, w);
   qq = qv = Matrix::Zero(n, n);
 

@@ -146,6 +146,14 @@ void Pose::set(const AbsoluteTree& tree) {
   }
 }
 
+void Pose::set_moved(const ConstVectorRef& moved) {
+  for (Eigen::Index i = 2; i < moved.size(); ++i) {
+    if (moved[i] == 0.0) continue;
+    cosine[i] = std::cos(Y[i]);
+    sine[i] = std::sin(Y[i]);
+  }
+}
+
 Vec2 position(const Path& path, const Pose& pose) {
   double px = pose.Y[0], pz = pose.Y[1];
   for (const Segment& s : path) {

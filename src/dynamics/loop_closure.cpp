@@ -3,6 +3,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "jaculus/core/small_product.h"
+
 namespace jaculus::dynamics {
 
 namespace {
@@ -36,7 +38,7 @@ void point_body_at(const AbsoluteTree& tree, int body, int k, const Vec2& arm,
   const double sign = tree.P_d(i, k);
   m.d[k] = wrap(sign * (angle_of(direction) - angle_of(arm) - m.pose.Y[i]));
   m.pose.Y += tree.P_d.col(k) * m.d[k];
-  m.pose.set(tree);
+  m.pose.set_moved(tree.P_d.col(k));
 }
 
 bool close_loops(const AbsoluteTree& tree, Motion& m) {
@@ -74,9 +76,11 @@ Motion::Motion(const AbsoluteTree& tree) {
   V = gamma = Vector::Zero(N);
   C = scratch_dN = Matrix::Zero(nd, N);
   C_d = C_d_inverse = Matrix::Zero(nd, nd);
-  D = scratch_dn = Matrix::Zero(nd, n);
+  D = scratch_dn = scratch_dn2 = Matrix::Zero(nd, n);
   G = X = Matrix::Zero(N, n);
   G = tree.P;
+  Gt = G.transpose();
+  Xt = Matrix::Zero(n, N);
 }
 
 bool set_configuration(const AbsoluteTree& tree, const Eigen::Ref<const Vector>& q, Motion& m) {
@@ -109,10 +113,12 @@ bool set_configuration(const AbsoluteTree& tree, const Eigen::Ref<const Vector>&
     }
   }
 
-  m.scratch_dn = m.C.lazyProduct(tree.P);
-  m.D = -m.C_d_inverse.lazyProduct(m.scratch_dn);
+  set_product(m.C, tree.P, m.scratch_dn);
+  m.D.setZero();
+  subtract_product(m.C_d_inverse, m.scratch_dn, m.D);
   m.G = tree.P;
-  m.G += tree.P_d.lazyProduct(m.D);
+  add_product(tree.P_d, m.D, m.G);
+  m.Gt = m.G.transpose();
   return m.C_d_inverse.allFinite();
 }
 
@@ -145,13 +151,10 @@ void set_rate_sensitivity(const AbsoluteTree& tree, Motion& m) {
     }
   }
 
-  m.scratch_dn = m.scratch_dN.lazyProduct(m.G);
-  for (int k = 0; k < tree.nd; ++k) {
-    for (int r = 0; r < tree.nd; ++r) {
-      const double f = m.C_d_inverse(k, r);
-      if (f != 0.0) m.X.noalias() -= (f * tree.P_d.col(k)) * m.scratch_dn.row(r);
-    }
-  }
+  set_product(m.scratch_dN, m.G, m.scratch_dn);
+  set_product(m.C_d_inverse, m.scratch_dn, m.scratch_dn2);
+  subtract_product(tree.P_d, m.scratch_dn2, m.X);
+  m.Xt = m.X.transpose();
 }
 
 void loop_acceleration_derivatives(const AbsoluteTree& tree, Motion& m, const Vector& A,

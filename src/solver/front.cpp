@@ -3,14 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-// Each element's own product and sum, so that four at a time give the bits that one at a time does.
-// (avx2 has no fused multiply-add; sanitizers don't know functions that are chosen at load time.)
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
-    !defined(__SANITIZE_ADDRESS__)
-#define JACULUS_WIDE __attribute__((target_clones("avx2", "default")))
-#else
-#define JACULUS_WIDE
-#endif
+#include "jaculus/core/wide.h"
 
 namespace jaculus::solver {
 namespace {

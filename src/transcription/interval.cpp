@@ -1,5 +1,7 @@
 #include "jaculus/transcription/interval.h"
 
+#include "jaculus/core/small_product.h"
+
 namespace jaculus::transcription {
 
 Interval::Interval(const components::Equations& equations, const Layout& layout,
@@ -40,6 +42,7 @@ Interval::Interval(const components::Equations& equations, const Layout& layout,
   H_xi_ = Matrix::Zero(xi, xi);
   H_s_ = Matrix::Zero(s, s);
   HS_ = Matrix::Zero(s, w);
+  S_middle_t_ = Matrix::Zero(w, s);
   values_ = Vector::Zero(kMaxTermRows);
   pull_ = Vector::Zero(2 * n_);
   half_ = Matrix::Zero(xi - s, s);
@@ -119,7 +122,8 @@ void Interval::differentiate() {
       Sx(i, 2 * n_ + i) += 0.5;
     }
     Sx.col(size() - 1) += fraction_ / 8.0 * (f_[0] - f_[2]);
-    F_w_[1].noalias() = F_[1] * S_[1];
+    set_product(F_[1], S_[1], F_w_[1]);
+    S_middle_t_ = S_[1].transpose();
   }
 
   differentiate_defects();
@@ -157,7 +161,7 @@ void Interval::chain_term(int i, const PathTerm& term, Matrix& by_s) {
   by_s.topRows(rows) = J_xi_.topRows(rows).leftCols(s);
   if (term.reads.dynamics()) {
     const components::EquationsPoint& p = points_[i];
-    by_s.topRows(rows) += J_xi_.topRows(rows).rightCols(J_xi_.cols() - s).lazyProduct(p.Z);
+    add_product(J_xi_.topRows(rows).rightCols(J_xi_.cols() - s), p.Z, by_s.topRows(rows));
   }
 }
 
@@ -167,7 +171,7 @@ void Interval::path_jacobian(const PathRows& rows, Matrix& out) {
   auto J = out.topRows(count);
   const auto by_s = by_s_.topRows(count);
   if (rows.point == 1) {
-    J.noalias() = by_s * S_[1];
+    set_product(by_s, S_[1], J);
     return;
   }
   // At the ends (q, v, u) are variables themselves.
@@ -263,8 +267,8 @@ void Interval::add_hessian(const Vector& eta, const ConstVectorRef& row_multipli
   if (has_middle()) {
     phi_ = -h_ * weight(1) * eta;
     point_hessian(1, phi_, row_multipliers, sigma, costs);
-    HS_.noalias() = H_s_ * S_[1];
-    H.noalias() += S_[1].transpose() * HS_;
+    set_product(H_s_, S_[1], HS_);
+    add_product_lower(S_middle_t_, HS_, H);
     pull_ = grad_s_.head(x);
     grad_w_.noalias() = F_w_[0].transpose() * pull_;
     grad_w_.noalias() -= F_w_[2].transpose() * pull_;

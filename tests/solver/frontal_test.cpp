@@ -1,5 +1,5 @@
-// L D L^T along time against Eigen's dense decompositions: solutions, inertia, and that a pivot that
-// is not there yet is put off.
+// L D L^T along time against Eigen's dense decompositions: solutions, inertia, and that a pivot
+// that is not there yet is put off.
 
 #include "solver/frontal.h"
 

@@ -98,7 +98,8 @@ struct EquationsPoint {
   Matrix M, J_f, Res_Y, Res_V, F_Y, F_V, L_Y, L_V;
   Matrix K, rhs, Gamma, dA, d_loop_force;
   Vector rhs0, nu, kappa_l, chi_0, chi_1, g_Y, g_V, chi_scratch, adjoint;
-  Matrix YY, YV, VV, YA, S_Y, NN1, NN2, Nn, Nn2, Nw, nw, qq, qv;
+  Matrix YY, YV, VV, YA, S_Y, NN1, NN2, MG, Nn, Nn2, Nw, nw, qq, qv;
+  Matrix MP_d, P_dt, J_ft, loop_w;  ///< M P_d, P_d^T, J_f^T, C_d^-1 d(loop acceleration)
   Eigen::PartialPivLU<Matrix> lu;
   dynamics::PointColumns J, PY, PV, Dnu;
 };

@@ -101,6 +101,8 @@ struct Pose {
   Vector cosine;                       ///< N, at angle indices
   Vector sine;                         ///< N
   void set(const AbsoluteTree& tree);  ///< fills cosine and sine from Y
+  /// The same where `moved` (N) isn't zero.
+  void set_moved(const ConstVectorRef& moved);
 };
 
 Vec2 position(const Path& path, const Pose& pose);

@@ -26,10 +26,12 @@ struct Motion {
   Matrix C;      ///< loop Jacobian (2 rows a loop) x N
   Matrix C_d;    ///< nd x nd
   Matrix C_d_inverse;
-  Matrix D;  ///< nd x n
-  Matrix G;  ///< N x n
-  Matrix X;  ///< N x n, see above; filled by set_rate_sensitivity()
-  Matrix scratch_dn, scratch_dN;
+  Matrix D;   ///< nd x n
+  Matrix G;   ///< N x n
+  Matrix Gt;  ///< n x N, its transpose: products go down columns
+  Matrix X;   ///< N x n, see above; filled by set_rate_sensitivity()
+  Matrix Xt;  ///< n x N
+  Matrix scratch_dn, scratch_dn2, scratch_dN;
   PointColumns columns;
 };
 

@@ -57,7 +57,7 @@ class Interval {
   double integral(const IntegralCost& cost);
   void add_integral_gradient(const IntegralCost& cost, double scale, Vector& gradient_w);
   /// Adds the Hessian of eta . defect + sum of multipliers . path rows + sigma * integral costs to
-  /// H (w x w).
+  /// H (w x w), whose lower triangle counts.
   void add_hessian(const Vector& eta, const ConstVectorRef& row_multipliers, double sigma,
                    const std::vector<IntegralCost>& costs, Matrix& H);
 
@@ -93,7 +93,7 @@ class Interval {
   Matrix defect_w_;
   // Scratch.
   Vector w_, phi_, grad_s_, mu_, grad_w_, values_, pull_;
-  Matrix J_xi_, by_s_, H_xi_, H_s_, HS_, half_, product_;
+  Matrix J_xi_, by_s_, H_xi_, H_s_, HS_, S_middle_t_, half_, product_;
 };
 
 }  // namespace jaculus::transcription
