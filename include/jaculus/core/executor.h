@@ -7,8 +7,9 @@
 // needed:
 //
 //   FOLDER/STAGE/stage.json      what the list is, and the cost of its first tasks
-//   FOLDER/STAGE/round_1.json    chunks of the first array; round_1.sh what it runs, round_1.id its id
-//   FOLDER/STAGE/begun/1.7.0     round 1, chunk 7, not requeued: indices that were begun, a line each
+//   FOLDER/STAGE/round_1.json    chunks of the first array
+//   FOLDER/STAGE/round_1.sh      what it runs; round_1.id: Slurm's id of it
+//   FOLDER/STAGE/begun/1.7.0     round 1, chunk 7, not requeued: indices that were begun
 //   FOLDER/STAGE/done/1.7.0      journal of results
 //   FOLDER/STAGE/failed/1.7.0    journal of reasons
 //   FOLDER/STAGE/log/1.7.txt     what the worker printed

@@ -37,8 +37,8 @@ JournalContent read_journal(const std::filesystem::path& file);
 class JournalTail {
  public:
   explicit JournalTail(std::filesystem::path file) : file_(std::move(file)) {}
-  /// What has been added since the last call; a record that is not whole yet comes later. InputError
-  /// where the journal has another key.
+  /// What has been added since the last call; a record that is not whole yet comes later.
+  /// InputError where the journal has another key.
   std::map<int, std::string> take(std::string_view key);
 
  private:
@@ -49,7 +49,7 @@ class JournalTail {
 /// How a journal is kept from two writers.
 enum class JournalLock {
   file,        ///< by a lock, on this machine
-  sole_writer  ///< by its name, that no other process takes: file systems of clusters may lack locks
+  sole_writer  ///< by its name, that no other process takes: a cluster's disk may lack locks
 };
 
 /// An open journal, locked against other processes.
