@@ -23,7 +23,7 @@ from bag_files import (
     odrive,
 )  # noqa: E402
 
-SHARED = pathlib.Path(os.environ.get("JACULUS_DATA", "../shared/data"))
+SHARED = pathlib.Path(os.environ.get("JACULUS_DATA", "../shared/data")).resolve()
 
 
 # What is left out, and faults
