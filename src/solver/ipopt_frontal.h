@@ -1,8 +1,8 @@
 #pragma once
 // Lets Ipopt factorise its KKT systems with frontal.h. Debian's Ipopt 3.11 has no headers for
 // linear solvers of one's own, but HSLLoader.h, by which a program hands over routines in place of
-// HSL's: ours answer by the interface of MA57 (Duff, "MA57, a code for the solution of sparse symmetric
-// definite and indefinite systems", ACM TOMS 30, 2004).
+// HSL's: ours answer by the interface of MA57 (Duff, "MA57, a code for the solution of sparse
+// symmetric definite and indefinite systems", ACM TOMS 30, 2004).
 //
 // Ipopt's unknowns are (x free, s, y_c, y_d): slacks s of the inequality rows, multipliers of
 // equality rows and of inequality rows. Columns of an Nlp are in the order of time, what holds for
