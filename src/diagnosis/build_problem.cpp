@@ -126,14 +126,18 @@ std::vector<SegmentTail> tails_of(const std::vector<OneOff>& disturbances) {
 
 }  // namespace
 
-ProblemBuilder builder_of(const DiagnoseOptions& options) {
+ProblemBuilder builder_of(const DiagnoseOptions& options) { return builder_of(options, {}); }
+
+ProblemBuilder builder_of(const DiagnoseOptions& options, std::vector<Effect> more) {
+  const auto kept = std::make_shared<const std::vector<Effect>>(std::move(more));
   std::vector<const Effect*> list = options.effects;
   if (list.empty())
     for (const Effect& effect :
          options.catalogue ? *options.catalogue : effects::effect_catalogue())
       list.push_back(&effect);
+  for (const Effect& effect : *kept) list.push_back(&effect);
 
-  return [list, settings = options.settings](Observations observations) {
+  return [list, kept, settings = options.settings](Observations observations) {
     PlantForward forward = plant_forward(observations, list, settings);
     return BuiltProblem{
         std::make_shared<const Problem>(Problem{std::move(observations), forward.hypotheses,

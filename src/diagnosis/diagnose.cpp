@@ -11,6 +11,7 @@
 #include "diagnosis/localise/postures.h"
 #include "diagnosis/preflight/next_experiment.h"
 #include "diagnosis/read_tolerances.h"
+#include "diagnosis/search_with_pushes.h"
 #include "diagnosis/validation/agreement.h"
 #include "diagnosis/verdict/statement.h"
 
@@ -54,6 +55,7 @@ Diagnosis answered(const Prepared& prepared, const Selection& selection,
   out.rule = statement.rule;
   out.reasons = statement.reasons;
   out.effects = statement.effects;
+  out.events = statement.events;
   out.ranking = statement.ranking;
   out.gap = statement.gap;
   out.lacking_probability = statement.lacking_probability;
@@ -85,12 +87,12 @@ Rival rival_of(const Problem& problem, const FittedModel& model) {
 Diagnosis run_pipeline(BuiltProblem built, const ProblemBuilder& rebuild,
                        const trajectory::Dataset* present, const DiagnoseOptions& options) {
   tell(options, "noise and alignment");
-  const Prepared prepared = prepare(std::move(built), rebuild);
+  const Searched searched = search_with_pushes(prepare(std::move(built), rebuild), options);
+  const Prepared& prepared = searched.prepared;
   if (!prepared.reasons.empty()) return unanswered(prepared);
 
   const Problem& problem = *prepared.built.problem;
-  const Selection selection =
-      select_models(problem, first_comparison(problem, prepared.noise), options.progress);
+  const Selection& selection = searched.selection;
   if (selection.search.models.empty()) {
     Diagnosis out = unanswered(prepared);
     out.reasons.emplace_back("the nominal model can't be fitted to these data");
@@ -198,7 +200,7 @@ Diagnosis diagnose(const std::vector<trajectory::Dataset>& datasets,
   Diagnosis out = built.forward
                       ? run_pipeline(std::move(built), builder_of(asked), &datasets.front(), asked)
                       : insufficient(*built.problem);
-  out.events = events_about(out, datasets, asked);
+  for (ForceEvent& event : events_about(out, datasets, asked)) out.events.push_back(event);
   return with_options(std::move(out), asked, std::move(tolerances));
 }
 

@@ -130,9 +130,11 @@ Json remainder_json(const Diagnosis& d) {
   for (const ForceEvent& e : d.events)
     events.push_back({{"trial", e.trial},
                       {"joint", e.joint},
+                      {"along", e.along},
                       {"from_s", json_number(e.from)},
                       {"to_s", json_number(e.to)},
                       {"peak", json_number(e.peak)},
+                      {"peak_ci95", pair(e.peak_ci95)},
                       {"unit", e.unit},
                       {"probability", json_number(e.probability)},
                       {"every_trial", e.every_trial}});
@@ -258,6 +260,7 @@ std::string augmented_yaml(const Diagnosis& d) {
     const int c = d.model.candidates[i];
     const Candidate& candidate = d.problem->hypotheses.candidates[c];
     if (candidate.effect == nullptr || !candidate.effect->applies(model)) continue;
+    if (candidate.effect->event) continue;  // it is over
     const Vector& theta = d.theta[i];
     for (const ModelOverride& value : candidate.effect->overrides(theta, model)) {
       std::erase_if(overrides, [&](const ModelOverride& o) { return o.first == value.first; });

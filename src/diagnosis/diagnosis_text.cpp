@@ -116,11 +116,17 @@ std::string gap_text(const Diagnosis& d) {
 
 std::string events_text(const Diagnosis& d) {
   std::string text;
-  if (!d.events.empty()) text += "forces that acted once (peak of their missing force):\n";
-  for (const ForceEvent& e : d.events)
-    text +=
-        fmt::format("  {:<10} {:<12} {:6.2f} to {:.2f} s  {:.3g} {}{}\n", e.trial, e.joint, e.from,
-                    e.to, e.peak, e.unit, e.every_trial ? " (in most other trials too)" : "");
+  if (!d.events.empty()) text += "forces that acted once (peak):\n";
+  for (const ForceEvent& e : d.events) {
+    const std::string place = e.along.empty() ? e.joint : e.joint + " " + e.along;
+    text += fmt::format("  {:<10} {:<12} {:6.2f} to {:.2f} s  {:.3g}",
+                        e.trial.empty() ? "each trial" : e.trial, place, e.from, e.to, e.peak);
+    if (std::isfinite(e.peak_ci95.lower))
+      text += fmt::format(" [{}, {}]", shown_number(e.peak_ci95.lower),
+                          shown_number(e.peak_ci95.upper));
+    text += fmt::format(" {}{}\n", e.unit,
+                        e.every_trial && !e.trial.empty() ? " (in most other trials too)" : "");
+  }
   return text;
 }
 

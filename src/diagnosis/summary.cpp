@@ -43,8 +43,26 @@ std::vector<std::string> lacking_places(const Diagnosis& d) {
   return places;
 }
 
+/// Pushes that every trial had: "a push of -131 N (-140 to -120) on the body along x from 0.213 to
+/// 0.282 s". Empty without any.
+std::vector<std::string> push_phrases(const Diagnosis& d) {
+  std::vector<std::string> phrases;
+  for (const ForceEvent& e : d.events) {
+    if (!e.trial.empty()) continue;
+    phrases.push_back(
+        fmt::format("a push of {:.3g} {} ({:.3g} to {:.3g}) {} from {:.3g} to {:.3g} s", e.peak,
+                    e.unit, e.peak_ci95.lower, e.peak_ci95.upper,
+                    e.along.empty() ? "at " + in_words(e.joint) : "on the body along " + e.along,
+                    e.from, e.to));
+  }
+  return phrases;
+}
+
 std::string where_sentence(const Diagnosis& d) {
   if (d.verdict == Verdict::insufficient) return "These data can't say where a gap lies.";
+  if (d.verdict == Verdict::none && !push_phrases(d).empty())
+    return "Something pushed the robot in every trial; beside that no gap is beyond what sensors "
+           "and a builder's tolerances allow.";
   if (d.verdict == Verdict::none)
     return "Nowhere: no gap is beyond what sensors and a builder's tolerances allow.";
 
@@ -146,7 +164,7 @@ std::string unknowns_sentence(const Agreement& agreement) {
   return text + ". ";
 }
 
-std::string which_sentence(const Diagnosis& d) {
+std::string effects_sentence(const Diagnosis& d) {
   if (d.verdict == Verdict::none) return "No effect is needed.";
   if (d.verdict == Verdict::insufficient)
     return d.reasons.empty() ? "No effect can be named." : capital(d.reasons.front()) + ".";
@@ -174,6 +192,12 @@ std::string which_sentence(const Diagnosis& d) {
   if (!rivals.empty()) text += "; these data can't tell " + listed(rivals);
   if (d.verdict == Verdict::partial) text += "; something else, not named, is there too";
   return unknowns + text + ".";
+}
+
+std::string which_sentence(const Diagnosis& d) {
+  const std::vector<std::string> pushes = push_phrases(d);
+  if (pushes.empty()) return effects_sentence(d);
+  return fmt::format("{} acted in every trial. {}", capital(listed(pushes)), effects_sentence(d));
 }
 
 /// Channels whose error before is farthest above noise.

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <numbers>
+
 #include "jaculus/core/error.h"
 #include "jaculus/core/installation.h"
 #include "jaculus/model/robot.h"
@@ -44,6 +46,21 @@ TEST(Push, OfAJointGivesItsAngularMomentum) {
   const Simulation s = simulate(plant, no_controller(), start_at({0}, {0}), options_for(0.5));
   ASSERT_EQ(s.status, SimulationStatus::done) << s.message;
   EXPECT_NEAR(s.v(0, 100), 0.4 * 0.2 / inertia, 1e-9 * 0.4 / inertia);
+}
+
+TEST(Push, OfHalfASineGivesTwoOverPiOfItsPeak) {
+  model::PlanarModel model = body_with_feet(2.0, 0.05, {});
+  model.gravity = 0.0;
+  Plant plant = plant_of(model, 0.0);
+  Push push{0.1, 0.2, Vec2(3.0, 0.0)};
+  push.half_sine = true;
+  plant.pushes = {push};
+
+  const Simulation s =
+      simulate(plant, no_controller(), start_at({0, 1, 0}, {0, 0, 0}), options_for(0.5));
+  ASSERT_EQ(s.status, SimulationStatus::done) << s.message;
+  EXPECT_NEAR(s.v(0, 100), 2.0 / std::numbers::pi * 3.0 * 0.2 / 2.0, 1e-7);
+  EXPECT_DOUBLE_EQ(push.share_at(0.2), 1.0);
 }
 
 TEST(Push, OfAJointThatIsNotThereIsRefused) {

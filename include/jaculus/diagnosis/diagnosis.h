@@ -59,11 +59,14 @@ struct LackingForce {
 /// A force that acted once under a logged input, beyond what the model usually lacks.
 struct ForceEvent {
   int dataset = 0;
-  std::string trial, joint;
-  double from = 0.0, to = 0.0;  ///< [s]
-  double peak = 0.0;            ///< of the half-sine that is most like it [unit]
-  std::string unit;             ///< "N m", "N"
-  double probability = 0.0;     ///< that what usually is missing doesn't make it anywhere
+  std::string trial;             ///< empty: in every one
+  std::string joint;             ///< "base" for the body
+  std::string along{};           ///< of the body "x", "z" or "pitch"
+  double from = 0.0, to = 0.0;   ///< [s]
+  double peak = 0.0;             ///< of the half-sine that is most like it [unit]
+  Bounds peak_ci95{kNaN, kNaN};  ///< [unit]; NaN where it was not fitted
+  std::string unit;              ///< "N m", "N"
+  double probability = 0.0;      ///< under a logged input that nothing usual makes it anywhere
   /// Most other trials have it at the same time as well: it comes with the clock or the motion.
   bool every_trial = false;
 };

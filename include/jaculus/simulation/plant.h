@@ -115,14 +115,19 @@ struct JointStop {
   double restitution = 0.0;  ///< [-]; 0: they lock until the torque pulls them apart
 };
 
-/// A constant force by the world over a time: a one-off disturbance, or one box of a force that the
-/// model lacks.
+/// A force by the world over a time: a one-off disturbance, or one box of a force that the model
+/// lacks.
 struct Push {
   double start = 0.0, duration = 0.0;  ///< [s]
   Vec2 force_W = Vec2::Zero();         ///< on the base, at its origin [N]
   double moment = 0.0;                 ///< on the base, about +y [N m]
   std::string joint{};                 ///< at which `torque` acts; empty: none
   double torque = 0.0;  ///< at that joint, of each of a pair [N m, N where it slides]
+  /// Whether it swells and fades as half a sine, of which the values are the peak.
+  bool half_sine = false;
+
+  /// What share of its values acts at a time while it does [-].
+  [[nodiscard]] double share_at(double t) const;
 };
 
 struct Plant {

@@ -9,6 +9,7 @@
 #include "diagnosis/validation/shares.h"
 #include "diagnosis/verdict/calibration.h"
 #include "diagnosis/verdict/rules.h"
+#include "diagnosis/verdict/told_events.h"
 #include "jaculus/effects/select.h"
 
 namespace jaculus::diagnosis {
@@ -245,19 +246,21 @@ Statement state_verdict(const Problem& problem, const Selection& selection, bool
   HeldOutGaps gaps(problem, selection.comparison, posterior, stated, none);
   const Proposal proposal = propose(gaps);
   const ModelFit& chosen = proposal.chosen;
+  const PartedProposal told = parted(problem, proposal);
 
   Statement out;
   out.gap = gaps.of(chosen);
   const double lacking = lacking_probability(chosen, settings);
   out.lacking_probability = lacking;
   out.lacking = lacking_forces(problem, selection.comparison.whitening, chosen);
-  const VerdictRule& rule = decide({one_trial, posterior.none, posterior.unexplained,
-                                    proposal.naming, count_of(proposal.effects), lacking, out.gap},
+  const VerdictRule& rule = decide({one_trial, posterior.none, posterior.unexplained, told.naming,
+                                    count_of(proposal.effects), lacking, out.gap},
                                    settings);
-  out.verdict = rule.verdict;
+  out.verdict = about_effects(rule.verdict, told);
   out.rule = rule.name;
   out.stated = {{}, stated.p};
-  out.none = {{}, none.p};
+  const bool once = names_effects(rule.verdict) && told.effects.empty();
+  out.none = once ? FittedModel{chosen.candidates, chosen.fit.p} : FittedModel{{}, none.p};
   out.model = {chosen.candidates, chosen.fit.p};
   for (const int c : chosen.candidates)
     out.theta.push_back(theta_with_tolerances(problem, chosen.fit, c));
@@ -270,20 +273,23 @@ Statement state_verdict(const Problem& problem, const Selection& selection, bool
             joined(names_of(problem, chosen.candidates))},
            out.reasons);
 
+  const auto found = [&](int c, const std::vector<int>& others) {
+    return found_effect(problem, selection.comparison.whitening, posterior, c, &chosen, others);
+  };
   std::vector<FoundEffect> effects;
+  if (names_effects(rule.verdict))
+    for (const Established& e : told.events)
+      out.events.push_back(event_of(problem, e.effect, found(e.effect, {})));
   if (names_effects(out.verdict)) {
-    const auto add = [&](int c, const std::vector<int>& others) {
-      effects.push_back(
-          found_effect(problem, selection.comparison.whitening, posterior, c, &chosen, others));
-    };
-    for (const Established& e : proposal.effects) add(e.effect, e.others);
+    for (const Established& e : told.effects) effects.push_back(found(e.effect, e.others));
     // Rivals have a row each.
     if (out.verdict == Verdict::ambiguous)
-      for (const int other : proposal.effects.front().others) add(other, {});
+      for (const int other : told.effects.front().others) effects.push_back(found(other, {}));
     add_shares(gaps, chosen, effects);
   }
   if (out.verdict == Verdict::ambiguous) out.rivals = rivals_of(posterior);
   std::vector<Ranked> ranking = ranking_of(gaps, chosen);
+  if (!told.events.empty()) ranking = ranked_without_events(problem, ranking);
   const std::vector<std::string> doubted = doubts(out.verdict, out.gap, effects, ranking, settings);
   append(doubted, out.reasons);
   Calibrated calibrated =

@@ -15,6 +15,7 @@ struct Statement {
   std::string rule;
   std::vector<std::string> reasons;
   std::vector<FoundEffect> effects;
+  std::vector<ForceEvent> events;  ///< of the effects proposed those that happened once
   std::vector<Ranked> ranking;
   HeldOut gap;
   double lacking_probability = 0.0;  ///< that `model` lacks forces, given that it is at work

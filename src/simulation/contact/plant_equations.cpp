@@ -130,7 +130,7 @@ void PlantEquations::set_forces(double t, const State& y, const std::vector<Touc
   passive_.add(mechanism_, inertia_, drive_.motors, q, v, force_.data());
   if (!laws_.empty()) laws_.add(mechanism_, drive_.motors, at_.bus, q, v, force_.data());
   if (compliant_) add_ground(y, modes);
-  for (const Push* push : inputs_.pushes()) add_push(*push, q, v);
+  for (const Push* push : inputs_.pushes()) add_push(*push, t, q, v);
 
   for (int i = 0; i < size(); ++i) free_[i] = balance_[i] = force_[i] - inertia_.bias(i);
   inertia_.forward(free_.data());
@@ -142,11 +142,12 @@ void PlantEquations::take_changes(const PlantChanges& changes) {
     if (!u.stop()) u.mu = plant_.ground.friction * changes.friction_scale;
 }
 
-void PlantEquations::add_push(const Push& push, const double* q, const double* v) {
+void PlantEquations::add_push(const Push& push, double t, const double* q, const double* v) {
   const Frame& base = mechanism_.frame(0);
+  const double share = push.share_at(t);
   for (int i = 0; i < size(); ++i)
-    force_[i] +=
-        push.force_W.x() * base.jx[i] + push.force_W.y() * base.jz[i] + push.moment * base.w[i];
+    force_[i] += share * (push.force_W.x() * base.jx[i] + push.force_W.y() * base.jz[i] +
+                          push.moment * base.w[i]);
   if (push.joint.empty()) return;
 
   const int motor = plant_.model.motor_index(push.joint);
@@ -155,7 +156,7 @@ void PlantEquations::add_push(const Push& push, const double* q, const double* v
   if (motor < 0) mechanism_.joint(body, q, v, joint);
   const Row& row = motor < 0 ? joint.row : mechanism_.motor_row[motor];
   const int count = motor < 0 ? plant_.model.bodies[body].count : plant_.model.motors[motor].count;
-  for (int i = 0; i < size(); ++i) force_[i] += count * push.torque * row[i];
+  for (int i = 0; i < size(); ++i) force_[i] += share * count * push.torque * row[i];
 }
 
 void PlantEquations::add_ground(const State& y, const std::vector<Touch>& modes) {

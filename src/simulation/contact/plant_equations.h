@@ -91,7 +91,7 @@ class PlantEquations {
   void read_motors(const State& y);
   void set_forces(double t, const State& y, const std::vector<Touch>& modes);
   void add_ground(const State& y, const std::vector<Touch>& modes);
-  void add_push(const Push& push, const double* q, const double* v);
+  void add_push(const Push& push, double t, const double* q, const double* v);
   void set_accelerations();
   bool add_contacts(const State& y, const std::vector<Touch>& modes, double* acceleration);
   void take_changes(const PlantChanges& changes);

@@ -1,0 +1,19 @@
+#pragma once
+// The search among models, and again with pushes as candidates where effects alone don't do.
+
+#include "diagnosis/build_problem.h"
+
+namespace jaculus::diagnosis {
+
+/// What can be judged, and the models that were found for it.
+struct Searched {
+  Prepared prepared;
+  Selection selection;  ///< without models where prepared has reasons, or none can't be fitted
+};
+
+/// Effects first. Where the leading model leaves forces that the plant lacks, under a plan and with
+/// one dataset, the search is made again with likely pushes as candidates (push_scan.h), and counts
+/// if a model with a push leads it.
+Searched search_with_pushes(Prepared prepared, const DiagnoseOptions& options);
+
+}  // namespace jaculus::diagnosis

@@ -1,0 +1,90 @@
+#include "diagnosis/verdict/told_events.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+namespace jaculus::diagnosis {
+
+bool is_event(const Problem& problem, int candidate) {
+  const effects::Effect* effect = problem.hypotheses.candidates[candidate].effect;
+  return effect != nullptr && effect->event;
+}
+
+PartedProposal parted(const Problem& problem, const Proposal& proposal) {
+  PartedProposal out{proposal.naming, {}, {}};
+  const auto event = [&](int c) { return is_event(problem, c); };
+  if (proposal.naming == Naming::rivals) {
+    Established place = proposal.effects.front();
+    const bool events_alone =
+        event(place.effect) && std::all_of(place.others.begin(), place.others.end(), event);
+    if (!events_alone) {
+      out.effects = proposal.effects;
+      return out;
+    }
+    place.others.clear();
+    return {Naming::sure, {}, {place}};
+  }
+
+  for (const Established& e : proposal.effects)
+    (event(e.effect) ? out.events : out.effects).push_back(e);
+  return out;
+}
+
+Verdict about_effects(Verdict verdict, const PartedProposal& proposal) {
+  if (!names_effects(verdict) || proposal.events.empty()) return verdict;
+  if (proposal.effects.empty())
+    return verdict == Verdict::partial ? Verdict::unexplained : Verdict::none;
+  return verdict == Verdict::several && proposal.effects.size() == 1 ? Verdict::effect : verdict;
+}
+
+std::vector<Ranked> ranked_without_events(const Problem& problem,
+                                          const std::vector<Ranked>& ranking) {
+  const Hypotheses& hypotheses = problem.hypotheses;
+  std::vector<Ranked> out;
+  for (Ranked row : ranking) {
+    const std::size_t before = row.members.size();
+    std::erase_if(row.members, [&](const std::string& name) {
+      return is_event(problem, hypotheses.candidate(name));
+    });
+    if (row.members.size() != before)
+      row.effect = row.members.empty() ? "none" : fmt::format("{}", fmt::join(row.members, " + "));
+    std::erase_if(row.parameters, [&](const FoundParameter& value) {
+      const int c = hypotheses.candidate(value.name.substr(0, value.name.find('.')));
+      return c >= 0 && is_event(problem, c);
+    });
+
+    const auto same = std::find_if(out.begin(), out.end(),
+                                   [&](const Ranked& r) { return r.effect == row.effect; });
+    if (same == out.end())
+      out.push_back(std::move(row));
+    else
+      same->probability += row.probability;
+  }
+  std::stable_sort(out.begin(), out.end(),
+                   [](const Ranked& a, const Ranked& b) { return a.probability > b.probability; });
+  return out;
+}
+
+ForceEvent event_of(const Problem& problem, int candidate, const FoundEffect& found) {
+  const std::string& name = problem.hypotheses.candidates[candidate].name;
+  const std::string place = name.substr(name.find('@') + 1);
+  const bool of_body = problem.observations.datasets.front().model.body_of_joint(place) < 0;
+  const FoundParameter &peak = found.parameters[0], &middle = found.parameters[1],
+                       &length = found.parameters[2];
+
+  ForceEvent event;
+  event.joint = of_body ? "base" : place;
+  event.along = of_body ? place : "";
+  event.from = middle.value - 0.5 * length.value;
+  event.to = middle.value + 0.5 * length.value;
+  event.peak = peak.value;
+  event.peak_ci95 = peak.ci95;
+  event.unit = peak.unit;
+  event.probability = found.probability;
+  event.every_trial = true;
+  return event;
+}
+
+}  // namespace jaculus::diagnosis

@@ -1,0 +1,85 @@
+// Pushes that every trial of a plan or script had, on the plant: told as events beside effects.
+
+#include <gtest/gtest.h>
+
+#include "jaculus/core/installation.h"
+#include "jaculus/diagnosis/diagnose.h"
+#include "jaculus/effects/effect.h"
+#include "jaculus/simulation/experiment.h"
+
+namespace jaculus::diagnosis {
+namespace {
+
+constexpr double kFrom = 0.11, kLength = 0.07;  // [s]
+
+/// The shipped drop with a push along the base's x [N] and dry friction at the tail [N m].
+trajectory::Dataset drop(double push, double friction) {
+  simulation::Experiment experiment =
+      simulation::read_experiment(source_folder() / "problems" / "drop_trials.yaml");
+  const model::Robot robot = simulation::dataset_robot(experiment.setup);
+  simulation::Plant plant = simulation::dataset_plant(experiment.setup, robot.planar);
+  simulation::Push half{kFrom, kLength, Vec2(push, 0.0)};
+  half.half_sine = true;
+  if (push != 0.0) plant.pushes = {half};
+  if (friction != 0.0) {
+    const effects::Effect* effect = effects::find_effect("tail_coulomb_friction");
+    Vector theta = effect->nominal();
+    theta[0] = friction;
+    effect->apply(theta, plant);
+  }
+
+  const simulation::Controller controller =
+      simulation::experiment_controller(experiment, robot.planar);
+  trajectory::Dataset dataset = experiment.setup;
+  for (int k = 0; k < 5; ++k)
+    dataset.trials.push_back(simulation::run_trial(experiment, plant, controller, k, 11).trial);
+  return dataset;
+}
+
+Diagnosis diagnosed(double push, double friction) {
+  DiagnoseOptions options;
+  for (const char* name : {"tail_coulomb_friction", "wind"})
+    options.effects.push_back(effects::find_effect(name));
+  return diagnose({drop(push, friction)}, options);
+}
+
+void expect_told(const Diagnosis& found, double push) {
+  ASSERT_EQ(found.events.size(), 1U);
+  const ForceEvent& event = found.events.front();
+  EXPECT_EQ(event.joint, "base");
+  EXPECT_EQ(event.along, "x");
+  EXPECT_TRUE(event.trial.empty());
+  EXPECT_NEAR(0.5 * (event.from + event.to), kFrom + 0.5 * kLength, 0.01);
+  EXPECT_NEAR(event.peak, push, 0.3 * push);
+  EXPECT_TRUE(event.peak_ci95.contains(event.peak));
+  // Short and strong or long and weak look alike: the impulse is what data tell, as well as the
+  // robot's mass is known (3 %).
+  EXPECT_NEAR(event.peak * (event.to - event.from), push * kLength, 0.06 * push * kLength);
+}
+
+TEST(PushUnderAScript, IsAnEventAndNoEffect) {
+  const Diagnosis found = diagnosed(10.0, 0.0);
+  EXPECT_EQ(found.verdict, Verdict::none) << to_text(found.verdict);
+  EXPECT_TRUE(found.effects.empty());
+  expect_told(found, 10.0);
+  EXPECT_LT(found.gap.after, 1.3);
+  EXPECT_GT(found.gap.before, 2.0 * found.gap.after);
+  for (const Ranked& row : found.ranking) EXPECT_EQ(row.effect.find("push"), std::string::npos);
+}
+
+TEST(PushUnderAScript, StandsBesideAnEffect) {
+  const Diagnosis found = diagnosed(10.0, 0.4);
+  EXPECT_EQ(found.verdict, Verdict::effect) << to_text(found.verdict);
+  ASSERT_EQ(found.effects.size(), 1U);
+  EXPECT_EQ(found.effects.front().name, "tail_coulomb_friction");
+  expect_told(found, 10.0);
+}
+
+TEST(PushUnderAScript, IsNotMadeOfAnEffect) {
+  const Diagnosis found = diagnosed(0.0, 0.4);
+  EXPECT_EQ(found.verdict, Verdict::effect) << to_text(found.verdict);
+  EXPECT_TRUE(found.events.empty());
+}
+
+}  // namespace
+}  // namespace jaculus::diagnosis
