@@ -17,6 +17,7 @@ from ._errors import InputError
 from ._interrupts import Interrupted
 from .datasets import Dataset, Stream, Trial, load_dataset, simulate
 from .diagnoses import Diagnosis, diagnose
+from .executors import map
 from .logs import import_bag, import_table
 from .plans import Comparison, Plan, compare, solve
 from .robots import Problem, Robot, load_problem, load_robot, shipped
@@ -25,5 +26,5 @@ from .studies import Study, study
 __all__ = [
     "Comparison", "Dataset", "Diagnosis", "InputError", "Interrupted", "Plan", "Problem", "Robot",
     "Stream", "Study", "Trial", "__version__", "compare", "diagnose", "import_bag", "import_table",
-    "load_dataset", "load_problem", "load_robot", "shipped", "simulate", "solve", "study",
+    "load_dataset", "load_problem", "load_robot", "map", "shipped", "simulate", "solve", "study",
 ]

@@ -2,14 +2,19 @@
 
 #include <fmt/format.h>
 
+#include <fstream>
+#include <iterator>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "cli/margins.h"
 #include "cli/reporting.h"
 #include "jaculus/core/error.h"
+#include "jaculus/core/executor.h"
 #include "jaculus/core/installation.h"
 #include "jaculus/core/interrupt.h"
+#include "jaculus/core/journal.h"
+#include "jaculus/core/tasks.h"
 #include "jaculus/effects/trials.h"
 #include "jaculus/report/dataset_report.h"
 #include "jaculus/simulation/experiment.h"
@@ -29,6 +34,7 @@ struct SimulateOptions {
   std::vector<std::string> effect_files;
   std::string augmented;  ///< file of a diagnosis
   int perturb = 0;
+  bool resume = false;  ///< of replays on a cluster
 };
 
 bool is_plan(const fs::path& target) { return target.extension() == ".csv"; }
@@ -80,7 +86,52 @@ void show(const simulation::Experiment& experiment, const effects::SimulatedTria
   print(text);
 }
 
+/// Everything that replays depend on.
+std::string replay_key(const SimulateOptions& options, const simulation::Experiment& experiment) {
+  std::string text(version());
+  const fs::path robot = model::find_robot(experiment.setup.robot, experiment.setup.folder);
+  std::vector<fs::path> files = {target_file(options), robot / "robot.urdf", robot / "robot.yaml"};
+  files.insert(files.end(), options.effect_files.begin(), options.effect_files.end());
+  if (!options.augmented.empty()) files.emplace_back(options.augmented);
+  for (const fs::path& file : files) {
+    std::ifstream stream(file, std::ios::binary);
+    text.append(std::istreambuf_iterator<char>(stream), {});
+  }
+  for (const std::string& effect : options.effects) text += " " + effect;
+  return fmt::format("replays {:016x} {} {} {}", hash64(text + options.controller), experiment.seed,
+                     options.perturb, fs::weakly_canonical(robot).string());
+}
+
+/// Replays here or on a cluster; nothing where they were interrupted.
+void add_replays(const SimulateOptions& options, const simulation::Experiment& experiment,
+                 const std::vector<effects::EffectValue>& effects,
+                 effects::SimulatedTrials& result) {
+  TaskOptions tasks;
+  tasks.workers = options.common.jobs;
+  tasks.isolate = false;
+  tasks.stage = "replays";
+  tasks.notice = notices(options.common);
+  tasks.progress = progress_bar(options.common, "replays");
+  tasks.executor = make_executor(options.common, jobs_folder(options.common.out));
+  if (tasks.executor) tasks.fingerprint = replay_key(options, experiment);
+
+  const auto replays = simulation::replays(
+      experiment, options.perturb, experiment.seed,
+      [&](simulation::Plant& plant) { effects::apply_effects(effects, plant); }, tasks);
+  clear_progress(options.common);
+  if (count_of(replays) > options.perturb) result.summary["perturb"] = perturb_json(replays);
+}
+
+void check_executor(const SimulateOptions& options) {
+  const auto executor = make_executor(options.common, jobs_folder(options.common.out));
+  if (executor && options.perturb == 0)
+    throw InputError("--executor slurm: given without --perturb; allowed: with replays to run");
+  if (!executor && options.resume)
+    throw InputError("--resume: given without --executor slurm; allowed: with it");
+}
+
 int run_simulate(const SimulateOptions& options) {
+  check_executor(options);
   const simulation::Experiment experiment = load_experiment(options);
   const model::PlanarModel model = simulation::dataset_robot(experiment.setup).planar;
   const std::vector<effects::EffectValue> effects = effects::choose_effects(
@@ -93,11 +144,8 @@ int run_simulate(const SimulateOptions& options) {
   check_figures(options.common);
   if (!options.common.out.empty()) prepare_folder(options.common.out);
   effects::SimulatedTrials result = effects::simulate_trials(experiment, effects, model);
-  if (options.perturb > 0 && !interrupt_requested()) {
-    result.summary["perturb"] = perturb_json(simulation::replays(
-        experiment, options.perturb, experiment.seed,
-        [&](simulation::Plant& plant) { effects::apply_effects(effects, plant); }));
-  }
+  if (options.perturb > 0 && !interrupt_requested())
+    add_replays(options, experiment, effects, result);
 
   if (!options.common.out.empty() && !result.dataset.trials.empty()) {
     trajectory::write_dataset(result.dataset, options.common.out);
@@ -105,6 +153,8 @@ int run_simulate(const SimulateOptions& options) {
                            result.summary.dump(1) + "\n");
   }
 
+  const auto executor = make_executor(options.common, jobs_folder(options.common.out));
+  if (executor && !interrupt_requested()) remove_jobs(*executor);
   show(experiment, result, options);
   if (!result.dataset.trials.empty())
     write_reporting(report::dataset_report(result.dataset, model, experiment.name), options.common);
@@ -156,6 +206,10 @@ void add_simulate(CLI::App& app, Action& chosen) {
       ->add_option("--perturb", options->perturb,
                    "replays under the experiment's uncertainties, with their margins")
       ->check(whole_number(0, 100000));
+  add_executor(*command, options->common);
+  command->add_flag(
+      "--resume", options->resume,
+      "go on with the replays that an interrupted run on Slurm has finished in --out");
   command->callback([options, &chosen] { chosen = [options] { return run_simulate(*options); }; });
 }
 

@@ -13,6 +13,7 @@
 #include <cstring>
 #include <exception>
 #include <mutex>
+#include <thread>
 #include <vector>
 
 #include "jaculus/core/interrupt.h"
@@ -133,6 +134,15 @@ int reap(const Child& child, bool kill_it) {
   return status;
 }
 
+/// Whether a child that a signal ended fell with its parent. Who ends a whole group (Slurm does) may
+/// reach the child first.
+bool fell_with_parent(int status) {
+  if (!WIFSIGNALED(status)) return false;
+  for (int wait = 0; wait < 20 && WTERMSIG(status) == SIGTERM && !interrupt_requested(); ++wait)
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  return interrupt_requested();
+}
+
 TaskResult failure(std::string error) { return {TaskState::failed, "", std::move(error), false}; }
 
 TaskResult unpack(const std::string& sent, int status) {
@@ -162,8 +172,8 @@ TaskResult run_isolated(const std::function<std::string()>& job, double time_lim
   std::string sent;
   const Ending ending = receive(child.reader, time_limit_s, sent);
   const int status = reap(child, ending != Ending::closed);
-  const bool ended_with_us = interrupt_requested() && WIFSIGNALED(status);
-  if (ending == Ending::interrupted || ended_with_us) return {};
+  if (ending == Ending::interrupted) return {};
+  if (ending == Ending::closed && fell_with_parent(status)) return {};
   if (ending == Ending::out_of_time)
     return failure(fmt::format("not finished within {:g} s", time_limit_s));
   return unpack(sent, status);

@@ -10,7 +10,6 @@
 #include <fstream>
 #include <iterator>
 #include <optional>
-#include <stdexcept>
 #include <thread>
 
 #include "jaculus/core/error.h"
@@ -51,16 +50,16 @@ std::optional<std::string_view> take_checked(std::string_view& rest, const char*
   return body;
 }
 
-void write_all(int descriptor, std::string_view bytes) {
+void write_all(int descriptor, const std::filesystem::path& file, std::string_view bytes) {
   while (!bytes.empty()) {
     const ssize_t written = write(descriptor, bytes.data(), bytes.size());
     if (written < 0 && errno == EINTR) continue;
     if (written <= 0)
-      throw std::runtime_error(std::string("journal: can't write: ") + std::strerror(errno));
+      throw InputError(file.string() + ": can't be written: " + std::strerror(errno));
     bytes.remove_prefix(written);
   }
   if (fdatasync(descriptor) != 0)
-    throw std::runtime_error(std::string("journal: can't sync: ") + std::strerror(errno));
+    throw InputError(file.string() + ": can't be written: " + std::strerror(errno));
 }
 
 /// A new file is only durable once its folder is.
@@ -151,7 +150,8 @@ std::map<int, std::string> JournalTail::take(std::string_view key) {
   return fresh;
 }
 
-Journal::Journal(const std::filesystem::path& file, std::string_view key, JournalLock lock) {
+Journal::Journal(const std::filesystem::path& file, std::string_view key, JournalLock lock)
+    : file_(file) {
   descriptor_ = open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
   if (descriptor_ < 0)
     throw InputError(file.string() + ": can't be written: " + std::strerror(errno));
@@ -176,7 +176,7 @@ Journal::Journal(const std::filesystem::path& file, std::string_view key, Journa
       put(header, key.size());
       header += key;
       put(header, hash64(header));
-      write_all(descriptor_, header);
+      write_all(descriptor_, file_, header);
       sync_folder(file);
     }
   } catch (...) {
@@ -196,7 +196,7 @@ void Journal::append(int index, std::string_view payload) {
   put(record, payload.size());
   record += payload;
   put(record, hash64(record));
-  write_all(descriptor_, record);
+  write_all(descriptor_, file_, record);
 }
 
 void Journal::close_in_child() {

@@ -42,7 +42,7 @@ void run_local(const std::vector<int>& indices, const std::function<std::string(
       if (interrupt_requested()) return;
       if (run.begin) {
         const std::lock_guard lock(mutex);
-        run.begin(indices[k]);
+        if (!run.begin(indices[k])) return;
       }
       TaskResult result = run_one(indices[k], task, run);
       const std::lock_guard lock(mutex);

@@ -12,8 +12,9 @@ struct LocalRun {
   int workers = 0;  ///< 0: one a core
   bool isolate = true;
   double time_limit_s = kInfinity;
-  std::function<void()> in_child = {};        ///< first of all, in an isolated task's process
-  std::function<void(int index)> begin = {};  ///< one call at a time, as the next
+  std::function<void()> in_child = {};  ///< first of all, in an isolated task's process
+  /// One call at a time, as the next; where it says false, no further task begins.
+  std::function<bool(int index)> begin = {};
   std::function<void(int index, TaskResult)> end = {};  ///< not for those that never began
 };
 

@@ -94,7 +94,9 @@ bool detail::ElementState::ended() const {
 }
 
 std::string detail::submit_array(const Array& array) {
-  std::vector<std::string> words{"sbatch", "--parsable",
+  // Within a job of Slurm, its own variables would pass for the array's.
+  std::vector<std::string> words{"env", "-u", "SLURM_CPUS_PER_TASK", "-u", "SLURM_RESTART_COUNT",
+                                 "sbatch", "--parsable",
                                  fmt::format("--array=0-{}", array.elements - 1),
                                  "--job-name=" + array.name, "--chdir=" + array.directory.string(),
                                  "--output=" + array.output, "--open-mode=append", "--requeue",

@@ -81,6 +81,8 @@ std::vector<int> ranges_of(const std::string& text) {
 
 std::string Element::name() const { return fmt::format("{}.{}", round, chunk); }
 
+std::string Element::worker(int restarts) const { return fmt::format("{}.{}", name(), restarts); }
+
 void StageFolder::open(const std::string& stage, int count, const std::string& key) {
   stage_ = stage;
   key_ = key;
@@ -98,7 +100,7 @@ void StageFolder::open(const std::string& stage, int count, const std::string& k
   }
 
   std::error_code code;
-  for (const char* folder : {"begun", "done", "failed", "log"}) {
+  for (const char* folder : {"begun", "done", "failed", "lost", "log"}) {
     fs::create_directories(path_ / folder, code);
     if (code)
       throw InputError(fmt::format("{}: can't be made: {}", path_.string(), code.message()));
@@ -115,16 +117,23 @@ void StageFolder::read() {
   count_ = json.at("tasks").get<int>();
   key_ = json.at("key").get<std::string>();
   if (json.contains("cost_s")) cost_s_ = json["cost_s"].get<double>();
+  if (json.contains("finished")) finished_ = json["finished"].get<int>();
 }
 
 void StageFolder::write() const {
   Json json{{"format", kFormat}, {"stage", stage_}, {"tasks", count_}, {"key", key_}};
   if (cost_s_) json["cost_s"] = *cost_s_;
+  if (finished_) json["finished"] = *finished_;
   write_whole(path_ / "stage.json", json.dump(1) + "\n");
 }
 
 void StageFolder::set_cost(double cost_s) {
   cost_s_ = cost_s;
+  write();
+}
+
+void StageFolder::set_finished(int finished) {
+  finished_ = finished;
   write();
 }
 
@@ -169,6 +178,15 @@ std::vector<int> StageFolder::begun(const Element& element) const {
     for (int index = 0; stream >> index;) indices.insert(index);
   }
   return {indices.begin(), indices.end()};
+}
+
+bool StageFolder::superseded(const Element& element, int restarts) const {
+  return fs::exists(file("begun", element.worker(restarts + 1))) ||
+         fs::exists(file("lost", element.name()));
+}
+
+void StageFolder::give_up(const Element& element) const {
+  std::ofstream(file("lost", element.name())).flush();
 }
 
 std::vector<std::string> StageFolder::workers(const char* folder, const Element& element) const {

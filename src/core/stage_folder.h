@@ -1,6 +1,7 @@
 #pragma once
 // The folder of one list of tasks on a cluster; executor.h has what is in it.
 
+#include <chrono>
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -12,6 +13,9 @@
 
 namespace jaculus::detail {
 
+/// Until what another machine wrote is seen here: NFS caches what a folder holds for up to a minute.
+inline constexpr std::chrono::seconds kNfsDelay(60);
+
 /// Indices as text and back: "0-24,30".
 std::string ranges_text(const std::vector<int>& indices);
 std::vector<int> ranges_of(const std::string& text);
@@ -19,7 +23,8 @@ std::vector<int> ranges_of(const std::string& text);
 /// An element of an array: a chunk of a round.
 struct Element {
   int round = 0, chunk = 0;
-  [[nodiscard]] std::string name() const;  ///< "1.7"
+  [[nodiscard]] std::string name() const;                ///< "1.7"
+  [[nodiscard]] std::string worker(int restarts) const;  ///< "1.7.0"; requeued once: "1.7.1"
   auto operator<=>(const Element&) const = default;
 };
 
@@ -45,6 +50,10 @@ class StageFolder {
   [[nodiscard]] std::optional<double> cost_s() const { return cost_s_; }
   void set_cost(double cost_s);
 
+  /// How many results there are, where all that was asked for is there.
+  [[nodiscard]] std::optional<int> finished() const { return finished_; }
+  void set_finished(int finished);
+
   [[nodiscard]] int rounds() const;  ///< the last one's number
   [[nodiscard]] Round round(int number) const;
   void write_round(int number, const std::vector<std::vector<int>>& chunks) const;
@@ -59,6 +68,10 @@ class StageFolder {
   std::map<int, std::string> fresh(const char* folder);
   /// Indices that an element's workers began.
   [[nodiscard]] std::vector<int> begun(const Element& element) const;
+  /// Whether an element's worker should end: it was requeued meanwhile, or given up. A node that
+  /// Slurm lost sight of may still work.
+  [[nodiscard]] bool superseded(const Element& element, int restarts) const;
+  void give_up(const Element& element) const;
   /// Files of an element's workers: "1.7.0", "1.7.1" ...
   [[nodiscard]] std::vector<std::string> workers(const char* folder, const Element& element) const;
   /// The last line that an element printed; empty where there is none.
@@ -71,6 +84,7 @@ class StageFolder {
   std::string stage_, key_;
   int count_ = 0;
   std::optional<double> cost_s_;
+  std::optional<int> finished_;
   std::map<std::filesystem::path, JournalTail> tails_;
 };
 

@@ -36,8 +36,9 @@ constexpr int kPilotTasks = 4;
 constexpr double kPilot_s = 10.0;  // a login node is shared
 // Slurm is asked every 2 % of the time that has passed, so that an end is not noticed late.
 constexpr double kPaceShare = 0.02, kLeastPace_s = 0.3, kMostPace_s = 10.0;
-// Until what a job wrote last is seen from here: NFS caches what a folder holds for up to a minute.
-constexpr double kSettle_s = 2.0, kSettleComplete_s = 60.0;
+// Until what a job wrote last is seen from here.
+constexpr double kSettle_s = 2.0,
+                 kSettleComplete_s = std::chrono::duration<double>(kNfsDelay).count();
 
 /// An element of which results are missing.
 struct Watched {
@@ -77,6 +78,7 @@ class Submission {
       collect("failed");
       settle();
     }
+    if (open_.empty()) folder_.set_finished(count_of(kept_));
     if (interrupt_requested())
       for (const auto& [round, job] : jobs_) cancel_job(job);
   }
@@ -91,6 +93,7 @@ class Submission {
     const bool done = std::string_view(kind) == "done";
     for (auto& [index, bytes] : folder_.fresh(kind)) {
       kept_.insert(index);
+      lost_in_a_row_ = 0;
       if (open_.erase(index) == 0) continue;
       waiting_.erase(index);
       take_(index, done ? TaskResult{TaskState::done, std::move(bytes), "", false}
@@ -110,7 +113,10 @@ class Submission {
       jobs_[number] = round.job;
     }
     if (!watched_.empty()) look();
-    std::erase_if(watched_, [](const auto& entry) { return entry.second.ended.has_value(); });
+    std::erase_if(watched_, [&](const auto& entry) {
+      if (entry.second.ended) folder_.give_up(entry.first);
+      return entry.second.ended.has_value();
+    });
 
     std::set<int> under_way;
     for (const auto& [element, watched] : watched_)
@@ -129,7 +135,7 @@ class Submission {
   /// What a run without an executor has finished, for the workers of lists behind this one.
   void keep(const std::vector<TaskResult>& known) {
     for (int i = 0; i < count_of(known); ++i)
-      if (known[i].state == TaskState::done && !kept_.contains(i))
+      if (known[i].state == TaskState::done && kept_.insert(i).second)
         own_done_->append(i, known[i].bytes);
   }
 
@@ -164,6 +170,7 @@ class Submission {
   void finish(int index, const TaskResult& result) {
     Journal& journal = result.state == TaskState::done ? *own_done_ : *own_failed_;
     journal.append(index, result.state == TaskState::done ? result.bytes : result.error);
+    kept_.insert(index);
     open_.erase(index);
     waiting_.erase(index);
     take_(index, result);
@@ -186,14 +193,15 @@ class Submission {
     jobs_[number] = submit_array(array);
     folder_.write_job(number, jobs_[number]);
     for (int c = 0; c < count_of(chunks); ++c) watched_[{number, c}] = {chunks[c], true, {}, {}};
+    most_elements_ = std::max(most_elements_, count_of(chunks));
     notice(fmt::format("{}: {} tasks in {} elements of Slurm job {}", options_.stage,
                        waiting_.size(), chunks.size(), jobs_[number]));
     waiting_.clear();
   }
 
   void write_script(const fs::path& script, int round) const {
-    std::string text =
-        fmt::format("#!/bin/sh\nexport {}='{} {}'\nexec", kWorkerVariable, options_.stage, round);
+    std::string text = fmt::format("#!/bin/sh\nexport {}={}\nexec", kWorkerVariable,
+                                   shell_quoted(fmt::format("{} {}", round, options_.stage)));
     for (const std::string& word : executor_.command) text += " " + shell_quoted(word);
     std::ofstream stream(script);
     stream << text << "\n";
@@ -263,15 +271,27 @@ class Submission {
                        element.name(), options_.stage, how, missing.size(),
                        watched.indices.size()));
 
-    std::vector<int> blamed = open_of(folder_.begun(element));
-    if (blamed.empty()) blamed = missing;  // it never got that far
+    folder_.give_up(element);
     for (const int index : missing) waiting_.insert(index);
-    for (const int index : blamed) {
-      if (!watched.own || ++losses_[index] < kMostLosses) continue;
-      finish(index,
-             {TaskState::failed, "",
-              fmt::format("its job was lost {} times, at last {}", kMostLosses, how), false});
-    }
+    if (watched.own && state != "PREEMPTED") blame(element, missing, how);
+  }
+
+  void blame(const Element& element, const std::vector<int>& missing, const std::string& how) {
+    std::vector<int> under_way = open_of(folder_.begun(element));
+    if (under_way.empty()) under_way = missing;  // it never got that far
+    for (const int index : under_way)
+      if (++losses_[index] >= kMostLosses)
+        fail(index, fmt::format("its job was lost {} times, at last {}", kMostLosses, how));
+
+    if (++lost_in_a_row_ < kMostLosses * most_elements_) return;
+    const std::vector<int> waiting(waiting_.begin(), waiting_.end());
+    for (const int index : waiting)
+      fail(index, fmt::format("{} jobs in a row were lost without a result, at last {}",
+                              lost_in_a_row_, how));
+  }
+
+  void fail(int index, const std::string& why) {
+    finish(index, {TaskState::failed, "", why, false});
   }
 
   const std::function<std::string(int)>& task_;
@@ -285,6 +305,7 @@ class Submission {
   std::map<Element, Watched> watched_;
   std::map<int, std::string> jobs_;  ///< by round
   std::map<int, int> losses_;
+  int lost_in_a_row_ = 0, most_elements_ = 0;
   std::set<std::string> told_;
   std::optional<Journal> own_done_, own_failed_;  ///< of this process
   Clock::time_point begin_ = Clock::now();

@@ -2,10 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <chrono>
 #include <cstdlib>
 #include <fstream>
 #include <set>
 #include <sstream>
+#include <thread>
 
 #include "core/run_local.h"
 #include "core/stage_folder.h"
@@ -24,33 +26,73 @@ std::string variable_or(const char* name, const char* otherwise) {
 struct Assignment {
   std::string stage;
   detail::Element element;
-  std::string worker;  ///< of the element, as often as it was requeued: "1.7.0"
+  int restarts = 0;  ///< how often the element was requeued
   int cores = 1;
+
+  [[nodiscard]] std::string worker() const { return element.worker(restarts); }
 };
 
 Assignment assignment() {
   Assignment a;
-  std::istringstream(variable_or(detail::kWorkerVariable, "")) >> a.stage >> a.element.round;
+  std::istringstream(variable_or(detail::kWorkerVariable, "")) >> a.element.round;
+  a.stage = worker_stage();
   try {
     a.element.chunk = std::stoi(variable_or("SLURM_ARRAY_TASK_ID", "-1"));
     a.cores = std::max(1, std::stoi(variable_or("SLURM_CPUS_PER_TASK", "1")));
+    a.restarts = std::stoi(variable_or("SLURM_RESTART_COUNT", "0"));
   } catch (const std::exception&) {
-    throw InputError("SLURM_ARRAY_TASK_ID or SLURM_CPUS_PER_TASK: not a number, as Slurm sets it");
+    throw InputError(
+        "SLURM_ARRAY_TASK_ID, SLURM_CPUS_PER_TASK or SLURM_RESTART_COUNT: not a number, as Slurm "
+        "sets them");
   }
-  a.worker = a.element.name() + "." + variable_or("SLURM_RESTART_COUNT", "0");
   return a;
 }
 
-/// Results of a list whose stage has been finished.
+/// Whether `condition` holds within the time that NFS takes to show what other machines wrote.
+bool comes_true(const std::function<bool()>& condition) {
+  const auto begin = std::chrono::steady_clock::now();
+  while (!condition()) {
+    if (interrupt_requested()) return false;
+    if (std::chrono::steady_clock::now() - begin > detail::kNfsDelay) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  }
+  return true;
+}
+
+/// Results of a list that was finished before the one that this process is a worker of.
 std::vector<TaskResult> results_of(detail::StageFolder& folder) {
   std::vector<TaskResult> results(folder.count());
-  for (auto& [index, bytes] : folder.fresh("done"))
-    results.at(index) = {TaskState::done, std::move(bytes), "", true};
-  for (auto& [index, why] : folder.fresh("failed")) {
-    if (results.at(index).state == TaskState::cancelled)
-      results[index] = {TaskState::failed, "", std::move(why), true};
-  }
-  return results;
+  int known = 0;
+  const auto take = [&](const char* kind, TaskState state) {
+    for (auto& [index, bytes] : folder.fresh(kind)) {
+      TaskResult& result = results.at(index);
+      if (result.state != TaskState::cancelled) continue;
+      ++known;
+      result.state = state;
+      result.resumed = true;
+      (state == TaskState::done ? result.bytes : result.error) = std::move(bytes);
+    }
+  };
+  const bool whole = comes_true([&] {
+    take("done", TaskState::done);
+    take("failed", TaskState::failed);
+    folder.read();
+    return folder.finished() && known >= *folder.finished();
+  });
+  if (whole) return results;
+  throw InputError(fmt::format("{}: results are missing; allowed: a folder that all machines share",
+                               folder.path().string()));
+}
+
+/// Nobody waits for an array whose submitter was killed before it noted the id, nor for one of a run
+/// that was begun anew since. Its files would have two writers.
+void check_array(const detail::StageFolder& folder, int round) {
+  const std::string own = variable_or("SLURM_ARRAY_JOB_ID", "");
+  std::string submitted;
+  const bool known = comes_true([&] { return !(submitted = folder.round(round).job).empty(); });
+  if (own.empty() || (known && submitted == own)) return;
+  throw InputError(fmt::format("{}: Slurm job {} is not what was submitted as round {}",
+                               folder.path().string(), own, round));
 }
 
 /// Of the chunk, what no earlier worker of this element finished.
@@ -75,9 +117,8 @@ std::vector<int> left_of(const detail::StageFolder& folder, const detail::Elemen
 }  // namespace
 
 std::string worker_stage() {
-  std::string stage;
-  std::istringstream(variable_or(detail::kWorkerVariable, "")) >> stage;
-  return stage;
+  const std::string text = variable_or(detail::kWorkerVariable, "");
+  return text.substr(text.find(' ') + 1);
 }
 
 std::vector<TaskResult> detail::run_as_worker(int count,
@@ -93,17 +134,22 @@ std::vector<TaskResult> detail::run_as_worker(int count,
   }
   const Assignment own = assignment();
   if (own.stage != options.stage) return results_of(folder);
+  check_array(folder, own.element.round);
 
   const std::vector<int> left = left_of(folder, own.element, key);
-  Journal done(folder.file("done", own.worker), key, JournalLock::sole_writer);
-  Journal failed(folder.file("failed", own.worker), key, JournalLock::sole_writer);
-  std::ofstream begun(folder.file("begun", own.worker), std::ios::app);
+  Journal done(folder.file("done", own.worker()), key, JournalLock::sole_writer);
+  Journal failed(folder.file("failed", own.worker()), key, JournalLock::sole_writer);
+  std::ofstream begun(folder.file("begun", own.worker()), std::ios::app);
 
   LocalRun run;
   run.workers = own.cores;
   run.isolate = options.isolate;
   run.time_limit_s = options.time_limit_s;
-  run.begin = [&](int index) { begun << index << std::endl; };
+  run.begin = [&](int index) {
+    if (folder.superseded(own.element, own.restarts)) return false;
+    begun << index << std::endl;
+    return true;
+  };
   run.end = [&](int index, const TaskResult& result) {
     if (result.state == TaskState::done) done.append(index, result.bytes);
     if (result.state == TaskState::failed) failed.append(index, result.error);

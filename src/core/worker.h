@@ -9,7 +9,7 @@
 
 namespace jaculus::detail {
 
-/// What the batch script sets: "STAGE ROUND".
+/// What the batch script sets: "ROUND STAGE".
 inline constexpr const char* kWorkerVariable = "JACULUS_WORKER";
 
 /// Runs this element's chunk and throws WorkerDone, where this list is the one it is for. For one

@@ -14,6 +14,7 @@ DATA = pathlib.Path(os.environ.get("JACULUS_DATA", "../shared/data")).resolve()
 specification = importlib.util.spec_from_file_location("run_docs", ROOT / "tests/docs/run_docs.py")
 docs = importlib.util.module_from_spec(specification)
 specification.loader.exec_module(docs)
+OPTIONAL = {"distributed", "ray", "rosbags", "submitit"}
 PROGRAMS = sorted((ROOT / "examples").glob("*.py"))
 
 
@@ -24,8 +25,8 @@ def test_there_are_examples():
 @pytest.mark.parametrize("program", PROGRAMS, ids=lambda program: program.stem)
 def test_an_example_runs_and_prints_what_it_says(program, tmp_path):
     text = program.read_text()
-    if "rosbags" in re.findall(r"^from (\w+)", text, re.M):
-        pytest.importorskip("rosbags", reason="this example needs rosbags")
+    for module in OPTIONAL & set(re.findall(r"^(?:from|import) (\w+)", text, re.M)):
+        pytest.importorskip(module, reason=f"this example needs {module}")
     if 'environ["JACULUS_DATA"]' in text and not DATA.is_dir():
         pytest.skip("no shared data")
     environment = {**os.environ, "MPLBACKEND": "Agg", "JACULUS_DATA": str(DATA)}

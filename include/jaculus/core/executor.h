@@ -12,6 +12,7 @@
 //   FOLDER/STAGE/begun/1.7.0     round 1, chunk 7, not requeued: indices that were begun
 //   FOLDER/STAGE/done/1.7.0      journal of results
 //   FOLDER/STAGE/failed/1.7.0    journal of reasons
+//   FOLDER/STAGE/lost/1.7        that its tasks were given to another element
 //   FOLDER/STAGE/log/1.7.txt     what the worker printed
 
 #include <filesystem>

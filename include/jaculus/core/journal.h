@@ -64,12 +64,13 @@ class Journal {
 
   /// What was there on opening.
   [[nodiscard]] const JournalContent& content() const { return content_; }
-  /// Adds a finished task and waits for the disk. std::runtime_error where that fails.
+  /// Adds a finished task and waits for the disk. InputError where that fails, as on a full one.
   void append(int index, std::string_view payload);
   /// For a forked child, which must not hold on to the lock.
   void close_in_child();
 
  private:
+  std::filesystem::path file_;
   int descriptor_ = -1;
   JournalContent content_;
 };

@@ -40,6 +40,7 @@
 #include <string>
 #include <vector>
 
+#include "jaculus/core/tasks.h"
 #include "jaculus/model/robot.h"
 #include "jaculus/simulation/simulate.h"
 #include "jaculus/trajectory/leap_speed.h"
@@ -157,8 +158,10 @@ struct Replay {
 
 /// Replays under `experiment.uncertainties`: the first replay is nominal, then `count` drawn ones.
 /// Sensors are left out. `apply` edits each plant (effects). InputError where an uncertainty names
-/// no model value.
+/// no model value, or a draw can't be played. `tasks`: where they run, one a task; those before the
+/// first that was interrupted come back.
 std::vector<Replay> replays(const Experiment& experiment, int count, std::uint64_t seed,
-                            const std::function<void(Plant&)>& apply = {});
+                            const std::function<void(Plant&)>& apply = {},
+                            const TaskOptions& tasks = {.workers = 1, .isolate = false});
 
 }  // namespace jaculus::simulation

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 
 #include "jaculus/core/error.h"
 #include "jaculus/model/values.h"
@@ -137,28 +138,63 @@ std::map<std::string, double> draw(const Experiment& experiment, const Uncertain
   return drawn;
 }
 
+constexpr double Margins::*kMargins[] = {&Margins::friction_share, &Margins::slip_time,
+                                         &Margins::voltage_share,  &Margins::torque_share,
+                                         &Margins::current_share,  &Margins::landing_pitch,
+                                         &Margins::speed};
+
+/// Text that reads back exactly.
+std::string to_text(const Margins& margins) {
+  std::string text = fmt::format("{}", static_cast<int>(margins.status));
+  for (const auto margin : kMargins) text += fmt::format(" {}", margins.*margin);
+  return text;
+}
+
+Margins from_text(const std::string& text) {
+  Margins margins;
+  std::istringstream words(text);
+  std::string word;
+  words >> word;
+  margins.status = static_cast<SimulationStatus>(std::stoi(word));
+  for (const auto margin : kMargins) {
+    words >> word;
+    margins.*margin = std::stod(word);
+  }
+  return margins;
+}
+
 }  // namespace
 
 std::vector<Replay> replays(const Experiment& experiment, int count, std::uint64_t seed,
-                            const std::function<void(Plant&)>& apply) {
+                            const std::function<void(Plant&)>& apply, const TaskOptions& tasks) {
   const auto values = uncertain_values(experiment);
-  std::vector<Replay> out;
+  const auto drawn = [&](int i, trajectory::Dataset& setup) {
+    if (i == 0) return std::map<std::string, double>();
+    return draw(experiment, values, task_seed(seed, i), setup);
+  };
 
-  for (int i = 0; i <= count; ++i) {
+  const auto play = [&](int i) {
     Experiment one = experiment;
     one.scatter.clear();
     one.streams.clear();
     one.duration = command_duration(experiment.setup);
-    Replay replay;
-    if (i > 0) replay.values = draw(experiment, values, task_seed(seed, i), one.setup);
+    drawn(i, one.setup);
     const model::PlanarModel model = dataset_robot(one.setup).planar;
     Plant plant = dataset_plant(one.setup, model);
     if (apply) apply(plant);
     const TrialRun run = run_trial(one, plant, experiment_controller(one, model), 0, 0);
-    replay.margins = margins_of(one, plant, run.truth);
-    out.push_back(std::move(replay));
-  }
+    return to_text(margins_of(one, plant, run.truth));
+  };
 
+  const std::vector<TaskResult> results = run_tasks(count + 1, play, tasks);
+  std::vector<Replay> out;
+  for (int i = 0; i <= count; ++i) {
+    if (results[i].state == TaskState::cancelled) break;
+    if (results[i].state == TaskState::failed)
+      throw InputError(fmt::format("{}: replay {}: {}", experiment.name, i, results[i].error));
+    trajectory::Dataset setup = experiment.setup;
+    out.push_back({drawn(i, setup), from_text(results[i].bytes)});
+  }
   return out;
 }
 
