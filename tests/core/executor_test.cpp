@@ -49,7 +49,8 @@ class OnFakeSlurm : public testing::Test {
   void TearDown() override {
     setenv("PATH", path_.c_str(), 1);
     for (const char* fault :
-         {"FAKE_SLURM_KILL", "FAKE_SLURM_REQUEUE", "FAKE_SLURM_REFUSE", "JACULUS_TEST_FAULT"})
+         {"FAKE_SLURM_KILL", "FAKE_SLURM_REQUEUE", "FAKE_SLURM_REFUSE", "FAKE_SLURM_STATE",
+          "FAKE_SLURM_OTHER", "JACULUS_TEST_FAULT"})
       unsetenv(fault);
     fs::remove_all(folder_);
   }
@@ -70,6 +71,12 @@ class OnFakeSlurm : public testing::Test {
   std::string path_;
   std::string notices_;
 };
+
+/// How often this was called, by whatever process.
+std::uintmax_t times_called(const fs::path& folder) {
+  std::ofstream(folder / "calls", std::ios::app) << '.';
+  return fs::file_size(folder / "calls");
+}
 
 /// The list of tasks that the test submits, and the worker runs.
 std::vector<TaskResult> run_list(const fs::path& folder, const std::string& fingerprint,
@@ -93,6 +100,10 @@ std::vector<TaskResult> run_list(const fs::path& folder, const std::string& fing
     usleep(30'000);
     if (wrong == "throws" && i % 20 == 7) throw std::runtime_error("no such thing");
     if (wrong == "kills" && i == 9) kill(getppid(), SIGKILL);  // its worker: memory ran out, say
+    if (wrong == "kills_four_times" && i == 9 && times_called(folder) <= 4)
+      kill(getppid(), SIGKILL);
+    // as the disk does that is full: the first few tasks run where the list is given
+    if (wrong == "worker_ends" && !worker_stage().empty()) kill(getppid(), SIGKILL);
     return answer(i);
   };
   return run_tasks(kTasks, task, options);
@@ -171,6 +182,32 @@ TEST_F(OnFakeSlurm, ATaskThatKillsItsWorkerFailsAndTheOthersDoNot) {
       << results[9].error;
 }
 
+TEST_F(OnFakeSlurm, PreemptionIsNotHeldAgainstATask) {
+  setenv("JACULUS_TEST_FAULT", "kills_four_times", 1);
+  setenv("FAKE_SLURM_STATE", "PREEMPTED", 1);
+  expect_all(run());
+  EXPECT_NE(notices_.find("was lost (PREEMPTED"), std::string::npos) << notices_;
+}
+
+TEST_F(OnFakeSlurm, JobsThatAllAreLostEndTheList) {
+  setenv("JACULUS_TEST_FAULT", "worker_ends", 1);
+  const auto results = run();
+  int lost = 0;
+  for (const TaskResult& result : results)
+    lost += result.error.find("jobs in a row were lost without a result") != std::string::npos;
+  EXPECT_GT(lost, kTasks / 2) << results.back().error;
+  for (const TaskResult& result : results) EXPECT_NE(result.state, TaskState::cancelled);
+}
+
+TEST_F(OnFakeSlurm, AnArrayOfAnotherSubmissionRunsNothing) {
+  setenv("FAKE_SLURM_OTHER", "77", 1);
+  const auto results = run();
+  EXPECT_NE(results.back().error.find("Slurm job 77 is not what was submitted as round"),
+            std::string::npos)
+      << results.back().error;
+  EXPECT_TRUE(begun().empty());
+}
+
 TEST_F(OnFakeSlurm, AnotherListIsRefused) {
   expect_all(run());
   fs::remove(folder_ / "list.journal");
@@ -223,6 +260,24 @@ TEST(StageFolder, RangesComeBack) {
   EXPECT_EQ(detail::ranges_of("0-2,7,9-10"), indices);
   EXPECT_TRUE(detail::ranges_of("").empty());
   EXPECT_THROW(detail::ranges_of("1-x"), InputError);
+}
+
+TEST(StageFolder, AWorkerIsSupersededOnceItsElementIsRequeuedOrGivenUp) {
+  std::string name = (fs::temp_directory_path() / "jaculus_stage_XXXXXX").string();
+  ASSERT_NE(mkdtemp(name.data()), nullptr);
+  detail::StageFolder folder(fs::path(name) / "list");
+  folder.open("list", 3, "key");
+  const detail::Element element{1, 7}, other{1, 70};
+  EXPECT_FALSE(folder.superseded(element, 0));
+  std::ofstream(folder.file("begun", "1.7.0")).flush();
+  EXPECT_FALSE(folder.superseded(element, 0));
+  std::ofstream(folder.file("begun", "1.7.1")).flush();
+  EXPECT_TRUE(folder.superseded(element, 0));
+  EXPECT_FALSE(folder.superseded(element, 1));
+  folder.give_up(element);
+  EXPECT_TRUE(folder.superseded(element, 1));
+  EXPECT_FALSE(folder.superseded(other, 0));
+  fs::remove_all(name);
 }
 
 TEST(SlurmOptions, AreSplitAsByAShell) {
