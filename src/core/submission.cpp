@@ -61,7 +61,6 @@ class Submission {
     folder_.open(options.stage, count_of(known), key);
     for (int i = 0; i < total; ++i)
       if (known[i].state == TaskState::cancelled) open_.insert(i);
-    collect("done");
     adopt();
     own_done_.emplace(folder_.file("done", "0.0.0"), key, JournalLock::sole_writer);
     own_failed_.emplace(folder_.file("failed", "0.0.0"), key, JournalLock::sole_writer);
@@ -106,16 +105,17 @@ class Submission {
     for (int number = 1; number <= folder_.rounds(); ++number) {
       const Round round = folder_.round(number);
       if (round.job.empty()) continue;
-      for (int c = 0; c < count_of(round.chunks); ++c) {
-        const std::vector<int> missing = open_of(round.chunks[c]);
-        if (!missing.empty()) watched_[{number, c}] = {missing, false, {}, {}};
-      }
+      for (int c = 0; c < count_of(round.chunks); ++c)
+        watched_[{number, c}] = {open_of(round.chunks[c]), false, {}, {}};
       jobs_[number] = round.job;
     }
-    if (!watched_.empty()) look();
+    look();
+    collect("done");  // after Slurm was asked: what has ended has written all that it will
     std::erase_if(watched_, [&](const auto& entry) {
-      if (entry.second.ended) folder_.give_up(entry.first);
-      return entry.second.ended.has_value();
+      const auto& [element, watched] = entry;
+      const bool finished = open_of(watched.indices).empty();
+      if (!finished && watched.ended) folder_.give_up(element);
+      return finished || watched.ended;
     });
 
     std::set<int> under_way;

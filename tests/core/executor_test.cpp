@@ -48,9 +48,8 @@ class OnFakeSlurm : public testing::Test {
   }
   void TearDown() override {
     setenv("PATH", path_.c_str(), 1);
-    for (const char* fault :
-         {"FAKE_SLURM_KILL", "FAKE_SLURM_REQUEUE", "FAKE_SLURM_REFUSE", "FAKE_SLURM_STATE",
-          "FAKE_SLURM_OTHER", "JACULUS_TEST_FAULT"})
+    for (const char* fault : {"FAKE_SLURM_KILL", "FAKE_SLURM_REQUEUE", "FAKE_SLURM_REFUSE",
+                              "FAKE_SLURM_STATE", "FAKE_SLURM_OTHER", "JACULUS_TEST_FAULT"})
       unsetenv(fault);
     fs::remove_all(folder_);
   }
