@@ -134,8 +134,8 @@ int reap(const Child& child, bool kill_it) {
   return status;
 }
 
-/// Whether a child that a signal ended fell with its parent. Who ends a whole group (Slurm does) may
-/// reach the child first.
+/// Whether a child that a signal ended fell with its parent. Who ends a whole group (Slurm does)
+/// may reach the child first.
 bool fell_with_parent(int status) {
   if (!WIFSIGNALED(status)) return false;
   for (int wait = 0; wait < 20 && WTERMSIG(status) == SIGTERM && !interrupt_requested(); ++wait)

@@ -13,7 +13,7 @@
 
 namespace jaculus::detail {
 
-/// Until what another machine wrote is seen here: NFS caches what a folder holds for up to a minute.
+/// Until what another machine wrote is seen here: NFS caches what a folder holds so long.
 inline constexpr std::chrono::seconds kNfsDelay(60);
 
 /// Indices as text and back: "0-24,30".

@@ -13,8 +13,8 @@ namespace jaculus::detail {
 /// Has the tasks without a result, of the first `total`, run on the cluster and hands over every
 /// result, until all are there or interrupted. What an earlier submission of the same list (its
 /// key) has finished or is still running is taken over. A task during which jobs were lost
-/// kMostLosses times has failed, and so have all once as many jobs in a row were lost for each of the
-/// elements, as on a full disk. Preemption is no loss.
+/// kMostLosses times has failed, and so have all once as many jobs in a row were lost for each of
+/// the elements, as on a full disk. Preemption is no loss.
 void submit(const std::vector<TaskResult>& known, int total,
             const std::function<std::string(int)>& task, const TaskOptions& options,
             const std::string& key, const std::function<void(int, TaskResult)>& take);

@@ -84,8 +84,8 @@ std::vector<TaskResult> results_of(detail::StageFolder& folder) {
                                folder.path().string()));
 }
 
-/// Nobody waits for an array whose submitter was killed before it noted the id, nor for one of a run
-/// that was begun anew since. Its files would have two writers.
+/// Nobody waits for an array whose submitter was killed before it noted the id, nor for one of a
+/// run that was begun anew since. Its files would have two writers.
 void check_array(const detail::StageFolder& folder, int round) {
   const std::string own = variable_or("SLURM_ARRAY_JOB_ID", "");
   std::string submitted;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <set>
 
 #include "report/study_parts.h"
 
@@ -13,6 +14,8 @@ namespace {
 
 constexpr std::size_t kMostRows = 600;   // of the table of all rows
 constexpr std::size_t kMostCharts = 12;  // where the file asks for none in particular
+constexpr std::size_t kMostLines = 12;   // of a chart; more can't be told apart
+constexpr std::size_t kMostNotes = 100;  // of points that failed, say
 
 std::string cell(const studies::StudyJson& value) {
   if (value.is_null()) return "–";
@@ -29,11 +32,20 @@ bool numeric(const studies::StudyResult& study, const std::string& column) {
 std::vector<studies::StudyJson> values_of(const studies::StudyResult& study,
                                           const std::string& column) {
   std::vector<studies::StudyJson> values;
-  for (const studies::StudyJson& row : study.rows) {
-    if (std::find(values.begin(), values.end(), row.at(column)) == values.end())
-      values.push_back(row.at(column));
-  }
+  std::set<studies::StudyJson> known;
+  for (const studies::StudyJson& row : study.rows)
+    if (known.insert(row.at(column)).second) values.push_back(row.at(column));
   return values;
+}
+
+/// At most `most` of the values, the first and the last among them, evenly between.
+std::vector<studies::StudyJson> some_of(const std::vector<studies::StudyJson>& values,
+                                        std::size_t most) {
+  if (values.size() <= most) return values;
+  std::vector<studies::StudyJson> some;
+  for (std::size_t k = 0; k < most; ++k)
+    some.push_back(values[k * (values.size() - 1) / (most - 1)]);
+  return some;
 }
 
 double number(const studies::StudyJson& value) {
@@ -47,11 +59,9 @@ std::string value_name(const std::string& column, const studies::StudyJson& valu
                      axis.unit == "-" ? "" : " " + axis.unit);
 }
 
-/// The lines of a plot: one for each column of y and value of `by`.
-std::vector<Series> plot_series(const studies::StudyResult& study, const studies::StudyPlot& plot) {
-  const std::vector<studies::StudyJson> groups =
-      plot.by.empty() ? std::vector<studies::StudyJson>{nullptr} : values_of(study, plot.by);
-
+/// The lines of a plot: one for each column of y and group, a value of `by`.
+std::vector<Series> plot_series(const studies::StudyResult& study, const studies::StudyPlot& plot,
+                                const std::vector<studies::StudyJson>& groups) {
   std::vector<Series> all;
   for (std::size_t k = 0; k < plot.y.size(); ++k) {
     for (std::size_t g = 0; g < groups.size(); ++g) {
@@ -83,7 +93,13 @@ Chart plot_chart(const studies::StudyResult& study, const studies::StudyPlot& pl
   chart.y = column_axis(plot.y[0]);
   for (const std::string& other : plot.y)  // columns of several names share their unit at most
     if (other != plot.y[0] && !other.starts_with(plot.y[0])) chart.y.name = "value";
-  chart.series = plot_series(study, plot);
+  const std::vector<studies::StudyJson> groups =
+      plot.by.empty() ? std::vector<studies::StudyJson>{nullptr} : values_of(study, plot.by);
+  const std::vector<studies::StudyJson> shown = some_of(groups, kMostLines);
+  chart.series = plot_series(study, plot, shown);
+  if (shown.size() < groups.size())
+    chart.caption = fmt::format("{} of {} values of {} are drawn; study.csv has them all.",
+                                shown.size(), groups.size(), column_axis(plot.by).name);
   for (const studies::StudyMark& mark : plot.marks)
     chart.marks.push_back({mark.label, MarkKind::published, mark.x, mark.y, mark.x_to});
   return chart;
@@ -199,8 +215,12 @@ Report study_report(const std::vector<studies::StudyResult>& studies) {
     if (!study.complete)
       document.notices.push_back(
           fmt::format("{} is not complete: points are missing.", study.name));
-    for (const std::string& note : study.notes)
-      document.notices.push_back(fmt::format("{}: {}", study.name, note));
+    const std::size_t notes = std::min(study.notes.size(), kMostNotes);
+    for (std::size_t i = 0; i < notes; ++i)
+      document.notices.push_back(fmt::format("{}: {}", study.name, study.notes[i]));
+    if (notes < study.notes.size())
+      document.notices.push_back(fmt::format("{}: and {} more notes, which study.json has",
+                                             study.name, study.notes.size() - notes));
     document.facts.emplace_back(study.name, fmt::format("{} rows", study.rows.size()));
     Section section = study_section(study);
     if (studies.size() == 1) section.title = "Result", section.text.clear();

@@ -10,6 +10,7 @@
 #include <cstring>
 
 #include "jaculus/core/error.h"
+#include "jaculus/report/study_report.h"
 #include "report/document/html.h"
 #include "report/document/json.h"
 #include "report/document/thin.h"
@@ -246,6 +247,33 @@ TEST(StudyReport, ColumnsBecomeNamesWithUnits) {
   EXPECT_EQ(column_axis("drag_factor_N_m_s2").unit, "N m s²");
   EXPECT_EQ(column_axis("effectiveness").name, "effectiveness");
   EXPECT_EQ(column_axis("effectiveness").unit, "-");
+}
+
+/// A grid of n x n points, of which the first `failed` failed.
+studies::StudyResult grid_of(int n, int failed) {
+  studies::StudyResult study{"grid", "motion", "", false, {"a", "b"}, {}, {}, {}};
+  study.axes = {"a", "b"};
+  for (int k = 0; k < 8; ++k) study.columns.push_back("output_" + std::to_string(k));
+  for (int i = 0; i < n * n; ++i) {
+    studies::StudyJson row{{"a", i / n}, {"b", i % n}};
+    for (int k = 0; k < 8; ++k) row[study.columns[k + 2]] = std::sin(0.1 * i + k);
+    study.rows.push_back(std::move(row));
+    if (i < failed) study.notes.push_back("point " + std::to_string(i) + " failed: by accident");
+  }
+  return study;
+}
+
+TEST(StudyReport, StaysSmallHoweverManyPointsThereAre) {
+  const std::string page = report_html(study_report({grid_of(316, 5000)}));
+  EXPECT_LT(page.size(), 10'000'000u);
+  EXPECT_NE(page.find("12 of 316 values of"), std::string::npos);
+  EXPECT_NE(page.find("and 4900 more notes"), std::string::npos);
+}
+
+TEST(StudyReport, DrawsAllLinesOfASmallGrid) {
+  const std::string page = report_html(study_report({grid_of(8, 3)}));
+  EXPECT_EQ(page.find("8 values of"), std::string::npos);
+  EXPECT_EQ(page.find("more notes"), std::string::npos);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "jaculus/core/installation.h"
 #include "jaculus/model/robot.h"
 #include "jaculus/model/values.h"
 #include "jaculus/simulation/experiment.h"
@@ -74,6 +75,25 @@ TEST(Replays, DrawInProportionToTheSpread) {
     EXPECT_NEAR(fifth[i] - 3.0, 2.0 * (tenth[i] - 3.0), 1e-12);
     EXPECT_NEAR(absolute[i], tenth[i], 1e-12);
     EXPECT_NEAR(of_six[i], 2.0 * tenth[i], 1e-12);
+  }
+}
+
+TEST(Replays, AreTheSameInWhateverProcesses) {
+  const Experiment leap = read_experiment(source_folder() / "problems/leap_trials.yaml");
+  const auto text = [](const Replay& replay) {
+    const Margins& m = replay.margins;
+    return fmt::format("{} {} {} {} {} {} {} {}", status_name(m.status), m.friction_share,
+                       m.slip_time, m.voltage_share, m.torque_share, m.current_share,
+                       m.landing_pitch, m.speed);
+  };
+  const auto here = replays(leap, 3, 1);
+  const auto there = replays(leap, 3, 1, {}, {.workers = 2, .isolate = true});
+  ASSERT_EQ(here.size(), 4U);
+  ASSERT_EQ(there.size(), 4U);
+  for (std::size_t i = 0; i < here.size(); ++i) {
+    EXPECT_EQ(here[i].values, there[i].values);
+    EXPECT_EQ(text(here[i]), text(there[i]));
+    if (i > 0) EXPECT_NE(text(here[i]), text(here[0]));
   }
 }
 
