@@ -1,4 +1,4 @@
-"""How wide a tail? Leaps for several widths, each a job of its own, by submitit.
+"""How much drag? Leaps for several drag coefficients of the tail, each a job of its own, by submitit.
 
     python cluster_slurm.py [slurm]
 
@@ -14,18 +14,18 @@ import submitit
 import jaculus
 
 
-def leap(width):
-    plan = jaculus.solve("leap_tail", override={"tail.drag.width": width})
+def leap(coefficient):
+    plan = jaculus.solve("leap_tail", override={"tail.drag.coefficient": coefficient})
     return {"status": plan.status, "m/s^2": plan.figures["average_acceleration_m_s2"]}
 
 
 # %% Many: an array of jobs, whose results come in order
-widths = ["2 cm", "4 cm", "8 cm"]
+coefficients = [1.0, 1.5, 2.0]
 if "slurm" in sys.argv[1:]:
-    leaps = jaculus.map(leap, widths, executor="slurm", folder="jobs", timeout_min=30)
+    leaps = jaculus.map(leap, coefficients, executor="slurm", folder="jobs", timeout_min=30)
 else:
-    leaps = jaculus.map(leap, widths, executor=submitit.LocalExecutor("jobs"))
-for width, result in zip(widths, leaps):
-    print(f"{width}: {result['status']}, {result['m/s^2']:.3f} m/s^2")
-# prints: 2 cm: optimal
-# prints: 8 cm: optimal
+    leaps = jaculus.map(leap, coefficients, executor=submitit.LocalExecutor("jobs"))
+for coefficient, result in zip(coefficients, leaps):
+    print(f"{coefficient}: {result['status']}, {result['m/s^2']:.3f} m/s^2")
+# prints: 1.0: optimal
+# prints: 2.0: optimal
