@@ -86,10 +86,12 @@ std::uint64_t take_records(std::string_view rest, std::map<int, std::string>& fi
   }
 }
 
-/// A killed run's children may hold the lock for a moment longer than it lived.
+/// A killed run's children may hold the lock for a moment longer than it lived. A disk that has no
+/// locks, as NFS may be mounted, keeps nobody out.
 bool lock_patiently(int descriptor) {
   for (int attempt = 0; attempt < 20; ++attempt) {
     if (flock(descriptor, LOCK_EX | LOCK_NB) == 0) return true;
+    if (errno == ENOLCK || errno == EOPNOTSUPP || errno == ENOSYS) return true;
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
   }
   return false;
