@@ -28,9 +28,10 @@ double seconds_since(Clock::time_point time) {
 }
 
 // Chunks.
-constexpr int kMostElements = 1000;     // Slurm's MaxArraySize is 1001 unless a site changes it
-constexpr int kEnoughElements = 64;     // more nodes than that are rarely free at once
-constexpr double kLeastChunk_s = 10.0;  // below, starting an element is no longer cheap beside it
+constexpr int kMostElements = 1000;  // Slurm's MaxArraySize is 1001 unless a site changes it
+constexpr int kEnoughElements = 64;  // more nodes than that are rarely free at once
+// Slurm takes up to a second from one element to the next: 3 % of this.
+constexpr double kLeastChunk_s = 30.0;
 // The first tasks run where the command was given, to size chunks.
 constexpr int kPilotTasks = 4;
 constexpr double kPilot_s = 10.0;  // a login node is shared
