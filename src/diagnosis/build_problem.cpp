@@ -126,24 +126,24 @@ std::vector<SegmentTail> tails_of(const std::vector<OneOff>& disturbances) {
 
 }  // namespace
 
-ProblemBuilder builder_of(const DiagnoseOptions& options) { return builder_of(options, {}); }
-
-ProblemBuilder builder_of(const DiagnoseOptions& options, std::vector<Effect> more) {
-  const auto kept = std::make_shared<const std::vector<Effect>>(std::move(more));
-  std::vector<const Effect*> list = options.effects;
-  if (list.empty())
-    for (const Effect& effect :
-         options.catalogue ? *options.catalogue : effects::effect_catalogue())
-      list.push_back(&effect);
-  for (const Effect& effect : *kept) list.push_back(&effect);
-
-  return [list, kept, settings = options.settings](Observations observations) {
+ProblemBuilder builder_of(std::vector<Effect> effects, const Settings& settings) {
+  return [kept = std::move(effects), settings](Observations observations) {
+    std::vector<const Effect*> list;
+    for (const Effect& effect : kept) list.push_back(&effect);
     PlantForward forward = plant_forward(observations, list, settings);
     return BuiltProblem{
         std::make_shared<const Problem>(Problem{std::move(observations), forward.hypotheses,
                                                 forward.predict, settings, forward.tolerance_part}),
         forward};
   };
+}
+
+ProblemBuilder builder_of(const DiagnoseOptions& options) {
+  std::vector<Effect> effects;
+  for (const Effect* effect : options.effects) effects.push_back(*effect);
+  if (effects.empty())
+    effects = options.catalogue ? *options.catalogue : effects::effect_catalogue();
+  return builder_of(std::move(effects), options.settings);
 }
 
 ProblemBuilder builder_like(const Problem& problem) {

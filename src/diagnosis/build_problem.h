@@ -29,8 +29,8 @@ BuiltProblem build_problem(const std::vector<trajectory::Dataset>& datasets,
 /// Makes a problem of observations: a plant's forward model depends on them.
 using ProblemBuilder = std::function<BuiltProblem(Observations)>;
 ProblemBuilder builder_of(const DiagnoseOptions& options);
-/// The same with some effects more.
-ProblemBuilder builder_of(const DiagnoseOptions& options, std::vector<effects::Effect> more);
+/// Of these effects and no others.
+ProblemBuilder builder_of(std::vector<effects::Effect> effects, const Settings& settings);
 /// For models that are no plant: the same hypotheses and forward model about other observations.
 ProblemBuilder builder_like(const Problem& problem);
 

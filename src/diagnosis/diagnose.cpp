@@ -110,8 +110,9 @@ Diagnosis run_pipeline(BuiltProblem built, const ProblemBuilder& rebuild,
   if (!prepared.built.forward || present == nullptr) return out;
 
   tell(options, "where the gap lies");
-  out.where = localise(problem, *prepared.built.forward, selection, statement.stated.p,
-                       statement.posterior, statement.verdict);
+  out.where =
+      localise(problem, *prepared.built.forward, selection, statement.stated.p, statement.posterior,
+               names_effects(statement.verdict) || !statement.events.empty());
   out.where->postures = postures_of(problem, *prepared.built.forward, *out.noise, out.stated.p,
                                     out.model.p, out.where->departure);
   if (out.rivals.size() == 2) {

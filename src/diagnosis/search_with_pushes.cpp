@@ -1,11 +1,17 @@
 #include "diagnosis/search_with_pushes.h"
 
 #include <algorithm>
+#include <cmath>
+#include <set>
 
 #include "diagnosis/selection/push_scan.h"
 
 namespace jaculus::diagnosis {
 namespace {
+
+constexpr double kOfIt = 0.5;     ///< share of a push that every trial has at least
+constexpr double kSure = 3.0;     ///< deviations
+constexpr double kInside = 1.01;  ///< a length so near its bound is at it
 
 Selection selected(const Prepared& prepared, const DiagnoseOptions& options) {
   const Problem& problem = *prepared.built.problem;
@@ -30,22 +36,42 @@ bool pushes_sought(const Prepared& prepared, const Selection& selection) {
          lacks_forces(leading(selection.search).fit, problem.settings);
 }
 
-/// Pushes that may have acted, as effects; none where by linear algebra none is worth it.
+/// Adds pushes, of each coordinate the one that gains more.
+void add_pushes(const std::vector<LikelyPush>& more, std::vector<LikelyPush>& pushes) {
+  for (const LikelyPush& push : more) {
+    const auto same = std::find_if(pushes.begin(), pushes.end(), [&](const LikelyPush& p) {
+      return p.coordinate == push.coordinate;
+    });
+    if (same == pushes.end())
+      pushes.push_back(push);
+    else if (push.gain > same->gain)
+      *same = push;
+  }
+}
+
+/// Pushes that may have acted, as effects: about the model without effects, for a push may be what
+/// makes an effect lead, and about the leading one, without whose effects their own misfit would
+/// look like pushes.
 std::vector<effects::Effect> likely_push_effects(const Prepared& prepared,
+                                                 const Selection& effects_alone,
                                                  const DiagnoseOptions& options) {
   const Problem& problem = *prepared.built.problem;
-  Comparison comparison = first_comparison(problem, prepared.noise);
-  const Fit none = fit_model(problem, comparison.whitening, problem.hypotheses.nuisances(),
-                             {comparison.noise.p});
-  if (!none.valid) return {};
-  const Relinearised about = relinearise(problem, std::move(comparison), none);
-
   DiagnoseOptions narrow = options;
   narrow.settings.force_box = scanned_box(problem);
   const BuiltProblem scanned = builder_of(narrow)(problem.observations);
-  const std::vector<LikelyPush> likely = likely_pushes(problem, *scanned.problem, about.comparison,
-                                                       about.fit, problem.settings.pushes_tried);
-  if (likely.empty() || !(likely.front().gain > 0.0)) return {};
+  const int most = problem.settings.pushes_tried;
+
+  std::vector<LikelyPush> likely;
+  const ModelFit& leader = leading(effects_alone.search);
+  if (!leader.candidates.empty())
+    likely = likely_pushes(problem, *scanned.problem, effects_alone.comparison, leader.fit, most);
+  Comparison comparison = first_comparison(problem, prepared.noise);
+  const Fit none = fit_model(problem, comparison.whitening, problem.hypotheses.nuisances(),
+                             {comparison.noise.p});
+  if (none.valid) {
+    const Relinearised about = relinearise(problem, std::move(comparison), none);
+    add_pushes(likely_pushes(problem, *scanned.problem, about.comparison, about.fit, most), likely);
+  }
 
   std::vector<effects::Effect> pushes;
   const double duration = problem.observations.datasets.front().window_end;
@@ -53,21 +79,57 @@ std::vector<effects::Effect> likely_push_effects(const Prepared& prepared,
   return pushes;
 }
 
-/// The same data with some effects more as candidates.
-Prepared with_effects(const Prepared& prepared, std::vector<effects::Effect> more,
-                      const DiagnoseOptions& options) {
+/// The effects that a search found worth a fit.
+std::vector<effects::Effect> fitted_effects(const Problem& problem, const SearchResult& search) {
+  std::set<int> fitted;
+  for (const ModelFit& model : search.models)
+    fitted.insert(model.candidates.begin(), model.candidates.end());
+  std::vector<effects::Effect> effects;
+  for (const int c : fitted) effects.push_back(*problem.hypotheses.candidates[c].effect);
+  return effects;
+}
+
+/// The same data with these effects as candidates.
+Prepared with_effects(const Prepared& prepared, std::vector<effects::Effect> effects) {
+  const Problem& problem = *prepared.built.problem;
   Prepared out = prepared;
-  out.built = builder_of(options, std::move(more))(prepared.built.problem->observations);
+  out.built = builder_of(std::move(effects), problem.settings)(problem.observations);
   out.noise = estimate_noise(*out.built.problem, out.built.problem->hypotheses.nominal(),
                              prepared.noise.alignments);
   return out;
 }
 
-bool has_event(const Problem& problem, const ModelFit& model) {
-  return std::any_of(model.candidates.begin(), model.candidates.end(), [&](int c) {
-    const effects::Effect* effect = problem.hypotheses.candidates[c].effect;
-    return effect != nullptr && effect->event;
-  });
+/// Whether every trial has half of a fitted push or more, as far as its noise lets that be told:
+/// with j the slopes of a trial's rows by the peak u and r its residual, the trial's own peak is
+/// u - j.r/j.j, of deviation 1/|j|.
+bool in_every_trial(const Whitening& whitening, const Fit& fit, Eigen::Index peak, double u) {
+  for (const SegmentBlock& trial : whitening.datasets.front().blocks) {
+    const auto slopes = fit.jacobian.col(peak).segment(trial.first, trial.count);
+    const double energy = slopes.squaredNorm();
+    if (!(energy > 0.0)) continue;
+    const double own = u - slopes.dot(fit.residual.segment(trial.first, trial.count)) / energy;
+    const double unsure = kSure / (std::sqrt(energy) * std::abs(u));
+    if (own / u < kOfIt - unsure) return false;
+  }
+  return true;
+}
+
+/// Whether a model has pushes, each of them one that every trial had and of a length within its
+/// bounds.
+bool has_pushes(const Problem& problem, const Whitening& whitening, const ModelFit& model) {
+  bool any = false;
+  for (const int c : model.candidates) {
+    const Candidate& candidate = problem.hypotheses.candidates[c];
+    if (!candidate.effect->event) continue;
+    any = true;
+    const int peak = candidate.parameters.front(), length = candidate.parameters.back();
+    const FreeParameter& own = problem.hypotheses.parameters[length];
+    const double value = model.fit.p[length];
+    if (value <= own.bounds.lower * kInside || value >= own.bounds.upper / kInside) return false;
+    const double u = model.fit.p[peak] / problem.hypotheses.parameters[peak].scale;
+    if (!in_every_trial(whitening, model.fit, index_of(model.fit.free, peak), u)) return false;
+  }
+  return any;
 }
 
 }  // namespace
@@ -79,11 +141,15 @@ Searched search_with_pushes(Prepared prepared, const DiagnoseOptions& options) {
     return {std::move(prepared), std::move(effects_alone)};
 
   if (options.progress) options.progress("pushes");
-  std::vector<effects::Effect> pushes = likely_push_effects(prepared, options);
+  const std::vector<effects::Effect> pushes = likely_push_effects(prepared, effects_alone, options);
   if (pushes.empty()) return {std::move(prepared), std::move(effects_alone)};
-  Prepared with = with_effects(prepared, std::move(pushes), options);
+  std::vector<effects::Effect> effects =
+      fitted_effects(*prepared.built.problem, effects_alone.search);
+  effects.insert(effects.end(), pushes.begin(), pushes.end());
+  Prepared with = with_effects(prepared, std::move(effects));
   Selection again = selected(with, options);
-  if (again.search.models.empty() || !has_event(*with.built.problem, leading(again.search)))
+  if (again.search.models.empty() ||
+      !has_pushes(*with.built.problem, again.comparison.whitening, leading(again.search)))
     return {std::move(prepared), std::move(effects_alone)};
   return {std::move(with), std::move(again)};
 }

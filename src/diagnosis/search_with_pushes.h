@@ -12,8 +12,9 @@ struct Searched {
 };
 
 /// Effects first. Where the leading model leaves forces that the plant lacks, under a plan and with
-/// one dataset, the search is made again with likely pushes as candidates (push_scan.h), and counts
-/// if a model with a push leads it.
+/// one dataset, the search is made again among the effects that it found worth a fit and likely
+/// pushes (push_scan.h). It counts if a model with a push leads it, one that every trial had and
+/// that is shorter than half of the motion.
 Searched search_with_pushes(Prepared prepared, const DiagnoseOptions& options);
 
 }  // namespace jaculus::diagnosis

@@ -42,6 +42,7 @@ Section which_section(const diagnosis::Diagnosis& d) {
   }
   if (!d.effects.empty()) section.tables.push_back(parameter_table(d));
   if (ReportTable table = share_table(d); !table.rows.empty()) section.tables.push_back(table);
+  if (ReportTable table = event_table(d); !table.rows.empty()) section.tables.push_back(table);
   if (!d.ranking.empty()) section.bars.push_back(ranking(d));
   return section;
 }

@@ -50,6 +50,19 @@ ReportTable share_table(const diagnosis::Diagnosis& d) {
   return table;
 }
 
+ReportTable event_table(const diagnosis::Diagnosis& d) {
+  ReportTable table{"Forces that acted once",
+                    {"trial", "joint", "from [s]", "to [s]", "peak", "95 % from", "to", "unit"},
+                    {},
+                    "Of half a sine that is most like each."};
+  for (const diagnosis::ForceEvent& e : d.events)
+    table.rows.push_back({e.trial.empty() ? "each" : plain(e.trial),
+                          plain(e.along.empty() ? e.joint : e.joint + " " + e.along),
+                          shown(e.from, 3), shown(e.to, 3), shown(e.peak, 3),
+                          shown(e.peak_ci95.lower, 3), shown(e.peak_ci95.upper, 3), e.unit});
+  return table;
+}
+
 ReportTable physical_table(const diagnosis::Diagnosis& d) {
   ReportTable table{
       "By channel, root mean square up to a horizon",

@@ -120,7 +120,8 @@ struct Diagnosis {
   std::optional<NextExperiment> next;
   std::vector<FittedModel> rivals;  ///< of an ambiguous verdict: its two most probable models
   FittedModel stated;               ///< as files have it, unknown gains fitted
-  FittedModel none;                 ///< the same with the builder's tolerances fitted
+  /// The same with the builder's tolerances fitted, and pushes where these are all that is told.
+  FittedModel none;
   FittedModel model;  ///< whose gap is stated: what the verdict names, else the most evident one
   /// Parameters of each effect of `model`, with what tolerances of the same quantity add.
   std::vector<Vector> theta;

@@ -182,7 +182,7 @@ NoiseModel nominal_in_the_noise_of(const Problem& problem, const Vector& p,
 
 Localisation localise(const Problem& problem, const PlantForward& forward,
                       const Selection& selection, const Vector& stated, const Posterior& posterior,
-                      Verdict verdict) {
+                      bool named) {
   Localisation where;
   const NoiseModel noise = nominal_in_the_noise_of(problem, stated, selection.comparison.noise);
   if (!noise.valid()) {
@@ -207,7 +207,7 @@ Localisation localise(const Problem& problem, const PlantForward& forward,
   where.components = std::move(shares.components);
   where.unexplained = shares.unexplained;
   note_components(where, problem.settings.component_noted, where.notes);
-  if (!names_effects(verdict) && where.unexplained < 1.0)
+  if (!named && where.unexplained < 1.0)
     where.notes.emplace_back(
         "the verdict names no effect: what components are given is how the fitted models would "
         "share the gap, which held-out data or evidence refuse");

@@ -24,10 +24,10 @@ namespace jaculus::diagnosis {
 
 /// Localises the gap that the model as its files state it, at `stated`, leaves. What is judged in
 /// time has its nuisances from the prefix alone; for the components they are those of the fitted
-/// models. `posterior` is over `selection`'s models. Where `verdict` names no effect, a note says
-/// that the components' shares were refused.
+/// models. `posterior` is over `selection`'s models. Where the verdict has `named` nothing, a note
+/// says that the components' shares were refused.
 Localisation localise(const Problem& problem, const PlantForward& forward,
                       const Selection& selection, const Vector& stated, const Posterior& posterior,
-                      Verdict verdict);
+                      bool named);
 
 }  // namespace jaculus::diagnosis

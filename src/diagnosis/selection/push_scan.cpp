@@ -18,17 +18,19 @@ constexpr double kStartsALength = 4.0;  ///< starts are no farther apart than a 
 constexpr std::size_t kTriedAgain = 6;  ///< of a coordinate, with deviations that follow
 constexpr double kBoxesAPush = 4.0;     ///< of the shortest push
 constexpr double kMostBoxes = 500.0;    ///< of all coordinates: each is a simulation
-/// What a fit may make of a push that was found.
-constexpr Bounds kLengths{0.01, 1.0};  ///< [s]
-constexpr double kLengthScale = 0.1;   ///< [s]
-constexpr double kLargestPeak = 30.0;  ///< in forces that count as large [-]
+constexpr std::size_t kAtOnce = 200;    ///< pushes whose columns stand side by side
+constexpr double kLengthScale = 0.1;    ///< [s]
+constexpr double kLargestPeak = 30.0;   ///< in forces that count as large [-]
 
-/// A push of one size as forces over narrow boxes.
+/// What acts longer than half of a motion is no push.
+double longest_push(double duration) { return std::min(kLongest, 0.5 * duration); }
+
+/// A push of one size.
 struct ScannedPush {
-  int force = -1;                    ///< index in Hypotheses::forces
-  double start = 0.0, length = 0.0;  ///< [s]
-  Vector weights;                    ///< of all boxes of all coordinates
-  double gain = 0.0;                 ///< at deviations that stay
+  int force = -1;                     ///< index in Hypotheses::forces
+  Eigen::Index first = 0, boxes = 0;  ///< of its coordinate among all narrow boxes
+  double start = 0.0, length = 0.0;   ///< [s]
+  double gain = 0.0;                  ///< at deviations that stay
 };
 
 /// Means of half a sine over boxes of time that follow one another.
@@ -44,24 +46,31 @@ Vector means_over_boxes(double start, double length, double box, Eigen::Index bo
 /// Every push that is tried.
 std::vector<ScannedPush> pushes_of(const Problem& narrow) {
   const std::vector<ForceGroup>& forces = narrow.hypotheses.forces;
-  const double box = narrow.settings.force_box;
-  Eigen::Index all = 0, first = 0;
-  for (const ForceGroup& force : forces) all += std::ssize(force.boxes);
-
+  const double end = narrow.observations.datasets.front().window_end;
   std::vector<ScannedPush> pushes;
+  Eigen::Index first = 0;
   for (int force = 0; force < count_of(forces); ++force) {
     const Eigen::Index own = std::ssize(forces[force].boxes);
-    const double end = box * static_cast<double>(own);
-    for (double length = kShortest; length <= std::min(kLongest, end); length *= kLengthRatio) {
-      for (double start = 0.0; start + length <= end; start += length / kStartsALength) {
-        ScannedPush push{force, start, length, Vector::Zero(all)};
-        push.weights.segment(first, own) = means_over_boxes(start, length, box, own);
-        pushes.push_back(std::move(push));
-      }
-    }
+    for (double length = kShortest; length <= longest_push(end); length *= kLengthRatio)
+      for (double start = 0.0; start + length <= end; start += length / kStartsALength)
+        pushes.push_back({force, first, own, start, length});
     first += own;
   }
   return pushes;
+}
+
+/// Forces of some pushes over all narrow boxes, a column each.
+Matrix weights_of(const std::vector<ScannedPush>& pushes, std::size_t from, std::size_t count,
+                  const Problem& narrow) {
+  Eigen::Index boxes = 0;
+  for (const ForceGroup& force : narrow.hypotheses.forces) boxes += std::ssize(force.boxes);
+  Matrix P = Matrix::Zero(boxes, static_cast<Eigen::Index>(count));
+  for (std::size_t k = 0; k < count; ++k) {
+    const ScannedPush& push = pushes[from + k];
+    P.col(static_cast<Eigen::Index>(k)).segment(push.first, push.boxes) =
+        means_over_boxes(push.start, push.length, narrow.settings.force_box, push.boxes);
+  }
+  return P;
 }
 
 /// Products of [X F], X = [r Y], and how many columns X has.
@@ -71,16 +80,16 @@ struct ScanProducts {
 };
 
 ScanProducts scan_products(const Problem& problem, const Problem& narrow,
-                           const Comparison& comparison, const Fit& none) {
+                           const Comparison& comparison, const Fit& about) {
   // Forces come last, so that all before them stand where they do in the problem.
   Vector p = narrow.hypotheses.nominal();
   const int first = narrow.hypotheses.forces.front().boxes.front();
-  p.head(first) = none.simulated.head(first);
+  p.head(first) = about.simulated.head(first);
   const RandomColumns columns =
-      random_columns(narrow, comparison.whitening.alignments, p, none.rows);
+      random_columns(narrow, comparison.whitening.alignments, p, about.rows);
   const Matrix& raw = columns.forces.front();
 
-  const Matrix model = linear_model(problem, none);
+  const Matrix model = linear_model(problem, about);
   Matrix X(model.rows(), model.cols() + raw.cols());
   X.leftCols(model.cols()) = model;
   for (Eigen::Index k = 0; k < raw.cols(); ++k)
@@ -104,38 +113,51 @@ Products with_pushes(const ScanProducts& products, const Matrix& P) {
   return out;
 }
 
-/// What each push adds to the log evidence of X at deviations that stay: with a and b its energy
-/// and what of it is in r, both after the others and by V^-1,
+/// What pushes P add to the log evidence of X at deviations that stay: with a and b the energy of
+/// one and what of it is in r, both after the others and by V^-1,
 ///   (b^2/(1 + a) - log(1 + a))/2.
-void set_gains(const RandomEffects& random, const ScanProducts& products, const Vector& scales,
-               std::vector<ScannedPush>& pushes) {
-  Matrix P(pushes.front().weights.size(), std::ssize(pushes));
-  for (Eigen::Index k = 0; k < P.cols(); ++k) P.col(k) = pushes[k].weights;
+Vector gains_of(const RandomEffects& random, const ScanProducts& products, const Vector& scales,
+                const Matrix& P) {
   const Matrix gram = weigh(random, with_pushes(products, P), scales).gram;
   const Eigen::Index n = products.model - 1, m = P.cols();
-
   Matrix A = gram.block(1, 1, n, n);
   A.diagonal().array() += 1.0;
   const Eigen::LLT<Matrix> factor(A);
   const Matrix cross = gram.block(1, n + 1, n, m);
   const Matrix taken = factor.solve(cross);
   const Vector left = gram.col(0).tail(m) - taken.transpose() * gram.col(0).segment(1, n);
+
+  Vector gains(m);
   for (Eigen::Index k = 0; k < m; ++k) {
     const double energy =
         std::max(0.0, gram(n + 1 + k, n + 1 + k) - cross.col(k).dot(taken.col(k)));
-    pushes[k].gain = 0.5 * (left[k] * left[k] / (1.0 + energy) - std::log1p(energy));
+    gains[k] = 0.5 * (left[k] * left[k] / (1.0 + energy) - std::log1p(energy));
+  }
+  return gains;
+}
+
+void set_gains(const RandomEffects& random, const ScanProducts& products, const Vector& scales,
+               const Problem& narrow, std::vector<ScannedPush>& pushes) {
+  for (std::size_t from = 0; from < pushes.size(); from += kAtOnce) {
+    const std::size_t count = std::min(kAtOnce, pushes.size() - from);
+    const Vector gains =
+        gains_of(random, products, scales, weights_of(pushes, from, count, narrow));
+    for (std::size_t k = 0; k < count; ++k)
+      pushes[from + k].gain = gains[static_cast<Eigen::Index>(k)];
   }
 }
 
 /// The best of a coordinate's pushes by deviations that follow.
-LikelyPush best_along(const Problem& problem, const RandomEffects& random,
+LikelyPush best_along(const Problem& problem, const Problem& narrow, const RandomEffects& random,
                       const ScanProducts& products, const Followed& without,
                       const std::vector<ScannedPush>& pushes) {
   LikelyPush best;
   best.gain = -kInfinity;
-  for (const ScannedPush& push : pushes) {
-    const Followed with = followed_by(problem, random, with_pushes(products, push.weights),
-                                      without.scales, problem.settings.set_scale_steps);
+  for (std::size_t k = 0; k < pushes.size(); ++k) {
+    const ScannedPush& push = pushes[k];
+    const Products own = with_pushes(products, weights_of(pushes, k, 1, narrow));
+    const Followed with =
+        followed_by(problem, random, own, without.scales, problem.settings.set_scale_steps);
     const double gain = with.linear.log_evidence - without.linear.log_evidence;
     if (!(gain > best.gain)) continue;
     const ForceGroup& force = problem.hypotheses.forces[push.force];
@@ -155,26 +177,26 @@ double scanned_box(const Problem& problem) {
 }
 
 std::vector<LikelyPush> likely_pushes(const Problem& problem, const Problem& narrow,
-                                      const Comparison& comparison, const Fit& none, int most) {
+                                      const Comparison& comparison, const Fit& about, int most) {
   const RandomEffects& random = comparison.whitening.random;
   std::vector<ScannedPush> pushes = pushes_of(narrow);
   if (in_windows(problem) || problem.observations.datasets.size() != 1 || pushes.empty()) return {};
 
-  const ScanProducts products = scan_products(problem, narrow, comparison, none);
-  set_gains(random, products, none.scales, pushes);
+  const ScanProducts products = scan_products(problem, narrow, comparison, about);
+  set_gains(random, products, about.scales, narrow, pushes);
   std::stable_sort(pushes.begin(), pushes.end(),
                    [](const ScannedPush& a, const ScannedPush& b) { return a.gain > b.gain; });
   const Followed without =
-      followed_by(problem, random, with_pushes(products, Matrix(pushes.front().weights.size(), 0)),
-                  none.scales, problem.settings.set_scale_steps);
+      followed_by(problem, random, with_pushes(products, weights_of(pushes, 0, 0, narrow)),
+                  about.scales, problem.settings.set_scale_steps);
 
   std::vector<LikelyPush> likely;
   for (int force = 0; force < count_of(problem.hypotheses.forces); ++force) {
     std::vector<ScannedPush> along;
     for (const ScannedPush& push : pushes)
       if (push.force == force && along.size() < kTriedAgain) along.push_back(push);
-    const LikelyPush best = best_along(problem, random, products, without, along);
-    if (std::isfinite(best.gain)) likely.push_back(best);
+    const LikelyPush best = best_along(problem, narrow, random, products, without, along);
+    if (best.gain > 0.0) likely.push_back(best);
   }
   std::stable_sort(likely.begin(), likely.end(),
                    [](const LikelyPush& a, const LikelyPush& b) { return a.gain > b.gain; });
@@ -192,13 +214,19 @@ effects::Effect push_effect(const Problem& problem, const LikelyPush& push, doub
   effects::Effect effect;
   effect.name = "push@" + push.coordinate;
   effect.caption = "something pushes once along " + push.coordinate;
-  effect.where = {effects::Component::body};
+  const bool of_body =
+      problem.observations.datasets.front().model.body_of_joint(push.coordinate) < 0;
+  effect.where = {of_body ? effects::Component::body : effects::Component::actuation};
   effect.event = true;
   effect.of_plan = true;
   const double most = kLargestPeak * box.scale;
   effect.parameters = {{"peak", box.unit, 0.0, {-most, most}, box.scale, push.peak},
                        {"middle", "s", middle, {0.0, duration}, duration / std::sqrt(12.0)},
-                       {"length", "s", push.length, kLengths, kLengthScale}};
+                       {"length",
+                        "s",
+                        push.length,
+                        {kShortest / kBoxesAPush, longest_push(duration)},
+                        kLengthScale}};
   effect.applies = [name = push.coordinate](const model::PlanarModel& robot) {
     return has_place(robot, name);
   };

@@ -31,11 +31,12 @@ struct LikelyPush {
 /// How long the boxes of a scan are [s].
 double scanned_box(const Problem& problem);
 
-/// The best push along each coordinate about a fit without effects, best first, `most` at most.
+/// The best push along each coordinate about a fit, of those that gain evidence, best
+/// first, `most` at most.
 /// Under a plan alone, of one dataset: pushes of several have nothing in common. `narrow`: the same
 /// problem with scanned_box as settings.force_box.
 std::vector<LikelyPush> likely_pushes(const Problem& problem, const Problem& narrow,
-                                      const Comparison& comparison, const Fit& none, int most);
+                                      const Comparison& comparison, const Fit& about, int most);
 
 /// That push as an effect of three parameters: peak [N m or N], middle and length [s]. Within the
 /// `duration` [s] of the motion its middle may be anywhere (a normal prior about where it was found

@@ -231,6 +231,27 @@ void add_shares(HeldOutGaps& gaps, const ModelFit& chosen, std::vector<FoundEffe
   }
 }
 
+/// Why the verdict is what it is.
+std::vector<std::string> rule_reasons(const Problem& problem, const VerdictRule& rule,
+                                      Verdict verdict, const PartedProposal& told,
+                                      const ModelFit& chosen) {
+  std::vector<std::string> reasons;
+  const bool events = names_effects(rule.verdict) && !told.events.empty();
+  if (events && verdict == Verdict::unexplained)
+    reasons.emplace_back("forces remain that neither what acted once nor an effect explains");
+  else
+    reasons.emplace_back(rule.reason);
+  if (verdict == Verdict::unexplained && !events && !chosen.candidates.empty())
+    reasons.push_back("the nearest of the catalogue, which leaves structure beyond noise: " +
+                      joined(names_of(problem, chosen.candidates)));
+  for (const Established& e : told.events)
+    if (events && !e.others.empty())
+      reasons.push_back(fmt::format("{} can't be told from {}",
+                                    problem.hypotheses.candidates[e.effect].name,
+                                    joined(names_of(problem, e.others))));
+  return reasons;
+}
+
 void append(const std::vector<std::string>& more, std::vector<std::string>& reasons) {
   for (const std::string& reason : more)
     if (!reason.empty()) reasons.push_back(reason);
@@ -267,11 +288,7 @@ Statement state_verdict(const Problem& problem, const Selection& selection, bool
   out.tolerated = tolerated_by(problem, chosen.fit);
 
   append(proposal.reasons, out.reasons);
-  append({rule.reason}, out.reasons);
-  if (out.verdict == Verdict::unexplained && !chosen.candidates.empty())
-    append({"the nearest of the catalogue, which leaves structure beyond noise: " +
-            joined(names_of(problem, chosen.candidates))},
-           out.reasons);
+  append(rule_reasons(problem, rule, out.verdict, told, chosen), out.reasons);
 
   const auto found = [&](int c, const std::vector<int>& others) {
     return found_effect(problem, selection.comparison.whitening, posterior, c, &chosen, others);
@@ -289,7 +306,7 @@ Statement state_verdict(const Problem& problem, const Selection& selection, bool
   }
   if (out.verdict == Verdict::ambiguous) out.rivals = rivals_of(posterior);
   std::vector<Ranked> ranking = ranking_of(gaps, chosen);
-  if (!told.events.empty()) ranking = ranked_without_events(problem, ranking);
+  if (!out.events.empty()) ranking = ranked_without_events(problem, ranking);
   const std::vector<std::string> doubted = doubts(out.verdict, out.gap, effects, ranking, settings);
   append(doubted, out.reasons);
   Calibrated calibrated =

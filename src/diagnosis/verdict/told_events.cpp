@@ -23,12 +23,13 @@ PartedProposal parted(const Problem& problem, const Proposal& proposal) {
       out.effects = proposal.effects;
       return out;
     }
-    place.others.clear();
     return {Naming::sure, {}, {place}};
   }
 
   for (const Established& e : proposal.effects)
     (event(e.effect) ? out.events : out.effects).push_back(e);
+  const bool rivals = out.effects.size() == 1 && !out.effects.front().others.empty();
+  if (!out.events.empty() && rivals) out.naming = Naming::rivals;
   return out;
 }
 
@@ -36,6 +37,7 @@ Verdict about_effects(Verdict verdict, const PartedProposal& proposal) {
   if (!names_effects(verdict) || proposal.events.empty()) return verdict;
   if (proposal.effects.empty())
     return verdict == Verdict::partial ? Verdict::unexplained : Verdict::none;
+  if (proposal.naming == Naming::rivals) return Verdict::ambiguous;
   return verdict == Verdict::several && proposal.effects.size() == 1 ? Verdict::effect : verdict;
 }
 
@@ -51,7 +53,7 @@ std::vector<Ranked> ranked_without_events(const Problem& problem,
     if (row.members.size() != before)
       row.effect = row.members.empty() ? "none" : fmt::format("{}", fmt::join(row.members, " + "));
     std::erase_if(row.parameters, [&](const FoundParameter& value) {
-      const int c = hypotheses.candidate(value.name.substr(0, value.name.find('.')));
+      const int c = hypotheses.candidate(value.name.substr(0, value.name.rfind('.')));
       return c >= 0 && is_event(problem, c);
     });
 
@@ -77,8 +79,9 @@ ForceEvent event_of(const Problem& problem, int candidate, const FoundEffect& fo
   ForceEvent event;
   event.joint = of_body ? "base" : place;
   event.along = of_body ? place : "";
-  event.from = middle.value - 0.5 * length.value;
-  event.to = middle.value + 0.5 * length.value;
+  const double end = problem.observations.datasets.front().window_end;
+  event.from = std::max(0.0, middle.value - 0.5 * length.value);
+  event.to = std::min(end, middle.value + 0.5 * length.value);
   event.peak = peak.value;
   event.peak_ci95 = peak.ci95;
   event.unit = peak.unit;

@@ -1,0 +1,92 @@
+// Verdicts about what is left beside pushes.
+
+#include "diagnosis/verdict/told_events.h"
+
+#include <gtest/gtest.h>
+
+namespace jaculus::diagnosis {
+namespace {
+
+enum : int { kFriction, kWind, kPush, kOtherPush };
+
+/// Two effects and two pushes as candidates.
+struct Candidates {
+  std::vector<effects::Effect> effects{4};
+  Problem problem;
+
+  Candidates() {
+    const char* names[] = {"friction", "wind", "push@x", "push@elbow"};
+    for (int c = 0; c < 4; ++c) {
+      effects[c].event = c >= kPush;
+      problem.hypotheses.candidates.push_back(
+          {names[c], effects::Component::body, {}, &effects[c]});
+    }
+  }
+};
+
+Proposal proposed(Naming naming, std::vector<Established> effects) {
+  return {naming, std::move(effects), {}, {}};
+}
+
+TEST(ToldEvents, APushAloneLeavesNothingToName) {
+  const Candidates c;
+  const PartedProposal told = parted(c.problem, proposed(Naming::sure, {{kPush, {}, 1.0}}));
+  EXPECT_EQ(told.events.size(), 1U);
+  EXPECT_TRUE(told.effects.empty());
+  EXPECT_EQ(about_effects(Verdict::effect, told), Verdict::none);
+  EXPECT_EQ(about_effects(Verdict::partial, told), Verdict::unexplained);
+  EXPECT_EQ(about_effects(Verdict::unexplained, told), Verdict::unexplained);
+}
+
+TEST(ToldEvents, AnEffectBesideAPushIsOneEffect) {
+  const Candidates c;
+  const PartedProposal told =
+      parted(c.problem, proposed(Naming::sure, {{kPush, {}, 1.0}, {kFriction, {}, 0.9}}));
+  ASSERT_EQ(told.effects.size(), 1U);
+  EXPECT_EQ(told.effects.front().effect, kFriction);
+  EXPECT_EQ(about_effects(Verdict::several, told), Verdict::effect);
+  EXPECT_EQ(about_effects(Verdict::partial, told), Verdict::partial);
+}
+
+TEST(ToldEvents, AnEffectWithRivalsBesideAPushIsAmbiguous) {
+  const Candidates c;
+  const PartedProposal told =
+      parted(c.problem, proposed(Naming::sure, {{kPush, {}, 1.0}, {kFriction, {kWind}, 0.9}}));
+  EXPECT_EQ(told.naming, Naming::rivals);
+  EXPECT_EQ(about_effects(Verdict::several, told), Verdict::ambiguous);
+}
+
+TEST(ToldEvents, RivalsOfWhichAllArePushesAreAPush) {
+  const Candidates c;
+  const PartedProposal pushes =
+      parted(c.problem, proposed(Naming::rivals, {{kPush, {kOtherPush}, 1.0}}));
+  EXPECT_EQ(pushes.naming, Naming::sure);
+  ASSERT_EQ(pushes.events.size(), 1U);
+  EXPECT_EQ(pushes.events.front().others, std::vector<int>{kOtherPush});
+
+  // Whether it was a push is then open.
+  const PartedProposal either =
+      parted(c.problem, proposed(Naming::rivals, {{kPush, {kWind}, 1.0}}));
+  EXPECT_TRUE(either.events.empty());
+  EXPECT_EQ(about_effects(Verdict::ambiguous, either), Verdict::ambiguous);
+}
+
+TEST(ToldEvents, RankingPutsRowsTogetherThatDifferInPushesAlone) {
+  const Candidates c;
+  const std::vector<Ranked> ranking = {
+      {"push@x", 20.0, 0.9, 0.5, {"push@x"}, {{"push@x.peak", "N", 10.0, {9.0, 11.0}}}},
+      {"friction + push@x", 19.0, 0.9, 0.2, {"friction", "push@x"}, {}},
+      {"none", 0.0, 3.0, 0.2, {}, {}},
+      {"unexplained", 0.0, kNaN, 0.1, {}, {}}};
+  const std::vector<Ranked> about = ranked_without_events(c.problem, ranking);
+  ASSERT_EQ(about.size(), 3U);
+  EXPECT_EQ(about[0].effect, "none");
+  EXPECT_DOUBLE_EQ(about[0].probability, 0.7);
+  EXPECT_DOUBLE_EQ(about[0].held_out_error, 0.9);
+  EXPECT_TRUE(about[0].parameters.empty());
+  EXPECT_EQ(about[1].effect, "friction");
+  EXPECT_EQ(about[2].effect, "unexplained");
+}
+
+}  // namespace
+}  // namespace jaculus::diagnosis
