@@ -161,8 +161,7 @@ void add_quality(const std::vector<CaseTruth>& truths, const std::vector<Predict
   const auto log_score = [&](std::size_t i) { return metrics.scores[i].log_score; };
   metrics.by["log score"] = mean_of(all, log_score);
   metrics.by["log score of singles, plain gap"] = mean_of(plain, log_score);
-  metrics.by["seconds a case"] =
-      mean_of(all, [&](std::size_t i) { return predictions[i].seconds; });
+  metrics.seconds = mean_of(all, [&](std::size_t i) { return predictions[i].seconds; });
 }
 
 void add_events(const std::vector<CaseTruth>& truths, Metrics& metrics) {

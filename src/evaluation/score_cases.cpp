@@ -204,6 +204,7 @@ Score score_cases(const fs::path& folder, const std::vector<std::string>& case_i
   Score score = score_predictions(truths, predictions);
   score.sealed = count_of(case_ids);
   score.provenance = options.provenance;
+  trajectory::write_file(options.out / "timing.json", timing_json(score));
   trajectory::write_file(options.out / "score.json", score_json(score));
   trajectory::write_file(options.out / "score.txt", score_text(score));
   if (options.executor) remove_jobs(*options.executor);

@@ -189,4 +189,11 @@ std::string score_text(const Score& score) {
   return text;
 }
 
+std::string timing_json(const Score& score) {
+  json seconds = json::object();
+  for (const Metrics& metrics : score.metrics)
+    seconds[metrics.predictor] = to_json(metrics.seconds);
+  return json{{"seconds_a_case", seconds}}.dump(2) + "\n";
+}
+
 }  // namespace jaculus::evaluation

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
+#include <nlohmann/json.hpp>
 
 #include "evaluation/run_diagnosis.h"
 #include "jaculus/effects/effect.h"
@@ -150,6 +151,12 @@ TEST(ScoreCases, OpensTheLabelsAfterTheLastAnswerAndResumes) {
   score_cases(batch.folder / "cases", batch.ids, labels, again);
   EXPECT_EQ(test::bytes_of(batch.folder / "out" / "answers" / "a" / "messages.txt"), "untouched");
   EXPECT_EQ(test::bytes_of(batch.folder / "out" / "score.json"), first);
+  EXPECT_EQ(first.find("seconds"), std::string::npos);  // would part equal answers
+
+  std::ifstream timing(batch.folder / "out" / "timing.json");
+  const auto seconds = nlohmann::json::parse(timing).at("seconds_a_case").at("diagnosis");
+  EXPECT_GT(seconds.at("value").get<double>(), 0);
+  EXPECT_EQ(seconds.at("cases"), 1);  // the refused one has no time
 }
 
 TEST(RunDiagnosis, DiagnosesTheDatasetsOfAGroupTogether) {

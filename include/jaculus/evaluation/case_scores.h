@@ -54,6 +54,7 @@ struct Metrics {
   std::map<std::string, std::map<std::string, int>> confusion;  ///< truth -> stated -> cases
   std::vector<ReliabilityBin> reliability;
   double calibration_error = kNaN;  ///< mean |stated - right| over bins, weighted by cases
+  ScoreEstimate seconds;  ///< [s] that a case took; not in `by`, which is the same on every run
 };
 
 /// A baseline against the diagnosis on the same cases, paired.

@@ -52,8 +52,12 @@ struct Score {
 Score score_predictions(const std::vector<CaseTruth>& truths,
                         const std::map<std::string, std::vector<Prediction>>& predictions);
 
+/// The same bytes on every run of the same answers: what a case took is in timing_json alone.
 std::string score_json(const Score& score);
 std::string score_text(const Score& score);
+
+/// Mean seconds of a case by answerer.
+std::string timing_json(const Score& score);
 
 struct ScoreOptions {
   std::filesystem::path binary;  ///< the jaculus program that diagnoses
