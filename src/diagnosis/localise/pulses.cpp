@@ -1,5 +1,6 @@
 #include "diagnosis/localise/pulses.h"
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <array>
 #include <boost/math/special_functions/erf.hpp>
