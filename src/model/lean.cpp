@@ -2,6 +2,7 @@
 // the file's choice, and moves nothing. Projected along y, it does: motors side by side on an axle
 // that leans would turn about two places of the plane.
 
+#include <Eigen/Geometry>
 #include <cmath>
 #include <map>
 #include <vector>
