@@ -237,8 +237,9 @@ HeldOut held_out_with(const std::vector<trajectory::Dataset>& datasets,
   const Fit stated = as_stated(problem, about.comparison.whitening);
   if (!none.valid || !stated.valid) return {};
   const Folds folds = folds_of(problem.observations, problem.settings);
+  const OpenRows open = open_rows(problem, about.comparison, folds, none);
   const auto judged = [&](const Fit& fit) {
-    return judge_fit(problem, about.comparison, folds, fit);
+    return judge_fit(problem, about.comparison, folds, fit, open);
   };
   return held_out(problem, folds, judged(stated), judged(none), judged(about.fit));
 }

@@ -2,6 +2,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -34,15 +35,39 @@ std::optional<std::vector<std::vector<Vector>>> slopes_of(const Problem& problem
   return slopes;
 }
 
+/// Of white rows, by the parameters of raw slopes.
+Matrix white_slopes(const Whitening& space, const std::vector<std::vector<Vector>>& slopes) {
+  Matrix J(space.rows, count_of(slopes));
+  for (Eigen::Index i = 0; i < J.cols(); ++i) J.col(i) = -space.apply(slopes[i]);
+  return J;
+}
+
+/// Slopes B of each dataset as B S^(1/2), S = (J^T J + I)^-1 by the rows of a fold.
+std::vector<Matrix> open_rows_of(const Problem& problem, const Whitening& fold,
+                                 const std::vector<std::vector<Vector>>& slopes) {
+  const Matrix J = white_slopes(fold, slopes);
+  Matrix told = J.transpose() * J;
+  told.diagonal().array() += 1.0;
+  const Eigen::LLT<Matrix> root(told);
+
+  std::vector<Matrix> open;
+  for (int d = 0; d < count_of(problem.observations.datasets); ++d) {
+    Matrix raw(problem.observations.datasets[d].rows(), J.cols());
+    for (Eigen::Index i = 0; i < J.cols(); ++i) raw.col(i) = slopes[i][d];
+    open.emplace_back(root.matrixL().solve(raw.transpose()).transpose());
+  }
+  return open;
+}
+
 /// Errors of the segments that a fold leaves out, by the model refitted to the others; nothing
-/// where the fold has no rows or can't be simulated.
+/// where the fold has no rows or can't be simulated. `open`: a dataset each, or none.
 std::optional<Errors> judge_fold(const Problem& problem, const Comparison& comparison,
                                  const SegmentMask& mask, const Fit& fit,
-                                 const std::vector<std::vector<Vector>>& slopes) {
+                                 const std::vector<std::vector<Vector>>& slopes,
+                                 const std::vector<Matrix>& open) {
   const Whitening fold = whitening_of(problem, comparison.noise, mask);
   if (fold.rows == 0) return {};
-  Matrix J(fold.rows, count_of(fit.free));
-  for (Eigen::Index i = 0; i < J.cols(); ++i) J.col(i) = -fold.apply(slopes[i]);
+  const Matrix J = white_slopes(fold, slopes);
   const RandomWeights weights(fold.random, fit.scales);
   const NearFit there =
       fit_by_known_slopes(problem, fold, weights, fit.free, J, fit.p, problem.settings.refit_steps);
@@ -53,8 +78,9 @@ std::optional<Errors> judge_fold(const Problem& problem, const Comparison& compa
     const ObservedDataset& observed = problem.observations.datasets[d];
     const auto trained = static_cast<double>(std::count(mask[d].begin(), mask[d].end(), true));
     const bool alone = observed.measured_input || trained == 0.0;
-    const Judge judge{observed, comparison.noise.datasets[d], comparison.whitening.datasets[d],
-                      problem.settings, alone ? kInfinity : trained};
+    const Judge judge{
+        observed,         comparison.noise.datasets[d], comparison.whitening.datasets[d],
+        problem.settings, alone ? kInfinity : trained,  open.empty() ? Matrix() : open[d]};
     const Vector residual = measured_rows(observed, comparison.noise.alignments[d]) - there.rows[d];
     for (int s = 0; s < count_of(mask[d]); ++s)
       if (!mask[d][s]) judge.judge(d, s, residual, errors);
@@ -114,14 +140,26 @@ std::map<std::string, ChannelShrink> by_channel(const Problem& problem, const Er
 
 }  // namespace
 
+OpenRows open_rows(const Problem& problem, const Comparison& comparison, const Folds& folds,
+                   const Fit& none) {
+  if (problem.observations.datasets.size() < 2 || !none.valid || none.free.empty()) return {};
+  const auto slopes = slopes_of(problem, comparison.whitening, none);
+  if (!slopes) return {};
+  OpenRows open;
+  for (const SegmentMask& mask : folds.masks)
+    open.push_back(open_rows_of(problem, whitening_of(problem, comparison.noise, mask), *slopes));
+  return open;
+}
+
 JudgedFit judge_fit(const Problem& problem, const Comparison& comparison, const Folds& folds,
-                    const Fit& fit) {
+                    const Fit& fit, const OpenRows& open) {
   JudgedFit judged{std::vector<std::optional<Errors>>(folds.masks.size())};
   if (!fit.valid) return judged;
   const auto slopes = slopes_of(problem, comparison.whitening, fit);
   if (!slopes) return judged;
   tbb::parallel_for(0, count_of(judged.folds), [&](int f) {
-    judged.folds[f] = judge_fold(problem, comparison, folds.masks[f], fit, *slopes);
+    judged.folds[f] = judge_fold(problem, comparison, folds.masks[f], fit, *slopes,
+                                 open.empty() ? std::vector<Matrix>() : open[f]);
   });
   return judged;
 }
@@ -167,8 +205,9 @@ HeldOutGaps::HeldOutGaps(const Problem& problem, const Comparison& comparison,
       comparison_(comparison),
       posterior_(posterior),
       folds_(folds_of(problem.observations, problem.settings)),
-      stated_(judge_fit(problem, comparison, folds_, stated)),
-      none_(judge_fit(problem, comparison, folds_, none)) {}
+      open_(open_rows(problem, comparison, folds_, none)),
+      stated_(judge_fit(problem, comparison, folds_, stated, open_)),
+      none_(judge_fit(problem, comparison, folds_, none, open_)) {}
 
 const ModelFit& HeldOutGaps::subset(const ModelFit& model, const std::vector<int>& members) {
   if (members == model.candidates) return model;
@@ -207,7 +246,7 @@ const HeldOut& HeldOutGaps::of(const ModelFit& model) {
   const auto known = gaps_.find(key);
   if (known != gaps_.end()) return known->second;
   const bool none = model.candidates.empty() && model.fit.free == problem_.hypotheses.nuisances();
-  const JudgedFit own = none ? none_ : judge_fit(problem_, comparison_, folds_, model.fit);
+  const JudgedFit own = none ? none_ : judge_fit(problem_, comparison_, folds_, model.fit, open_);
   return gaps_.emplace(key, held_out(problem_, folds_, stated_, none_, own)).first->second;
 }
 

@@ -5,7 +5,8 @@
 // in time.
 // In a fold the model is fitted on the rest, and held-out segments are judged after their prefix
 // (judge.h has the errors e).
-// Log density of the judged rows jointly: N(0, W^-1 + A P A^T).
+// Log density of the judged rows jointly: N(0, W^-1 + A P A^T), with B S B^T of judge.h where folds
+// are over datasets.
 // Gap: square root of the mean over channels of the mean square of e. Shrink = 1 - (after -
 // 1)/(before - 1), nothing where before < settings.plain_gap. Its interval is Student's t over the
 // folds.
@@ -27,10 +28,17 @@ namespace jaculus::diagnosis {
 struct JudgedFit {
   std::vector<std::optional<Errors>> folds;
 };
+/// What the datasets of each fold leave open of tolerances and gains (judge.h, `open`): a fold each, a
+/// dataset each. Nothing where folds are not over datasets, or where no simulation tells it.
+using OpenRows = std::vector<std::vector<Matrix>>;
+/// `none`: the fit of `comparison` without effects.
+OpenRows open_rows(const Problem& problem, const Comparison& comparison, const Folds& folds,
+                   const Fit& none);
+
 /// Free parameters are refitted in each fold by Gauss-Newton steps from where they are. The fit is
 /// of `comparison`.
 JudgedFit judge_fit(const Problem& problem, const Comparison& comparison, const Folds& folds,
-                    const Fit& fit);
+                    const Fit& fit, const OpenRows& open);
 
 /// A model against the one that files state, and against that with tolerances fitted (`none`). Not
 /// valid where no fold was judged of all three.
@@ -64,6 +72,7 @@ class HeldOutGaps {
   const Comparison& comparison_;
   const Posterior& posterior_;
   Folds folds_;
+  OpenRows open_;
   JudgedFit stated_, none_;
   /// Candidates and free parameters: a set is judged with tolerances of its own and with a larger
   /// set's.

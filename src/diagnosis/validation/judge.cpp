@@ -8,11 +8,14 @@ namespace jaculus::diagnosis {
 namespace {
 
 /// -r^T (I + B B^T)^-1 r/2 of the white rows that are judged, B: what the prefix leaves open of the
-/// nuisances, C L^-T.
+/// nuisances, C L^-T, and what is open of tolerances, `more`.
 double log_density(const Vector& white, const Vector& judged, const Matrix& columns,
-                   const Matrix& root) {
+                   const Matrix& root, const Matrix& more) {
   const Vector r = white.cwiseProduct(judged);
-  const Matrix open = root.triangularView<Eigen::Lower>().solve(columns.transpose()).transpose();
+  Matrix open(columns.rows(), columns.cols() + more.cols());
+  open.leftCols(columns.cols()) =
+      root.triangularView<Eigen::Lower>().solve(columns.transpose()).transpose();
+  open.rightCols(more.cols()) = more;
   const Matrix B = judged.asDiagonal() * open;
   const Vector along = B.transpose() * r;
   const Matrix inner = B.transpose() * B + Matrix::Identity(B.cols(), B.cols());
@@ -90,13 +93,24 @@ Judge::Estimated Judge::estimated(int segment, int block, const Vector& about_me
   const NuisanceEstimate estimate =
       estimate_nuisances(own, prefix.asDiagonal() * white_columns, prefix.cwiseProduct(white));
 
-  Estimated out{about_mean - own.columns * estimate.deviation, Vector(own.count), estimate.root};
+  Estimated out{about_mean - own.columns * estimate.deviation, Vector(own.count), estimate.root,
+                Matrix(own.count, 0)};
+  if (open.size() > 0) {
+    // The prefix takes of a tolerance's influence what looks like its nuisances.
+    const Matrix raw = open.middleRows(own.first, own.count);
+    const Matrix white_open = prefix.asDiagonal() * whitening.whiten_block(block, raw);
+    Matrix taken = white_columns.transpose() * white_open;
+    estimate.root.triangularView<Eigen::Lower>().solveInPlace(taken);
+    estimate.root.transpose().triangularView<Eigen::Upper>().solveInPlace(taken);
+    out.open = raw - scaled * taken;
+  }
   // What the prefix leaves open of the nuisances: each row's square sum is a variance.
-  const Matrix open =
+  const Matrix left_open =
       estimate.root.triangularView<Eigen::Lower>().solve(scaled.transpose()).transpose();
   for (int row = 0; row < own.count; ++row) {
     const double sigma = whitening.sigma[own.first + row];
-    out.variance[row] = sigma * sigma * (1.0 + 1.0 / trained) + open.row(row).squaredNorm();
+    out.variance[row] = sigma * sigma * (1.0 + 1.0 / trained) + left_open.row(row).squaredNorm();
+    out.variance[row] += out.open.row(row).squaredNorm();
   }
   return out;
 }
@@ -129,7 +143,8 @@ void Judge::judge(int dataset, int segment, const Vector& residual, Errors& erro
   const Matrix white_columns =
       whitening.whiten_block(block, Matrix(own.columns * own.scale.asDiagonal()));
   errors.log_density +=
-      log_density(whitening.whiten_block(block, whole.left), judged, white_columns, whole.root);
+      log_density(whitening.whiten_block(block, whole.left), judged, white_columns, whole.root,
+                  whitening.whiten_block(block, whole.open));
   for (const RowSpan& span : row_spans(observed)) {
     if (span.segment != segment) continue;
     for (int i = 0; i < span.count; ++i) {
