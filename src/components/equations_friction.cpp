@@ -10,37 +10,71 @@ namespace jaculus::components {
 
 namespace {
 
-/// Rates of a motor's joint by those of the coordinates.
-auto rate_row(const model::PlanarModel& model, int motor) {
-  return model.joint_map.row(model.motors[motor].body);
-}
+template <class S>
+struct Friction {
+  S value, d_rate, d_rate2;
+};
 
-MotorFriction friction_at(const model::PlanarModel& model, int motor, const Vector& v) {
-  return motor_friction(model.motors[motor], rate_row(model, motor).dot(v));
+/// Torque of a motor's friction at the rate of its joint, with derivatives.
+template <class S>
+Friction<S> friction_at(const model::PlanarModel& model, int motor, const VectorOf<S>& v) {
+  S rate = S(0.0);
+  for (int i = 0; i < count_of(v); ++i)
+    rate += S(model.joint_map(model.motors[motor].body, i)) * v[i];
+
+  Friction<S> friction;
+  for (int k = 0; k < lanes_of<S>; ++k) {
+    const MotorFriction one = motor_friction(model.motors[motor], lane(rate, k));
+    set_lane(friction.value, k, one.value);
+    set_lane(friction.d_rate, k, one.d_rate);
+    set_lane(friction.d_rate2, k, one.d_rate2);
+  }
+  return friction;
 }
 
 }  // namespace
 
-void Equations::add_friction(EquationsPoint& p) const {
-  for (const int m : rubbing_)
-    p.rhs0.head(tree_.n) += friction_at(model_, m, p.v).value * tree_.input_map.col(m);
-}
-
-void Equations::add_friction_derivatives(EquationsPoint& p) const {
-  const int n = tree_.n;
+template <class S>
+void Equations::add_friction(EquationsPointOf<S>& p) const {
   for (const int m : rubbing_) {
-    p.rhs.topRows(n).middleCols(n, n).noalias() +=
-        friction_at(model_, m, p.v).d_rate * tree_.input_map.col(m) * rate_row(model_, m);
+    const S value = friction_at(model_, m, p.v).value;
+    for (int i = 0; i < tree_.n; ++i) p.adjoint[i] += value * S(tree_.input_map(i, m));
   }
 }
 
-void Equations::add_friction_hessian(const EquationsPoint& p, Matrix& H) const {
+template <class S>
+void Equations::add_friction_derivatives(EquationsPointOf<S>& p) const {
   const int n = tree_.n;
   for (const int m : rubbing_) {
-    const double weight =
-        p.adjoint.head(n).dot(tree_.input_map.col(m)) * friction_at(model_, m, p.v).d_rate2;
-    H.block(n, n, n, n).noalias() += weight * rate_row(model_, m).transpose() * rate_row(model_, m);
+    const S slope = friction_at(model_, m, p.v).d_rate;
+    for (int j = 0; j < n; ++j) {
+      const S by_rate = slope * S(model_.joint_map(model_.motors[m].body, j));
+      for (int i = 0; i < n; ++i) p.Z(i, n + j) += by_rate * S(tree_.input_map(i, m));
+    }
   }
 }
+
+template <class S>
+void Equations::add_friction_hessian(const EquationsPointOf<S>& p, MatrixOf<S>& H) const {
+  const int n = tree_.n;
+  for (const int m : rubbing_) {
+    S weight = S(0.0);
+    for (int i = 0; i < n; ++i) weight += p.adjoint[i] * S(tree_.input_map(i, m));
+    weight *= friction_at(model_, m, p.v).d_rate2;
+
+    const auto row = model_.joint_map.row(model_.motors[m].body);
+    for (int j = 0; j < n; ++j)
+      for (int i = 0; i < n; ++i) H(n + i, n + j) += weight * S(row[i] * row[j]);
+  }
+}
+
+#define JACULUS_INSTANTIATE(S)                                                  \
+  template void Equations::add_friction<S>(EquationsPointOf<S>&) const;             \
+  template void Equations::add_friction_derivatives<S>(EquationsPointOf<S>&) const; \
+  template void Equations::add_friction_hessian<S>(const EquationsPointOf<S>&, MatrixOf<S>&) const;
+
+JACULUS_INSTANTIATE(double)
+JACULUS_INSTANTIATE(Lanes)
+#undef JACULUS_INSTANTIATE
 
 }  // namespace jaculus::components

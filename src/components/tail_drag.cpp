@@ -200,4 +200,21 @@ DragLoad drag_load(const model::PlanarDrag& drag, double s, double omega, double
                    k * drag.width);
 }
 
+/// One lane at a time: each may be another case of the law.
+DragLoadOf<Lanes> drag_load(const model::PlanarDrag& drag, const Lanes& s, const Lanes& omega,
+                            double smoothing) {
+  DragLoadOf<Lanes> load;
+  for (int k = 0; k < kLanes; ++k) {
+    const DragLoad one = drag_load(drag, lane(s, k), lane(omega, k), smoothing);
+    set_lane(load.force, k, one.force);
+    set_lane(load.moment, k, one.moment);
+    for (int i = 0; i < 4; ++i) {
+      set_lane(load.d.data()[i], k, one.d.data()[i]);
+      set_lane(load.force_dd.data()[i], k, one.force_dd.data()[i]);
+      set_lane(load.moment_dd.data()[i], k, one.moment_dd.data()[i]);
+    }
+  }
+  return load;
+}
+
 }  // namespace jaculus::components

@@ -104,4 +104,15 @@ void add_product_lower(const ConstMatrixRef& A, const ConstMatrixRef& B, MatrixR
   multiply(A, B, C, 1.0, true, true);
 }
 
+void add_transposed_product(const ConstMatrixRef& A, const ConstMatrixRef& B, MatrixRef C) {
+  assert(A.rows() == B.rows() && C.rows() == A.cols() && C.cols() == B.cols());
+  for (Index j = 0; j < C.cols(); ++j) {
+    for (Index i = 0; i < C.rows(); ++i) {
+      double sum = C(i, j);
+      for (Index k = 0; k < A.rows(); ++k) sum += A(k, i) * B(k, j);
+      C(i, j) = sum;
+    }
+  }
+}
+
 }  // namespace jaculus

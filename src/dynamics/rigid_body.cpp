@@ -5,28 +5,40 @@
 
 namespace jaculus::dynamics {
 
-void add_bodies(const AbsoluteTree& tree, const Motion& motion, const Vector& A, Matrix& mass,
-                Vector& residual, PointColumns& J) {
+template <class S>
+JACULUS_WIDE void add_bodies(const AbsoluteTree& tree, const MotionOf<S>& motion,
+                             const VectorOf<S>& A, MatrixOf<S>& mass, VectorOf<S>& residual,
+                             PointColumnsOf<S>& J) {
   for (int b = 0; b < count_of(tree.com); ++b) {
     const int phi = AbsoluteTree::angle_index(b);
-    mass(phi, phi) += tree.inertia[b];
-    residual[phi] += tree.inertia[b] * A[phi];
+    const S m = S(tree.mass[b]), inertia = S(tree.inertia[b]);
+    mass(phi, phi) += inertia;
+    residual[phi] += inertia * A[phi];
     if (tree.mass[b] == 0.0) continue;
+
     jacobian_columns(tree.com[b], motion.pose, J);
     for (int j = 0; j < J.count; ++j) {
-      for (int i = 0; i < J.count; ++i)
-        mass(J.index[i], J.index[j]) += tree.mass[b] * (J.x[i] * J.x[j] + J.z[i] * J.z[j]);
+      const S x = m * J.x[j], z = m * J.z[j];
+      S* column = mass.col(J.index[j]).data();
+      for (int i = 0; i < J.count; ++i) column[J.index[i]] += J.x[i] * x + J.z[i] * z;
     }
-    const Vec2 acceleration = J.times(A) + quadratic(tree.com[b], motion.pose, motion.V);
-    J.add_transposed(acceleration + Vec2(0.0, tree.gravity), tree.mass[b], residual);
+    Vec2Of<S> acceleration = J.times(A) + quadratic(tree.com[b], motion.pose, motion.V);
+    acceleration.y() += S(tree.gravity);
+    J.add_transposed(acceleration, tree.mass[b], residual);
   }
 }
+
+template void add_bodies<double>(const AbsoluteTree&, const Motion&, const Vector&, Matrix&,
+                                 Vector&, PointColumns&);
+template void add_bodies<Lanes>(const AbsoluteTree&, const MotionOf<Lanes>&,
+                                const VectorOf<Lanes>&, MatrixOf<Lanes>&, VectorOf<Lanes>&,
+                                PointColumnsOf<Lanes>&);
 
 Matrix mass_matrix(const AbsoluteTree& tree, const Motion& motion) {
   Matrix M = Matrix::Zero(tree.N, tree.N);
   Vector unused = Vector::Zero(tree.N);
   PointColumns J;
-  add_bodies(tree, motion, Vector::Zero(tree.N), M, unused, J);
+  add_bodies<double>(tree, motion, Vector::Zero(tree.N), M, unused, J);
   return motion.G.transpose() * M * motion.G + tree.armature;
 }
 

@@ -230,8 +230,13 @@ class GuessBuilder {
     const Vector none = Vector::Zero(layout_.n_u);
     if (!equations.evaluate(q, v, none, point)) return none;
     equations.differentiate(point);
-    const Matrix by_u = point.Z.topRightCorner(layout_.n, layout_.n_u);
-    return by_u.completeOrthogonalDecomposition().solve(a - point.a);
+    // Legs that close a chain with the ground press against each other by torques that move
+    // nothing: what is left of those by rounding is no direction to go.
+    constexpr double kIndependent = 1e-9;
+    Eigen::CompleteOrthogonalDecomposition<Matrix> by_u;
+    by_u.setThreshold(kIndependent);
+    by_u.compute(point.Z.topRightCorner(layout_.n, layout_.n_u));
+    return by_u.solve(a - point.a);
   }
 
   void fill(const GuessMotion& motion) {

@@ -41,15 +41,25 @@ NonlinearProgram::NonlinearProgram(const Problem& problem, const model::PlanarMo
     intervals_.emplace_back(*equations_, layout_, block, problem_.transcription.scheme);
 
   place_rows();
+  make_batches();
   find_sparsity();
   find_hessian_pattern();
 
   x_ = Vector::Constant(variables(), kNaN);
-  eta_ = Vector::Zero(2 * layout_.n);
-  const int w = intervals_.front().size();
-  gradient_w_ = Vector::Zero(w);
-  H_w_ = Matrix::Zero(w, w);
-  path_w_ = Matrix::Zero(kMaxTermRows, w);
+  gradient_w_ = VectorOf<Lanes>::Constant(intervals_.front().size(), 0.0);
+}
+
+/// Intervals of a phase by fours.
+void NonlinearProgram::make_batches() {
+  for (const PhaseBlock& phase : layout_.phases) {
+    for (int k = phase.first_interval; k <= phase.last_interval; k += kLanes) {
+      std::vector<Interval*> members;
+      for (int i = k; i <= std::min(k + kLanes - 1, phase.last_interval); ++i)
+        members.push_back(&intervals_[i]);
+      batch_begin_.push_back(k);
+      batches_.emplace_back(*equations_, layout_, std::move(members));
+    }
+  }
 }
 
 int NonlinearProgram::add_row(const RowSpec& row) {
@@ -166,21 +176,27 @@ void NonlinearProgram::find_sparsity() {
     }
 
     for (const PathRows& rows : interval.path) patterns.push_back(path_pattern(interval, rows));
-    const auto put = [&](int row, const std::vector<char>& mask) {
-      for (std::size_t j = 0; j < mask.size(); ++j) {
-        if (!mask[j]) continue;
+    jacobian_at_.push_back(jacobian_.size());
+    std::vector<std::vector<int>>& read = patterns_.emplace_back();
+    for (const std::vector<char>& mask : patterns) {
+      std::vector<int>& columns = read.emplace_back();
+      for (int j = 0; j < count_of(mask); ++j)
+        if (mask[j]) columns.push_back(j);
+    }
+
+    const auto put = [&](int row, const std::vector<int>& columns) {
+      for (const int j : columns) {
         jacobian_.rows.push_back(row);
         jacobian_.columns.push_back(interval.columns[j]);
       }
     };
-
-    for (int i = 0; i < 2 * n; ++i) put(interval.defect_row + i, patterns[i]);
+    for (int i = 0; i < 2 * n; ++i) put(interval.defect_row + i, read[i]);
     for (std::size_t k = 0; k < interval.path.size(); ++k)
       for (int i = 0; i < count_of(interval.path[k].term->rows); ++i)
-        put(interval.path[k].row + i, patterns[2 * n + k]);
-    patterns_.push_back(std::move(patterns));
+        put(interval.path[k].row + i, read[2 * n + k]);
   }
 
+  jacobian_nodes_at_ = jacobian_.size();
   for (const NodeEntry& entry : node_rows_) {
     for (int i = 0; i < count_of(entry.term.rows); ++i) {
       for (int column : entry.term.columns) {
@@ -196,14 +212,20 @@ bool NonlinearProgram::update(const ConstVectorRef& x, int level) {
     x_ = x;
     level_ = 1;
     defined_ = true;
-    for (Interval& interval : intervals_) defined_ = defined_ && interval.evaluate(x);
+    for (IntervalBatch& batch : batches_) defined_ = defined_ && batch.evaluate(x);
   }
   if (!defined_) return false;
   if (level >= 2 && level_ < 2) {
-    for (Interval& interval : intervals_) interval.differentiate();
+    for (IntervalBatch& batch : batches_) batch.differentiate();
     level_ = 2;
   }
   return true;
+}
+
+bool NonlinearProgram::evaluate_at(const ConstVectorRef& x) {
+  level_ = 0;  // the batches' lanes may be of another point from here on
+  return std::all_of(intervals_.begin(), intervals_.end(),
+                     [&](Interval& interval) { return interval.evaluate(x); });
 }
 
 std::vector<NonlinearProgram::PlacedRows> NonlinearProgram::node_rows() const {
@@ -238,7 +260,7 @@ bool NonlinearProgram::objective(const ConstVectorRef& x, double& value) {
   if (integral_costs_.empty()) return true;
   if (!update(x, 1)) return false;
   for (const IntegralCost& cost : integral_costs_)
-    for (Interval& interval : intervals_) value += interval.integral(cost);
+    for (IntervalBatch& batch : batches_) value += batch.integral(cost);
   return true;
 }
 
@@ -251,21 +273,21 @@ bool NonlinearProgram::gradient(const ConstVectorRef& x, VectorRef gradient) {
   }
   if (integral_costs_.empty()) return true;
   if (!update(x, 2)) return false;
-  for (Interval& interval : intervals_) {
+  for (IntervalBatch& batch : batches_) {
     gradient_w_.setZero();
-    for (const IntegralCost& cost : integral_costs_)
-      interval.add_integral_gradient(cost, 1.0, gradient_w_);
-    for (int i = 0; i < interval.size(); ++i) gradient[interval.columns[i]] += gradient_w_[i];
+    for (const IntegralCost& cost : integral_costs_) batch.add_integral_gradient(cost, gradient_w_);
+    for (int k = 0; k < count_of(batch.members()); ++k)
+      for (int i = 0; i < batch.size(); ++i)
+        gradient[batch.members()[k]->columns[i]] += lane(gradient_w_[i], k);
   }
   return true;
 }
 
 bool NonlinearProgram::constraints(const ConstVectorRef& x, VectorRef values) {
   if (!update(x, 1)) return false;
-  for (Interval& interval : intervals_) {
-    interval.defects(values.segment(interval.defect_row, 2 * layout_.n));
-    for (const PathRows& rows : interval.path)
-      interval.path_values(rows, values.segment(rows.row, count_of(rows.term->rows)));
+  for (IntervalBatch& batch : batches_) {
+    batch.defects(values);
+    batch.path_values(values);
   }
   for (NodeEntry& entry : node_rows_) {
     if (!evaluate(entry, x, false, nullptr)) return false;
@@ -274,25 +296,47 @@ bool NonlinearProgram::constraints(const ConstVectorRef& x, VectorRef values) {
   return true;
 }
 
-bool NonlinearProgram::jacobian(const ConstVectorRef& x, VectorRef values) {
-  if (!update(x, 2)) return false;
-  int at = 0;
-  const auto put = [&](const std::vector<char>& mask, const auto& row) {
-    for (int j = 0; j < count_of(mask); ++j)
-      if (mask[j]) values[at++] = row[j];
-  };
+/// Defect rows of all members at once: they read the same local variables.
+void NonlinearProgram::put_defects(const IntervalBatch& batch, int first, VectorRef values) const {
+  const int members = count_of(batch.members());
+  std::array<double*, kLanes> at{};
+  for (int k = 0; k < members; ++k) at[k] = values.data() + jacobian_at_[first + k];
 
-  for (std::size_t k = 0; k < intervals_.size(); ++k) {
-    Interval& interval = intervals_[k];
-    const Matrix& defects = interval.defect_jacobian();
-    for (int i = 0; i < defects.rows(); ++i) put(patterns_[k][i], defects.row(i));
-    for (std::size_t t = 0; t < interval.path.size(); ++t) {
-      interval.path_jacobian(interval.path[t], path_w_);
-      for (int i = 0; i < count_of(interval.path[t].term->rows); ++i)
-        put(patterns_[k][2 * layout_.n + t], path_w_.row(i));
+  for (int i = 0; i < 2 * layout_.n; ++i) {
+    for (const int j : patterns_[first][i]) {
+      const Lanes& value = batch.defect_jacobian()(i, j);
+      for (int k = 0; k < members; ++k) *at[k]++ = lane(value, k);
     }
   }
+}
 
+void NonlinearProgram::put_path(const IntervalBatch& batch, int first, VectorRef values) const {
+  const int defects = 2 * layout_.n;
+  for (int k = 0; k < count_of(batch.members()); ++k) {
+    const Interval& interval = *batch.members()[k];
+    const std::vector<std::vector<int>>& read = patterns_[first + k];
+    int at = jacobian_at_[first + k];
+    for (int i = 0; i < defects; ++i) at += count_of(read[i]);
+
+    std::array<int, 3> row{batch.path_place(0), batch.path_place(1), batch.path_place(2)};
+    for (std::size_t t = 0; t < interval.path.size(); ++t) {
+      for (int i = 0; i < count_of(interval.path[t].term->rows); ++i) {
+        const int from = row[interval.path[t].point]++;
+        for (const int j : read[defects + t]) values[at++] = lane(batch.path_jacobian()(from, j), k);
+      }
+    }
+  }
+}
+
+bool NonlinearProgram::jacobian(const ConstVectorRef& x, VectorRef values) {
+  if (!update(x, 2)) return false;
+  for (std::size_t b = 0; b < batches_.size(); ++b) {
+    batches_[b].differentiate_path();
+    put_defects(batches_[b], batch_begin_[b], values);
+    put_path(batches_[b], batch_begin_[b], values);
+  }
+
+  int at = jacobian_nodes_at_;
   for (NodeEntry& entry : node_rows_) {
     if (!evaluate(entry, x, true, nullptr)) return false;
     for (int i = 0; i < entry.J.rows(); ++i)

@@ -46,6 +46,16 @@ void scatter(const std::vector<int>& places, const Matrix& H, double factor, Vec
   }
 }
 
+void scatter_lane(const std::vector<int>& places, const MatrixOf<Lanes>& H, int at,
+                  VectorRef values) {
+  std::size_t place = 0;
+  for (int j = 0; j < H.cols(); ++j) {
+    for (int i = j; i < H.rows(); ++i, ++place) {
+      if (places[place] >= 0) values[places[place]] += lane(H(i, j), at);
+    }
+  }
+}
+
 }  // namespace
 
 void NonlinearProgram::find_hessian_pattern() {
@@ -53,8 +63,8 @@ void NonlinearProgram::find_hessian_pattern() {
   for (const Interval& interval : intervals_) {
     const std::vector<char> mask = dynamic_columns(interval);
     std::vector<int> at;
-    for (int i = 0; i < interval.size(); ++i) {
-      for (int j = 0; j <= i; ++j) {
+    for (int j = 0; j < interval.size(); ++j) {
+      for (int i = j; i < interval.size(); ++i) {
         const std::size_t a = i, b = j;
         at.push_back(mask[a] && mask[b] ? places.at(interval.columns[a], interval.columns[b]) : -1);
       }
@@ -70,11 +80,10 @@ bool NonlinearProgram::hessian(const ConstVectorRef& x, double sigma, const Cons
   if (!update(x, 2)) return false;
   values.setZero();
 
-  for (std::size_t k = 0; k < intervals_.size(); ++k) {
-    H_w_.setZero();
-    eta_ = lambda.segment(intervals_[k].defect_row, 2 * layout_.n);
-    intervals_[k].add_hessian(eta_, lambda, sigma, integral_costs_, H_w_);
-    scatter(interval_hessian_at_[k], H_w_, 1.0, values);
+  for (std::size_t b = 0; b < batches_.size(); ++b) {
+    const MatrixOf<Lanes>& H = batches_[b].hessian(lambda, sigma, integral_costs_);
+    for (int k = 0; k < count_of(batches_[b].members()); ++k)
+      scatter_lane(interval_hessian_at_[batch_begin_[b] + k], H, k, values);
   }
 
   for (NodeEntry& entry : node_rows_) {

@@ -29,18 +29,23 @@
 // Limits of validity: only the normal component of the flow, no lift, no added mass, constant C_D,
 // still or uniform wind.
 
+#include "jaculus/core/lanes.h"
 #include "jaculus/model/planar.h"
 
 namespace jaculus::components {
 
 /// Drag on one tail with exact first and second derivatives (of the smoothed law, where smoothed).
-struct DragLoad {
-  double force = 0.0;             ///< along n(phi), at the pivot [N]
-  double moment = 0.0;            ///< about the pivot, positive with +phi [N m]
-  Mat2 d = Mat2::Zero();          ///< rows force, moment; columns s, omega
-  Mat2 force_dd = Mat2::Zero();   ///< second derivatives of the force by (s, omega)
-  Mat2 moment_dd = Mat2::Zero();  ///< second derivatives of the moment by (s, omega)
+template <class S>
+struct DragLoadOf {
+  using Square = Eigen::Matrix<S, 2, 2>;
+
+  S force = S(0.0);                           ///< along n(phi), at the pivot [N]
+  S moment = S(0.0);                          ///< about the pivot, positive with +phi [N m]
+  Square d = Square::Constant(S(0.0));        ///< rows force, moment; columns s, omega
+  Square force_dd = Square::Constant(S(0.0));   ///< second derivatives of the force by (s, omega)
+  Square moment_dd = Square::Constant(S(0.0));  ///< of the moment
 };
+using DragLoad = DragLoadOf<double>;
 
 /// n(phi): unit vector in the world along which the tail's points move as its absolute angle phi
 /// [rad] grows.
@@ -50,6 +55,8 @@ Vec2 drag_normal(const model::PlanarDrag& drag, double phi);
 /// (equation 8 in closed form), whose second derivatives are those of either side, and zero where
 /// the whole tail is at rest.
 DragLoad drag_load(const model::PlanarDrag& drag, double s, double omega, double smoothing);
+DragLoadOf<Lanes> drag_load(const model::PlanarDrag& drag, const Lanes& s, const Lanes& omega,
+                            double smoothing);
 
 /// b of equation 2's moment = -b omega|omega|: 1/8 rho C_D w (L^4 - L0^4) [N m s^2].
 double rotation_drag_factor(double density, double coefficient, double width, double start,

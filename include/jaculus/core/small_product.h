@@ -6,7 +6,7 @@
 // four rows go at a time through the same products and sums (without fused ones), so that the bits
 // are those of any other machine.
 
-#include "jaculus/core/types.h"
+#include "jaculus/core/lanes.h"
 
 namespace jaculus {
 
@@ -18,5 +18,17 @@ void add_product(const ConstMatrixRef& A, const ConstMatrixRef& B, MatrixRef C);
 void subtract_product(const ConstMatrixRef& A, const ConstMatrixRef& B, MatrixRef C);
 /// C += A B of a square C, the lower triangle at least; what stands above it is undefined.
 void add_product_lower(const ConstMatrixRef& A, const ConstMatrixRef& B, MatrixRef C);
+/// C += A^T B.
+void add_transposed_product(const ConstMatrixRef& A, const ConstMatrixRef& B, MatrixRef C);
+
+// The same of four matrices at once, lane by lane.
+using ConstLanesRef = ConstRefOf<Lanes>;
+using LanesRef = RefOf<Lanes>;
+void set_product(const ConstLanesRef& A, const ConstLanesRef& B, LanesRef C);
+void add_product(const ConstLanesRef& A, const ConstLanesRef& B, LanesRef C);
+void subtract_product(const ConstLanesRef& A, const ConstLanesRef& B, LanesRef C);
+void add_transposed_product(const ConstLanesRef& A, const ConstLanesRef& B, LanesRef C);
+/// The lower triangle of a square C at least.
+void add_transposed_product_lower(const ConstLanesRef& A, const ConstLanesRef& B, LanesRef C);
 
 }  // namespace jaculus

@@ -17,10 +17,14 @@
 //     H(w)     = d2(w.p)/dY2                                 (N x N)
 //     T(w, X)  = d2(w.J X)/dY2                               (N x N)
 //     F(w, V)  = d2(w.V^T d2p V)/dY2                         (N x N)
-// where pdd = J A + V^T d2p V is the point's acceleration.
+// where pdd = J A + V^T d2p V is the point's acceleration. Columns 0 and 1 of J are the base's
+// translation, which none of the others depends on: D and E are zero there.
+//
+// S is the scalar: double for one configuration, Lanes for four at once (core/lanes.h).
 
 #include <vector>
 
+#include "jaculus/core/column_pattern.h"
 #include "jaculus/model/planar.h"
 
 namespace jaculus::dynamics {
@@ -53,6 +57,10 @@ struct AbsoluteTree {
   int nd = 0;                   ///< dependent joints
   Matrix P;                     ///< N x n
   Matrix P_d;                   ///< N x nd
+  ColumnPattern P_pattern, P_d_pattern;
+  /// Of what depends on the coordinates by way of the dependent joints as well: G of
+  /// loop_closure.h, and X, which has rows of dependent bodies alone.
+  ColumnPattern G_pattern, X_pattern;
   Vector Y_0;                   ///< N
   std::vector<double> mass;     ///< of each body [kg]
   std::vector<double> inertia;  ///< of each body about its centre of mass [kg m^2]
@@ -78,42 +86,63 @@ struct AbsoluteTree {
 inline constexpr int kMaxColumns = 64;
 
 /// Columns of one point's derivatives, sparse: `count` absolute indices, each with a planar vector.
-struct PointColumns {
+template <class S>
+struct PointColumnsOf {
   int count = 0;
   int index[kMaxColumns];
-  double x[kMaxColumns], z[kMaxColumns];
+  S x[kMaxColumns], z[kMaxColumns];
 
   void clear() { count = 0; }
-  void add(int i, double cx, double cz) {
+  void add(int i, const S& cx, const S& cz) {
     index[count] = i;
     x[count] = cx;
     z[count] = cz;
     ++count;
   }
-  [[nodiscard]] Vec2 times(const Vector& v) const;  ///< sum of columns times v
+  /// Takes over which columns there are, with zeros.
+  void take_pattern(const PointColumnsOf& from);
+  [[nodiscard]] Vec2Of<S> times(const VectorOf<S>& v) const;  ///< sum of columns times v
   /// out += scale * columns^T w
-  void add_transposed(const Vec2& w, double scale, Vector& out) const;
+  void add_transposed(const Vec2Of<S>& w, double scale, VectorOf<S>& out) const;
 };
+using PointColumns = PointColumnsOf<double>;
 
 /// Sines and cosines of all absolute angles at one configuration.
-struct Pose {
-  Vector Y;                            ///< N absolute coordinates
-  Vector cosine;                       ///< N, at angle indices
-  Vector sine;                         ///< N
+template <class S>
+struct PoseOf {
+  VectorOf<S> Y;                       ///< N absolute coordinates
+  VectorOf<S> cosine;                  ///< N, at angle indices
+  VectorOf<S> sine;                    ///< N
   void set(const AbsoluteTree& tree);  ///< fills cosine and sine from Y
-  /// The same where `moved` (N) isn't zero.
-  void set_moved(const ConstVectorRef& moved);
+  void set_angle(int i);               ///< fills the two of one absolute index
 };
+using Pose = PoseOf<double>;
 
-Vec2 position(const Path& path, const Pose& pose);
-void jacobian_columns(const Path& path, const Pose& pose, PointColumns& J);
+/// A weight or a scale, which does not settle what S is.
+template <class S>
+using Vec2Arg = const std::type_identity_t<Vec2Of<S>>&;
+
+template <class S>
+Vec2Of<S> position(const Path& path, const PoseOf<S>& pose);
+template <class S>
+void jacobian_columns(const Path& path, const PoseOf<S>& pose, PointColumnsOf<S>& J);
 /// Adds D(X) to the vectors of `out`, whose columns are in the order jacobian_columns() made.
-void add_D(const Path& path, const Pose& pose, const Vector& X, double scale, PointColumns& out);
-void add_E(const Path& path, const Pose& pose, const Vector& V, double scale, PointColumns& out);
+template <class S>
+void add_D(const Path& path, const PoseOf<S>& pose, const VectorOf<S>& X, double scale,
+           PointColumnsOf<S>& out);
+template <class S>
+void add_E(const Path& path, const PoseOf<S>& pose, const VectorOf<S>& V, double scale,
+           PointColumnsOf<S>& out);
 /// V^T d2p V, the part of the acceleration that is quadratic in the rates.
-Vec2 quadratic(const Path& path, const Pose& pose, const Vector& V);
-void add_H(const Path& path, const Pose& pose, const Vec2& w, Matrix& out);
-void add_T(const Path& path, const Pose& pose, const Vec2& w, const Vector& X, Matrix& out);
-void add_F(const Path& path, const Pose& pose, const Vec2& w, const Vector& V, Matrix& out);
+template <class S>
+Vec2Of<S> quadratic(const Path& path, const PoseOf<S>& pose, const VectorOf<S>& V);
+template <class S>
+void add_H(const Path& path, const PoseOf<S>& pose, Vec2Arg<S> w, MatrixOf<S>& out);
+template <class S>
+void add_T(const Path& path, const PoseOf<S>& pose, Vec2Arg<S> w, const VectorOf<S>& X,
+           MatrixOf<S>& out);
+template <class S>
+void add_F(const Path& path, const PoseOf<S>& pose, Vec2Arg<S> w, const VectorOf<S>& V,
+           MatrixOf<S>& out);
 
 }  // namespace jaculus::dynamics

@@ -15,36 +15,41 @@
 namespace jaculus::dynamics {
 
 /// Configuration and rates of the robot in absolute coordinates. Scratch: sized once by the
-/// constructor, then reused.
-struct Motion {
-  explicit Motion(const AbsoluteTree& tree);
+/// constructor, then reused. S: double, or Lanes for four configurations at once.
+template <class S>
+struct MotionOf {
+  explicit MotionOf(const AbsoluteTree& tree);
 
-  Pose pose;
-  Vector d;      ///< nd dependent joint values [rad], in (-pi, pi]
-  Vector V;      ///< N absolute rates
-  Vector gamma;  ///< N absolute accelerations at zero generalised acceleration
-  Matrix C;      ///< loop Jacobian (2 rows a loop) x N
-  Matrix C_d;    ///< nd x nd
-  Matrix C_d_inverse;
-  Matrix D;   ///< nd x n
-  Matrix G;   ///< N x n
-  Matrix Gt;  ///< n x N, its transpose: products go down columns
-  Matrix X;   ///< N x n, see above; filled by set_rate_sensitivity()
-  Matrix Xt;  ///< n x N
-  Matrix scratch_dn, scratch_dn2, scratch_dN;
-  PointColumns columns;
+  PoseOf<S> pose;
+  VectorOf<S> d;      ///< nd dependent joint values [rad], in (-pi, pi]
+  VectorOf<S> V;      ///< N absolute rates
+  VectorOf<S> gamma;  ///< N absolute accelerations at zero generalised acceleration
+  MatrixOf<S> C;      ///< loop Jacobian (2 rows a loop) x N
+  MatrixOf<S> C_d;    ///< nd x nd
+  MatrixOf<S> C_d_inverse;
+  MatrixOf<S> D;  ///< nd x n
+  MatrixOf<S> G;  ///< N x n; other elements than those of the tree's G_pattern are zero
+  MatrixOf<S> X;  ///< N x n, see above, of X_pattern; filled by set_rate_sensitivity()
+  MatrixOf<S> scratch_dn, scratch_dn2, scratch_dN;
+  PointColumnsOf<S> columns;
 };
+using Motion = MotionOf<double>;
 
-/// Sets pose, d, C, D and G at q (n). False where a loop cannot close.
-bool set_configuration(const AbsoluteTree& tree, const Eigen::Ref<const Vector>& q, Motion& motion);
+/// Sets pose, d, C, D and G at q (n). False where a loop cannot close, in any lane.
+template <class S>
+bool set_configuration(const AbsoluteTree& tree, VectorArg<S> q, MotionOf<S>& motion);
 /// Sets V and gamma at v (n); the configuration must be set.
-void set_rates(const AbsoluteTree& tree, const Eigen::Ref<const Vector>& v, Motion& motion);
+template <class S>
+void set_rates(const AbsoluteTree& tree, VectorArg<S> v, MotionOf<S>& motion);
 /// Sets X; the rates must be set.
-void set_rate_sensitivity(const AbsoluteTree& tree, Motion& motion);
+template <class S>
+void set_rate_sensitivity(const AbsoluteTree& tree, MotionOf<S>& motion);
 /// d(V^T d2c V + C A)/dY and /dV of the loops: (2 rows a loop) x N each; `at_rest` leaves V out, as
 /// an impact does.
-void loop_acceleration_derivatives(const AbsoluteTree& tree, Motion& motion, const Vector& A,
-                                   bool at_rest, Matrix& dY, Matrix& dV);
+template <class S>
+void loop_acceleration_derivatives(const AbsoluteTree& tree, MotionOf<S>& motion,
+                                   const VectorOf<S>& A, bool at_rest, MatrixOf<S>& dY,
+                                   MatrixOf<S>& dV);
 
 /// Absolute coordinates as joint values: all bodies' joints, the base's entry zero [rad or m].
 Vector joint_positions(const AbsoluteTree& tree, const Eigen::Ref<const Vector>& q,

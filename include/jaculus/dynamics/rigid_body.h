@@ -73,8 +73,9 @@ void add_point_hessian(const AbsoluteTree& tree, const Motion& motion, const Poi
 /// Adds sum_b m_b J_b^T J_b + I_b e_b e_b^T to `mass` (N x N) and sum_b m_b J_b^T (J_b A + V^T
 /// d2p_b V - g) + I_b A_b e_b to `residual` (N): the bodies' share of the equations of motion in
 /// absolute coordinates. No allocation. Rates.
-void add_bodies(const AbsoluteTree& tree, const Motion& motion, const Vector& A, Matrix& mass,
-                Vector& residual, PointColumns& scratch);
+template <class S>
+void add_bodies(const AbsoluteTree& tree, const MotionOf<S>& motion, const VectorOf<S>& A,
+                MatrixOf<S>& mass, VectorOf<S>& residual, PointColumnsOf<S>& scratch);
 
 /// M (n x n), symmetric positive definite, reflected rotor inertia included [kg, kg m, kg m^2].
 Matrix mass_matrix(const AbsoluteTree& tree, const Motion& motion);

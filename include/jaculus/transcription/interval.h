@@ -1,6 +1,6 @@
 #pragma once
-// One collocation interval: defects, path rows and integral costs with exact first and second
-// derivatives.
+// One collocation interval: its variables, its three points and the rows that hold there. Defects and
+// derivatives are those of interval_batch.h, four intervals at a time.
 //
 // State x = (q, v), dynamics f(x, u) = (v, a(q, v, u)), interval length h = fraction * T with T the
 // phase's duration.
@@ -43,57 +43,29 @@ class Interval {
 
   [[nodiscard]] int size() const { return count_of(columns); }
   [[nodiscard]] bool has_middle() const { return scheme_ == Scheme::hermite_simpson; }
+  [[nodiscard]] double fraction() const { return fraction_; }  ///< of its phase's duration
+  [[nodiscard]] const std::vector<int>& feet() const { return points_.front().feet; }
 
   /// Evaluates the points. False where the equations are not defined.
-  bool evaluate(const Eigen::Ref<const Vector>& x);
-  /// First derivatives of the points; after evaluate().
-  void differentiate();
-
-  void defects(VectorRef out) const;  ///< 2n
-  /// 2n x w; after differentiate()
-  [[nodiscard]] const Matrix& defect_jacobian() const { return defect_w_; }
-  void path_values(const PathRows& rows, VectorRef out);
-  void path_jacobian(const PathRows& rows, Matrix& out);  ///< rows x w; after differentiate()
-  double integral(const IntegralCost& cost);
-  void add_integral_gradient(const IntegralCost& cost, double scale, Vector& gradient_w);
-  /// Adds the Hessian of eta . defect + sum of multipliers . path rows + sigma * integral costs to
-  /// H (w x w), whose lower triangle counts.
-  void add_hessian(const Vector& eta, const ConstVectorRef& row_multipliers, double sigma,
-                   const std::vector<IntegralCost>& costs, Matrix& H);
+  bool evaluate(const ConstVectorRef& x);
 
   [[nodiscard]] const components::EquationsPoint& point(int i) const { return points_[i]; }
   [[nodiscard]] components::EquationsPoint& point(int i) { return points_[i]; }
   [[nodiscard]] const Vector& input(int i) const { return u_[i]; }
+  [[nodiscard]] Vector& input(int i) { return u_[i]; }
   [[nodiscard]] double length() const { return h_; }  ///< [s]
+  void set_length(double h) { h_ = h; }
+  [[nodiscard]] PointView view(int i) { return {equations_, points_[i], u_[i], n_, n_u_}; }
 
  private:
-  [[nodiscard]] PointView view(int i);
-  [[nodiscard]] double weight(int i) const;  ///< of the quadrature: 1/6, 4/6, 1/6 or 1/2, 0, 1/2
-  void f_into(int i, Vector& f) const;
-  void f_jacobian(int i, Matrix& F) const;  ///< 2n x (2n + n_u)
-  void build_maps();
-  void differentiate_defects();
-  void point_hessian(int i, const Vector& phi, const ConstVectorRef& row_multipliers, double sigma,
-                     const std::vector<IntegralCost>& costs);
-  void add_point_term(int i, const PathTerm& term, const ConstVectorRef& multipliers);
-  void add_term_curvature(const Matrix& Z);
-  void chain_term(int i, const PathTerm& term, Matrix& by_s);
-  void add_time_coupling(const Vector& gradient_w, double scale, Matrix& H);
-
   const components::Equations& equations_;
   Scheme scheme_;
   bool held_;
   int n_, n_u_;
   double fraction_, h_ = 0.0;
   std::vector<components::EquationsPoint> points_;
-  std::array<Vector, 3> u_, f_;
-  std::array<Matrix, 3> S_;    ///< d(q, v, u at the point)/dw
-  std::array<Matrix, 3> F_;    ///< d f/d(q, v, u) at the point
-  std::array<Matrix, 3> F_w_;  ///< d f/dw, total
-  Matrix defect_w_;
-  // Scratch.
-  Vector w_, phi_, grad_s_, mu_, grad_w_, values_, pull_;
-  Matrix J_xi_, by_s_, H_xi_, H_s_, HS_, S_middle_t_, half_, product_;
+  std::array<Vector, 3> u_;
+  Vector w_, x_middle_;  ///< scratch
 };
 
 }  // namespace jaculus::transcription

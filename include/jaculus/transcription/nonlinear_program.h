@@ -4,7 +4,7 @@
 
 #include <memory>
 
-#include "jaculus/transcription/interval.h"
+#include "jaculus/transcription/interval_batch.h"
 #include "jaculus/transcription/nlp.h"
 
 namespace jaculus::transcription {
@@ -50,7 +50,7 @@ class NonlinearProgram : public Nlp {
   /// Path constraints by phase, in the order of the problem.
   [[nodiscard]] const std::vector<std::vector<PathTerm>>& path_terms() const { return path_terms_; }
   /// The intervals with all points evaluated at x; false where the equations are not defined there.
-  bool evaluate_at(const ConstVectorRef& x) { return update(x, 1); }
+  bool evaluate_at(const ConstVectorRef& x);
   /// Rows of a node term and where they begin in the program.
   struct PlacedRows {
     const NodeTerm* term;
@@ -63,6 +63,9 @@ class NonlinearProgram : public Nlp {
  private:
   void place_rows();
   void place_path_rows(Interval& interval, const IntervalBlock& block);
+  void make_batches();
+  void put_defects(const IntervalBatch& batch, int first, VectorRef values) const;
+  void put_path(const IntervalBatch& batch, int first, VectorRef values) const;
   void find_sparsity();
   void find_hessian_pattern();
   [[nodiscard]] std::vector<char> path_pattern(const Interval& interval,
@@ -92,11 +95,16 @@ class NonlinearProgram : public Nlp {
   std::vector<NodeEntry> node_rows_, node_costs_;
   double sign_ = 1.0;  ///< -1 where the problem maximises
   std::vector<Interval> intervals_;
+  std::vector<IntervalBatch> batches_;
+  std::vector<int> batch_begin_;  ///< first interval of a batch
   std::vector<RowSpec> rows_;
   Vector row_lower_, row_upper_, row_scale_;
   Sparsity jacobian_, hessian_;
-  /// per interval: defect rows, then path terms
-  std::vector<std::vector<std::vector<char>>> patterns_;
+  /// per interval: where its Jacobian begins, and the local variables that its defect rows read,
+  /// then its path terms
+  std::vector<int> jacobian_at_;
+  int jacobian_nodes_at_ = 0;  ///< where that of the node terms begins
+  std::vector<std::vector<std::vector<int>>> patterns_;
   /// per interval: place of (i, j <= i), or -1
   std::vector<std::vector<int>> interval_hessian_at_;
   std::vector<std::string> notes_;
@@ -105,8 +113,7 @@ class NonlinearProgram : public Nlp {
   int level_ = 0;
   bool defined_ = false;
   // Scratch.
-  Vector eta_, gradient_w_;
-  Matrix H_w_, path_w_;
+  VectorOf<Lanes> gradient_w_;
 };
 
 }  // namespace jaculus::transcription
