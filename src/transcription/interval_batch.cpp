@@ -20,28 +20,18 @@ void copy_lane(const From& from, int at, To& to) {
 }  // namespace
 
 IntervalBatch::IntervalBatch(const components::Equations& equations, const Layout& layout,
-                             std::vector<Interval*> members)
+                             std::vector<Interval*> members, std::vector<IntegralCost> costs)
     : equations_(equations),
       members_(std::move(members)),
+      costs_(std::move(costs)),
       held_(layout.held),
       n_(layout.n),
       n_u_(layout.n_u),
       w_size_(members_.front()->size()) {
   assert(!members_.empty() && count_of(members_) <= kLanes);
   const int w = w_size_, s = 2 * n_ + n_u_, z = n_ + 2 * count_of(members_.front()->feet());
-  int rows = 0;
-  for (std::size_t l = 0; l < members_.size(); ++l) {
-    std::array<int, 3> at_point{};
-    for (const PathRows& path : members_[l]->path) {
-      at_point[path.point] += count_of(path.term->rows);
-      poses_read_ = poses_read_ || path.term->reads.position;
-    }
-    for (int i = 0; i < 3; ++i) path_rows_[i] = std::max(path_rows_[i], at_point[i]);
-  }
-  for (int i = 0; i < 3; ++i) {
-    path_place_[i] = rows;
-    rows += path_rows_[i];
-  }
+  place_path();
+  find_curved();
   for (int k = 0; k < kLanes; ++k)
     set_lane(fraction_, k, members_[std::min(k, count_of(members_) - 1)]->fraction());
 
@@ -53,14 +43,18 @@ IntervalBatch::IntervalBatch(const components::Equations& equations, const Layou
   x_middle_ = eta_ = pull_ = phi_ = zeros(2 * n_, 1);
   S_v_ = A_w_ = zeros(n_, w);
   defect_w_ = zeros(2 * n_, w);
-  path_w_ = zeros(rows, w);
+  path_w_ = zeros(path_place_[2] + path_rows_[2], w);
+  for (int i = 0; i < 3; ++i) {
+    by_s_[i] = zeros(path_rows_[i], s);
+    by_z_[i] = zeros(path_rows_[i], z);
+    lambda_[i] = zeros(path_rows_[i], 1);
+  }
 
   J_xi_ = Matrix::Zero(kMaxTermRows, s + z);
   H_xi_ = Matrix::Zero(s + z, s + z);
   values_ = Vector::Zero(kMaxTermRows);
-  const int most = std::max({path_rows_[0], path_rows_[1], path_rows_[2], 1});
-  by_s_ = zeros(most, s);
-  by_z_ = zeros(most, z);
+  cost_s_ = zeros(1, s);
+  cost_z_ = zeros(1, z);
   cost_w_ = zeros(1, w);
   grad_s_ = zeros(s, 1);
   mu_ = zeros(z, 1);
@@ -149,6 +143,7 @@ void IntervalBatch::differentiate() {
   }
   if (has_middle()) differentiate_middle();
   differentiate_defects();
+  differentiate_path();
 }
 
 /// S's rows of v_m, and d a_m/dw = Z_m S.

@@ -8,62 +8,84 @@
 
 namespace jaculus::transcription {
 
-/// Adds a term at one point, weighted: its gradient to grad_s_ and, by accelerations and forces, to
-/// mu_, its Hessian to H_s_, H_zs_ and H_zz_, all in the member's lane.
-void IntervalBatch::add_point_term(int i, int member, const PathTerm& term,
-                                   const ConstVectorRef& multipliers) {
-  const int rows = count_of(term.rows), s = count_of(grad_s_), z = count_of(mu_);
-  J_xi_.topRows(rows).setZero();
-  H_xi_.setZero();
-  term.evaluate(members_[member]->view(i), values_.head(rows), &J_xi_, &multipliers, &H_xi_);
-
-  const auto add = [&](Lanes& to, double value) {
-    if (value != 0.0) set_lane(to, member, lane(to, member) + value);
-  };
-  for (int r = 0; r < rows; ++r) {
-    for (int j = 0; j < s; ++j) add(grad_s_[j], multipliers[r] * J_xi_(r, j));
-    if (!term.reads.dynamics()) continue;
-    for (int j = 0; j < z; ++j) add(mu_[j], multipliers[r] * J_xi_(r, s + j));
+/// Adds the gradient of lambda . (path rows) at one point, total, to grad_s_, and its part by
+/// accelerations and forces to mu_.
+void IntervalBatch::add_path_gradient(int i, const ConstVectorRef& lambda) {
+  for (int k = 0; k < count_of(members_); ++k) {
+    int at = 0;
+    for (const PathRows& rows : members_[k]->path) {
+      if (rows.point != i) continue;
+      for (int r = 0; r < count_of(rows.term->rows); ++r)
+        set_lane(lambda_[i][at++], k, lambda[rows.row + r]);
+    }
   }
-  for (int j = 0; j < s; ++j)
-    for (int k = 0; k < s; ++k) add(H_s_(k, j), H_xi_(k, j));
+  add_transposed_product(by_s_[i], lambda_[i], grad_s_);
+  add_transposed_product(by_z_[i], lambda_[i], mu_);
+}
 
-  if (!term.reads.dynamics() || H_xi_.bottomRows(z).isZero(0.0)) return;
-  curved_ = true;
-  for (int k = 0; k < z; ++k) {
-    for (int j = 0; j < s; ++j) add(H_zs_(k, j), H_xi_(s + k, j));
-    for (int j = 0; j < z; ++j) add(H_zz_(k, j), H_xi_(s + k, s + j));
+/// Adds the weighted Hessians of path rows and costs at one point, member by member, to H_s_, H_zs_
+/// and H_zz_.
+void IntervalBatch::add_term_hessians(int i, const ConstVectorRef& lambda, double sigma) {
+  const std::vector<int>& places = curved_[i];
+  if (places.empty()) return;
+  const int s = count_of(grad_s_);
+
+  for (int k = 0; k < count_of(members_); ++k) {
+    Interval& member = *members_[k];
+    for (const int j : places)
+      for (const int r : places) H_xi_(r, j) = 0.0;
+
+    for (const PathRows& rows : member.path) {
+      if (rows.point != i || rows.term->linear) continue;
+      const int count = count_of(rows.term->rows);
+      const ConstVectorRef multipliers = lambda.segment(rows.row, count);
+      rows.term->evaluate(member.view(i), values_.head(count), nullptr, &multipliers, &H_xi_);
+    }
+    for (const IntegralCost& cost : costs_) {
+      if (weight(i) == 0.0 || cost.term->linear) continue;
+      const Eigen::Matrix<double, 1, 1> factor(sigma * cost.weight * weight(i) * member.length());
+      const ConstVectorRef multipliers(factor);
+      cost.term->evaluate(member.view(i), values_.head(1), nullptr, &multipliers, &H_xi_);
+    }
+
+    for (const int j : places) {
+      for (const int r : places) {
+        const double value = H_xi_(r, j);
+        if (value == 0.0 || (r < s && j >= s)) continue;  // of both mixed halves, one
+        forces_curved_ = forces_curved_ || r >= s;
+        Lanes& to = r < s ? H_s_(r, j) : j < s ? H_zs_(r - s, j) : H_zz_(r - s, j - s);
+        set_lane(to, k, lane(to, k) + value);
+      }
+    }
   }
 }
 
 /// Gradient (grad_s_) and Hessian (H_s_) by (q, v, u) of phi_ . f + path rows + costs at one point.
-void IntervalBatch::point_hessian(int i, const ConstVectorRef& lambda, double sigma,
-                                  const std::vector<IntegralCost>& costs) {
+void IntervalBatch::point_hessian(int i, const ConstVectorRef& lambda, double sigma) {
   Point& p = points_[i];
   grad_s_.setZero();
+  mu_.setZero();
   H_s_.setZero();
   H_zs_.setZero();
   H_zz_.setZero();
-  mu_.setZero();
-  curved_ = false;
+  forces_curved_ = false;
+
+  // what is by accelerations and forces goes by Z, which the gradients of terms have behind them
   mu_.head(n_) = phi_.tail(n_);
   grad_s_.segment(n_, n_) = phi_.head(n_);
-
-  for (int k = 0; k < count_of(members_); ++k) {
-    Interval& member = *members_[k];
-    for (const PathRows& rows : member.path)
-      if (rows.point == i)
-        add_point_term(i, k, *rows.term, lambda.segment(rows.row, count_of(rows.term->rows)));
-    for (const IntegralCost& cost : costs) {
-      if (weight(i) == 0.0) continue;
-      const Eigen::Matrix<double, 1, 1> factor(sigma * cost.weight * weight(i) * member.length());
-      add_point_term(i, k, *cost.term, factor);
-    }
+  add_transposed_product(p.Z, mu_, grad_s_);
+  if (path_rows_[i] > 0) add_path_gradient(i, lambda);
+  for (const IntegralCost& cost : costs_) {
+    if (weight(i) == 0.0) continue;
+    chain_cost(i, cost);
+    const Lanes factor = sigma * cost.weight * weight(i) * h_;
+    for (int j = 0; j < count_of(grad_s_); ++j) grad_s_[j] += factor * cost_s_(0, j);
+    for (int j = 0; j < count_of(mu_); ++j) mu_[j] += factor * cost_z_(0, j);
   }
 
   equations_.add_hessian(mu_, p, H_s_);
-  if (curved_) add_term_curvature(i);
-  add_transposed_product(p.Z, mu_, grad_s_);
+  add_term_hessians(i, lambda, sigma);
+  if (forces_curved_) add_term_curvature(i);
 }
 
 /// H_s_ += second derivatives of the terms that read accelerations and forces through Z =
@@ -127,7 +149,7 @@ void IntervalBatch::add_end_gradient(int i, const VectorOf<Lanes>& y, const Lane
 }
 
 /// What h multiplies in the defects and the integrals.
-void IntervalBatch::add_defect_times(const std::vector<IntegralCost>& costs, double sigma) {
+void IntervalBatch::add_defect_times(double sigma) {
   for (int i = 0; i < 3; ++i) {
     if (weight(i) == 0.0) continue;
     grad_w_.setZero();
@@ -139,7 +161,7 @@ void IntervalBatch::add_defect_times(const std::vector<IntegralCost>& costs, dou
     }
     add_time_coupling(-fraction_ * weight(i));
 
-    for (const IntegralCost& cost : costs) {
+    for (const IntegralCost& cost : costs_) {
       chain_cost(i, cost);
       grad_w_ = cost_w_.row(0).transpose();
       add_time_coupling(sigma * cost.weight * weight(i) * fraction_);
@@ -147,8 +169,7 @@ void IntervalBatch::add_defect_times(const std::vector<IntegralCost>& costs, dou
   }
 }
 
-const MatrixOf<Lanes>& IntervalBatch::hessian(const ConstVectorRef& lambda, double sigma,
-                                              const std::vector<IntegralCost>& costs) {
+const MatrixOf<Lanes>& IntervalBatch::hessian(const ConstVectorRef& lambda, double sigma) {
   for (int k = 0; k < kLanes; ++k) {
     const int row = members_[std::min(k, count_of(members_) - 1)]->defect_row;
     for (int i = 0; i < 2 * n_; ++i) set_lane(eta_[i], k, lambda[row + i]);
@@ -159,7 +180,7 @@ const MatrixOf<Lanes>& IntervalBatch::hessian(const ConstVectorRef& lambda, doub
   const Lanes eighth = h_ * 0.125;
   if (has_middle()) {
     for (int j = 0; j < 2 * n_; ++j) phi_[j] = -h_ * weight(1) * eta_[j];
-    point_hessian(1, lambda, sigma, costs);
+    point_hessian(1, lambda, sigma);
     add_middle_hessian();
     pull_ = grad_s_.head(2 * n_);
     grad_w_.setZero();
@@ -172,10 +193,10 @@ const MatrixOf<Lanes>& IntervalBatch::hessian(const ConstVectorRef& lambda, doub
     const Lanes moves = end == 0 ? eighth : -eighth;
     for (int j = 0; j < 2 * n_; ++j)
       phi_[j] = moves * pull_[j] - h_ * weight(end) * eta_[j];
-    point_hessian(end, lambda, sigma, costs);
+    point_hessian(end, lambda, sigma);
     add_end_hessian(end);
   }
-  add_defect_times(costs, sigma);
+  add_defect_times(sigma);
   return H_;
 }
 

@@ -57,7 +57,7 @@ void NonlinearProgram::make_batches() {
       for (int i = k; i <= std::min(k + kLanes - 1, phase.last_interval); ++i)
         members.push_back(&intervals_[i]);
       batch_begin_.push_back(k);
-      batches_.emplace_back(*equations_, layout_, std::move(members));
+      batches_.emplace_back(*equations_, layout_, std::move(members), integral_costs_);
     }
   }
 }
@@ -259,8 +259,7 @@ bool NonlinearProgram::objective(const ConstVectorRef& x, double& value) {
   }
   if (integral_costs_.empty()) return true;
   if (!update(x, 1)) return false;
-  for (const IntegralCost& cost : integral_costs_)
-    for (IntervalBatch& batch : batches_) value += batch.integral(cost);
+  for (IntervalBatch& batch : batches_) value += batch.integral();
   return true;
 }
 
@@ -275,7 +274,7 @@ bool NonlinearProgram::gradient(const ConstVectorRef& x, VectorRef gradient) {
   if (!update(x, 2)) return false;
   for (IntervalBatch& batch : batches_) {
     gradient_w_.setZero();
-    for (const IntegralCost& cost : integral_costs_) batch.add_integral_gradient(cost, gradient_w_);
+    batch.add_integral_gradient(gradient_w_);
     for (int k = 0; k < count_of(batch.members()); ++k)
       for (int i = 0; i < batch.size(); ++i)
         gradient[batch.members()[k]->columns[i]] += lane(gradient_w_[i], k);
@@ -331,7 +330,6 @@ void NonlinearProgram::put_path(const IntervalBatch& batch, int first, VectorRef
 bool NonlinearProgram::jacobian(const ConstVectorRef& x, VectorRef values) {
   if (!update(x, 2)) return false;
   for (std::size_t b = 0; b < batches_.size(); ++b) {
-    batches_[b].differentiate_path();
     put_defects(batches_[b], batch_begin_[b], values);
     put_path(batches_[b], batch_begin_[b], values);
   }

@@ -81,7 +81,7 @@ bool NonlinearProgram::hessian(const ConstVectorRef& x, double sigma, const Cons
   values.setZero();
 
   for (std::size_t b = 0; b < batches_.size(); ++b) {
-    const MatrixOf<Lanes>& H = batches_[b].hessian(lambda, sigma, integral_costs_);
+    const MatrixOf<Lanes>& H = batches_[b].hessian(lambda, sigma);
     for (int k = 0; k < count_of(batches_[b].members()); ++k)
       scatter_lane(interval_hessian_at_[batch_begin_[b] + k], H, k, values);
   }

@@ -23,6 +23,9 @@ struct Lanes {
 
   Lanes() = default;
   JACULUS_INLINE Lanes(double all);  // NOLINT(google-explicit-constructor): a constant in formulae
+  // By the whole register: what compilers copy in halves is slow to read back at once.
+  JACULUS_INLINE Lanes(const Lanes& from);
+  JACULUS_INLINE Lanes& operator=(const Lanes& from);
 };
 
 /// A register of them, or two; memory may hold it at any double.
@@ -36,6 +39,11 @@ JACULUS_INLINE const LanesRegister& as_register(const Lanes& x) {
   return *reinterpret_cast<const LanesRegister*>(x.value);
 }
 
+JACULUS_INLINE Lanes::Lanes(const Lanes& from) { as_register(*this) = as_register(from); }
+JACULUS_INLINE Lanes& Lanes::operator=(const Lanes& from) {
+  as_register(*this) = as_register(from);
+  return *this;
+}
 JACULUS_INLINE Lanes::Lanes(double all) { as_register(*this) = LanesRegister{} + all; }
 
 JACULUS_INLINE Lanes operator+(const Lanes& a, const Lanes& b) {

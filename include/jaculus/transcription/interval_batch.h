@@ -19,10 +19,10 @@ namespace jaculus::transcription {
 
 class IntervalBatch {
  public:
-  /// `members`, 1 to kLanes, are of one phase, and their path rows are placed. They must outlive
-  /// this.
+  /// `members`, 1 to kLanes, are of one phase, and their path rows are placed. They and the costs'
+  /// terms must outlive this.
   IntervalBatch(const components::Equations& equations, const Layout& layout,
-                std::vector<Interval*> members);
+                std::vector<Interval*> members, std::vector<IntegralCost> costs);
 
   [[nodiscard]] const std::vector<Interval*>& members() const { return members_; }
   [[nodiscard]] int size() const { return w_size_; }
@@ -30,10 +30,8 @@ class IntervalBatch {
   /// Evaluates the points, of the members as well as far as path terms read them. False where the
   /// equations are not defined.
   bool evaluate(const ConstVectorRef& x);
-  /// First derivatives of the points and of the defects; after evaluate().
+  /// First derivatives of the points, defects and path rows; after evaluate().
   void differentiate();
-  /// The same of the path rows; after differentiate().
-  void differentiate_path();
 
   void defects(VectorRef rows);      ///< into the members' rows of all rows of the program
   void path_values(VectorRef rows);  ///< the same
@@ -43,14 +41,13 @@ class IntervalBatch {
   [[nodiscard]] const MatrixOf<Lanes>& path_jacobian() const { return path_w_; }
   [[nodiscard]] int path_place(int point) const { return path_place_[point]; }
 
-  /// Of all members together.
-  double integral(const IntegralCost& cost);
+  /// Of all costs over all members together.
+  double integral();
   /// Lane by lane, (w); after differentiate().
-  void add_integral_gradient(const IntegralCost& cost, VectorOf<Lanes>& gradient_w);
+  void add_integral_gradient(VectorOf<Lanes>& gradient_w);
   /// The Hessian of lambda . (defects, path rows) + sigma * integral costs by w (w x w), of which
   /// the lower triangle counts. lambda is of all rows of the program. After differentiate().
-  const MatrixOf<Lanes>& hessian(const ConstVectorRef& lambda, double sigma,
-                                 const std::vector<IntegralCost>& costs);
+  const MatrixOf<Lanes>& hessian(const ConstVectorRef& lambda, double sigma);
 
  private:
   using Point = components::EquationsPointOf<Lanes>;
@@ -65,22 +62,27 @@ class IntervalBatch {
   void differentiate_defects();
   void times_middle(const ConstRefOf<Lanes>& by_s, RefOf<Lanes> by_w) const;
   void by_variables(int i, const ConstRefOf<Lanes>& by_s, RefOf<Lanes> by_w) const;
-  int pack_term(int i, int member, const PathTerm& term, int row);
-  void chain_forces(int i, int rows);
+  void place_path();
+  void find_curved();
+  void differentiate_path();
+  int pack_term(int i, int member, const PathTerm& term, int row, MatrixOf<Lanes>& by_s,
+                MatrixOf<Lanes>& by_z);
+  void chain_forces(int i, const MatrixOf<Lanes>& by_z, MatrixOf<Lanes>& by_s) const;
   void chain_cost(int i, const IntegralCost& cost);
 
-  void point_hessian(int i, const ConstVectorRef& lambda, double sigma,
-                     const std::vector<IntegralCost>& costs);
-  void add_point_term(int i, int member, const PathTerm& term, const ConstVectorRef& multipliers);
+  void add_path_gradient(int i, const ConstVectorRef& lambda);
+  void point_hessian(int i, const ConstVectorRef& lambda, double sigma);
+  void add_term_hessians(int i, const ConstVectorRef& lambda, double sigma);
   void add_term_curvature(int i);
   void add_middle_hessian();
   void add_end_hessian(int i);
   void add_time_coupling(const Lanes& scale);
   void add_end_gradient(int i, const VectorOf<Lanes>& y, const Lanes& scale);
-  void add_defect_times(const std::vector<IntegralCost>& costs, double sigma);
+  void add_defect_times(double sigma);
 
   const components::Equations& equations_;
   std::vector<Interval*> members_;
+  std::vector<IntegralCost> costs_;
   bool held_;
   bool poses_read_ = false;  ///< a path term reads configurations
   int n_, n_u_, w_size_;
@@ -91,16 +93,21 @@ class IntervalBatch {
   VectorOf<Lanes> x_middle_;
   MatrixOf<Lanes> S_v_, A_w_;  ///< d v_m/dw, d a_m/dw: n x w
   MatrixOf<Lanes> defect_w_, path_w_;
-  // Scratch. xi: what a path term reads; s: (q, v, u); z: (a, force).
+  // Path rows of a point, all lanes: those of a member are in the order of its path. xi: what a term
+  // reads; s: (q, v, u); z: (a, force).
+  std::array<int, 3> path_rows_{};   ///< most that a member has
+  std::array<int, 3> path_place_{};  ///< the first one in path_w_
+  std::array<MatrixOf<Lanes>, 3> by_s_, by_z_;  ///< Jacobian, total by s; by z
+  std::array<VectorOf<Lanes>, 3> lambda_;
+  std::array<std::vector<int>, 3> curved_;  ///< places of xi with second derivatives
+  // Scratch.
   Matrix J_xi_, H_xi_;
   Vector values_;
-  std::array<int, 3> path_rows_{};  ///< most that a member has at a point
-  std::array<int, 3> path_place_{};  ///< first row of a point in path_w_
-  MatrixOf<Lanes> by_s_, by_z_, cost_w_;
+  MatrixOf<Lanes> cost_s_, cost_z_, cost_w_;
   Lanes cost_value_ = 0.0;
   VectorOf<Lanes> eta_, pull_, phi_, grad_s_, grad_w_, mu_;
   MatrixOf<Lanes> H_, H_s_, H_zz_, H_zs_, HS_, half_, product_;
-  bool curved_ = false;  ///< a term has second derivatives by accelerations or forces
+  bool forces_curved_ = false;  ///< a term has second derivatives by z
 };
 
 }  // namespace jaculus::transcription

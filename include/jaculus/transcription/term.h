@@ -72,12 +72,13 @@ struct PathTerm {
   /// ... and before this one: a window in time, which a finer mesh does not move
   double before = 2.0;
   bool only_last = false;  ///< only the phase's last point, with the last interval's input
+  bool linear = false;     ///< no second derivatives: evaluate() is not asked for them
   /// The foot that must carry load for the rows to have an interior: the point where it carries
   /// nothing is left out. -1: none.
   int loaded_foot = -1;
   Sensitivity sensitivity = {};
-  /// values (rows); J (rows x xi, zero on entry) where not null; adds sum_i multipliers_i d2
-  /// row_i/dxi2 to H where not null.
+  /// values (rows); J (rows x xi, zero on entry in the blocks it reads) where not null; adds sum_i
+  /// multipliers_i d2 row_i/dxi2 to H where not null. One may be asked for without the other.
   std::function<void(const PointView&, VectorRef values, Matrix* J,
                      const ConstVectorRef* multipliers, Matrix* H)>
       evaluate;

@@ -93,6 +93,7 @@ PathTerm motor_speed_term(const model::PlanarModel& model, int m) {
   term.name = motor.joint + " speed";
   term.rows.push_back({term.name, slides ? "m/s" : "rad/s", {-limit, limit}, limit});
   term.reads.velocity = true;
+  term.linear = true;
   term.evaluate = [rate](const PointView& view, VectorRef values, Matrix* J, const ConstVectorRef*,
                          Matrix*) {
     values[0] = rate.dot(view.point.v);
@@ -139,6 +140,7 @@ void add_joint_range(const TermSpec& spec, TermContext& context) {
     term.rows.push_back(
         {range.joint, "rad", {range.range.lower - offset, range.range.upper - offset}, 1.0});
     term.reads.position = true;
+    term.linear = true;
     term.evaluate = [row](const PointView& view, VectorRef values, Matrix* J, const ConstVectorRef*,
                           Matrix*) {
       values[0] = row.dot(view.point.q);

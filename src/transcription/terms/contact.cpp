@@ -23,6 +23,7 @@ PathTerm pyramid(const std::string& foot_name, int foot, int slot, double mu, do
     term.rows.push_back(
         {fmt::format("{} friction {}", foot_name, side), "N", {0.0, kInfinity}, scale});
   term.reads.force = true;
+  term.linear = true;
   term.evaluate = [slot, mu](const PointView& view, VectorRef values, Matrix* J,
                              const ConstVectorRef*, Matrix*) {
     const double fx = view.point.force[2 * slot], fz = view.point.force[2 * slot + 1];
@@ -49,6 +50,7 @@ PathTerm force_component(const std::string& name, int slot, int component, const
   term.name = name;
   term.rows.push_back({name, "N", bounds, scale});
   term.reads.force = true;
+  term.linear = true;
   term.evaluate = [slot, component](const PointView& view, VectorRef values, Matrix* J,
                                     const ConstVectorRef*, Matrix*) {
     values[0] = view.point.force[2 * slot + component];
