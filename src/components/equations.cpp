@@ -100,8 +100,7 @@ namespace {
 
 /// Derivatives of the residual r and of the feet's acceleration by Y and V, at the solution.
 template <class S>
-JACULUS_WIDE void residual_derivatives(const dynamics::AbsoluteTree& tree,
-                                       EquationsPointOf<S>& p) {
+JACULUS_WIDE void residual_derivatives(const dynamics::AbsoluteTree& tree, EquationsPointOf<S>& p) {
   for (std::size_t b = 0; b < tree.com.size(); ++b) {
     if (tree.mass[b] == 0.0) continue;
     const dynamics::Path& path = tree.com[b];
@@ -219,11 +218,11 @@ void Equations::differentiate(EquationsPointOf<S>& p) const {
   p.saddle.solve(p.Z);
 }
 
-#define JACULUS_INSTANTIATE(S)                                                                    \
-  template bool Equations::evaluate<S>(VectorArg<S>, VectorArg<S>, VectorArg<S>,                  \
-                                       EquationsPointOf<S>&) const;                               \
-  template bool Equations::evaluate_impact<S>(VectorArg<S>, VectorArg<S>, EquationsPointOf<S>&)   \
-      const;                                                                                      \
+#define JACULUS_INSTANTIATE(S)                                                                  \
+  template bool Equations::evaluate<S>(VectorArg<S>, VectorArg<S>, VectorArg<S>,                \
+                                       EquationsPointOf<S>&) const;                             \
+  template bool Equations::evaluate_impact<S>(VectorArg<S>, VectorArg<S>, EquationsPointOf<S>&) \
+      const;                                                                                    \
   template void Equations::differentiate<S>(EquationsPointOf<S>&) const;
 
 JACULUS_INSTANTIATE(double)

@@ -162,7 +162,7 @@ void Equations::add_drag_hessian(EquationsPointOf<S>& p) const {
   }
 }
 
-#define JACULUS_INSTANTIATE(S)                                              \
+#define JACULUS_INSTANTIATE(S)                                                  \
   template void Equations::add_drag<S>(EquationsPointOf<S>&) const;             \
   template void Equations::add_drag_derivatives<S>(EquationsPointOf<S>&) const; \
   template void Equations::add_drag_hessian<S>(EquationsPointOf<S>&) const;

@@ -68,7 +68,7 @@ void Equations::add_friction_hessian(const EquationsPointOf<S>& p, MatrixOf<S>& 
   }
 }
 
-#define JACULUS_INSTANTIATE(S)                                                  \
+#define JACULUS_INSTANTIATE(S)                                                      \
   template void Equations::add_friction<S>(EquationsPointOf<S>&) const;             \
   template void Equations::add_friction_derivatives<S>(EquationsPointOf<S>&) const; \
   template void Equations::add_friction_hessian<S>(const EquationsPointOf<S>&, MatrixOf<S>&) const;

@@ -150,8 +150,7 @@ void add_loops_hessian(const dynamics::AbsoluteTree& tree, EquationsPointOf<S>& 
 
 /// Subtracts what is by (Y, V) twice, chained to (q, v), from H.
 template <class S>
-void subtract_chained(const dynamics::AbsoluteTree& tree, EquationsPointOf<S>& p,
-                      MatrixOf<S>& H) {
+void subtract_chained(const dynamics::AbsoluteTree& tree, EquationsPointOf<S>& p, MatrixOf<S>& H) {
   const int n = tree.n;
   const MatrixOf<S>&G = p.motion.G, &X = p.motion.X;
 

@@ -45,7 +45,9 @@ EquationsPointOf<S>::EquationsPointOf(const Equations& equations,
   const dynamics::AbsoluteTree& tree = equations.tree();
   const int N = tree.N, n = tree.n, nd = tree.nd;
   const int m = 2 * count_of(feet), w = 2 * n + equations.inputs();
-  const auto zeros = [](int rows, int columns) { return MatrixOf<S>::Constant(rows, columns, 0.0); };
+  const auto zeros = [](int rows, int columns) {
+    return MatrixOf<S>::Constant(rows, columns, 0.0);
+  };
 
   q = v = a = zeros(n, 1);
   force = zeros(m, 1);

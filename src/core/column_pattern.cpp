@@ -50,8 +50,9 @@ JACULUS_WIDE void add_times_sparse(const std::type_identity_t<ConstRefOf<S>>& A,
     const auto* column = sparse.data() + j * sparse.rows();
     S* c = C.data() + j * C.outerStride();
     for (Index i = 0; i < rows; i += kRows)
-      add_columns(A.data() + i, stride, rows - i, pattern.rows[j],
-                  [&](int k) { return S(sign * column[k]); }, c + i);
+      add_columns(
+          A.data() + i, stride, rows - i, pattern.rows[j],
+          [&](int k) { return S(sign * column[k]); }, c + i);
   }
 }
 
@@ -89,12 +90,12 @@ JACULUS_WIDE void add_sparse_times(const Sparse& sparse, const ColumnPattern& pa
   }
 }
 
-#define JACULUS_INSTANTIATE(S, Sparse)                                                            \
-  template void add_times_sparse<S, Sparse>(const ConstRefOf<S>&, const Sparse&,                  \
-                                            const ColumnPattern&, double, RefOf<S>);              \
-  template void add_sparse_transposed_times<S, Sparse>(const Sparse&, const ColumnPattern&,       \
-                                                       double, const ConstRefOf<S>&, RefOf<S>);   \
-  template void add_sparse_times<S, Sparse>(const Sparse&, const ColumnPattern&, double,          \
+#define JACULUS_INSTANTIATE(S, Sparse)                                                          \
+  template void add_times_sparse<S, Sparse>(const ConstRefOf<S>&, const Sparse&,                \
+                                            const ColumnPattern&, double, RefOf<S>);            \
+  template void add_sparse_transposed_times<S, Sparse>(const Sparse&, const ColumnPattern&,     \
+                                                       double, const ConstRefOf<S>&, RefOf<S>); \
+  template void add_sparse_times<S, Sparse>(const Sparse&, const ColumnPattern&, double,        \
                                             const ConstRefOf<S>&, RefOf<S>);
 
 JACULUS_INSTANTIATE(double, Matrix)

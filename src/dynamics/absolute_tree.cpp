@@ -1,6 +1,6 @@
-#include "jaculus/dynamics/kinematics.h"
-
 #include <cassert>
+
+#include "jaculus/dynamics/kinematics.h"
 
 namespace jaculus::dynamics {
 
@@ -58,14 +58,13 @@ void find_patterns(AbsoluteTree& tree) {
   tree.P_pattern = ColumnPattern::of(tree.P);
   tree.P_d_pattern = ColumnPattern::of(tree.P_d);
 
-  Matrix moves = tree.P.cwiseAbs();               // N x n, of G as far as it is known
+  Matrix moves = tree.P.cwiseAbs();                 // N x n, of G as far as it is known
   Matrix dependent = Matrix::Zero(tree.N, tree.n);  // of X
   for (int l = 0; l < count_of(tree.loops); ++l) {
     Vector by = Vector::Zero(tree.n);
     for (const Path* path : {&tree.loops[l].a, &tree.loops[l].b})
       for (const Segment& s : *path)
-        for (const int i : {s.angle, std::max(s.slider, s.angle)})
-          by += moves.row(i).transpose();
+        for (const int i : {s.angle, std::max(s.slider, s.angle)}) by += moves.row(i).transpose();
     const Matrix added = tree.P_d.middleCols(2 * l, 2).cwiseAbs().rowwise().sum() * by.transpose();
     dependent += added;
     moves += added;

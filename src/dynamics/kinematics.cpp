@@ -203,19 +203,19 @@ JACULUS_WIDE void add_F(const Path& path, const PoseOf<S>& pose, Vec2Arg<S> w, c
   }
 }
 
-#define JACULUS_INSTANTIATE(S)                                                                    \
-  template struct PointColumnsOf<S>;                                                              \
-  template struct PoseOf<S>;                                                                      \
-  template Vec2Of<S> position(const Path&, const PoseOf<S>&);                                     \
-  template void jacobian_columns(const Path&, const PoseOf<S>&, PointColumnsOf<S>&);              \
-  template void add_D(const Path&, const PoseOf<S>&, const VectorOf<S>&, double,                  \
-                      PointColumnsOf<S>&);                                                        \
-  template void add_E(const Path&, const PoseOf<S>&, const VectorOf<S>&, double,                  \
-                      PointColumnsOf<S>&);                                                        \
-  template Vec2Of<S> quadratic(const Path&, const PoseOf<S>&, const VectorOf<S>&);                \
-  template void add_H(const Path&, const PoseOf<S>&, Vec2Arg<S>, MatrixOf<S>&);                   \
-  template void add_T(const Path&, const PoseOf<S>&, Vec2Arg<S>, const VectorOf<S>&,              \
-                      MatrixOf<S>&);                                                              \
+#define JACULUS_INSTANTIATE(S)                                                       \
+  template struct PointColumnsOf<S>;                                                 \
+  template struct PoseOf<S>;                                                         \
+  template Vec2Of<S> position(const Path&, const PoseOf<S>&);                        \
+  template void jacobian_columns(const Path&, const PoseOf<S>&, PointColumnsOf<S>&); \
+  template void add_D(const Path&, const PoseOf<S>&, const VectorOf<S>&, double,     \
+                      PointColumnsOf<S>&);                                           \
+  template void add_E(const Path&, const PoseOf<S>&, const VectorOf<S>&, double,     \
+                      PointColumnsOf<S>&);                                           \
+  template Vec2Of<S> quadratic(const Path&, const PoseOf<S>&, const VectorOf<S>&);   \
+  template void add_H(const Path&, const PoseOf<S>&, Vec2Arg<S>, MatrixOf<S>&);      \
+  template void add_T(const Path&, const PoseOf<S>&, Vec2Arg<S>, const VectorOf<S>&, \
+                      MatrixOf<S>&);                                                 \
   template void add_F(const Path&, const PoseOf<S>&, Vec2Arg<S>, const VectorOf<S>&, MatrixOf<S>&);
 
 JACULUS_INSTANTIATE(double)

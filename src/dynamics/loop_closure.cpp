@@ -99,8 +99,8 @@ void invert_dyads(const MatrixOf<S>& C_d, MatrixOf<S>& inverse) {
     for (int k = 0; k < l; k += 2) {
       Block sum = Block::Constant(S(0.0));
       for (int j = k; j < l; j += 2)
-        sum += Block(C_d.template block<2, 2>(l, j)).lazyProduct(
-            Block(inverse.template block<2, 2>(j, k)));
+        sum += Block(C_d.template block<2, 2>(l, j))
+                   .lazyProduct(Block(inverse.template block<2, 2>(j, k)));
       inverse.template block<2, 2>(l, k) = -own.lazyProduct(sum);
     }
   }
@@ -133,7 +133,9 @@ bool finite(const MatrixOf<S>& matrix) {
 template <class S>
 MotionOf<S>::MotionOf(const AbsoluteTree& tree) {
   const int N = tree.N, n = tree.n, nd = tree.nd;
-  const auto zeros = [](int rows, int columns) { return MatrixOf<S>::Constant(rows, columns, 0.0); };
+  const auto zeros = [](int rows, int columns) {
+    return MatrixOf<S>::Constant(rows, columns, 0.0);
+  };
   pose = {zeros(N, 1), zeros(N, 1), zeros(N, 1)};
   d = zeros(nd, 1);
   V = gamma = zeros(N, 1);
@@ -211,8 +213,8 @@ JACULUS_WIDE void set_rate_sensitivity(const AbsoluteTree& tree, MotionOf<S>& m)
 
 template <class S>
 JACULUS_WIDE void loop_acceleration_derivatives(const AbsoluteTree& tree, MotionOf<S>& m,
-                                                const VectorOf<S>& A, bool at_rest,
-                                                MatrixOf<S>& dY, MatrixOf<S>& dV) {
+                                                const VectorOf<S>& A, bool at_rest, MatrixOf<S>& dY,
+                                                MatrixOf<S>& dV) {
   dY.setZero();
   dV.setZero();
   for (int l = 0; l < count_of(tree.loops); ++l) {
@@ -235,14 +237,13 @@ JACULUS_WIDE void loop_acceleration_derivatives(const AbsoluteTree& tree, Motion
   }
 }
 
-#define JACULUS_INSTANTIATE(S)                                                                    \
-  template struct MotionOf<S>;                                                                    \
-  template bool set_configuration<S>(const AbsoluteTree&, VectorArg<S>, MotionOf<S>&);            \
-  template void set_rates<S>(const AbsoluteTree&, VectorArg<S>, MotionOf<S>&);                    \
-  template void set_rate_sensitivity<S>(const AbsoluteTree&, MotionOf<S>&);                       \
-  template void loop_acceleration_derivatives<S>(const AbsoluteTree&, MotionOf<S>&,               \
-                                                 const VectorOf<S>&, bool, MatrixOf<S>&,          \
-                                                 MatrixOf<S>&);
+#define JACULUS_INSTANTIATE(S)                                                         \
+  template struct MotionOf<S>;                                                         \
+  template bool set_configuration<S>(const AbsoluteTree&, VectorArg<S>, MotionOf<S>&); \
+  template void set_rates<S>(const AbsoluteTree&, VectorArg<S>, MotionOf<S>&);         \
+  template void set_rate_sensitivity<S>(const AbsoluteTree&, MotionOf<S>&);            \
+  template void loop_acceleration_derivatives<S>(                                      \
+      const AbsoluteTree&, MotionOf<S>&, const VectorOf<S>&, bool, MatrixOf<S>&, MatrixOf<S>&);
 
 JACULUS_INSTANTIATE(double)
 JACULUS_INSTANTIATE(Lanes)

@@ -30,9 +30,8 @@ JACULUS_WIDE void add_bodies(const AbsoluteTree& tree, const MotionOf<S>& motion
 
 template void add_bodies<double>(const AbsoluteTree&, const Motion&, const Vector&, Matrix&,
                                  Vector&, PointColumns&);
-template void add_bodies<Lanes>(const AbsoluteTree&, const MotionOf<Lanes>&,
-                                const VectorOf<Lanes>&, MatrixOf<Lanes>&, VectorOf<Lanes>&,
-                                PointColumnsOf<Lanes>&);
+template void add_bodies<Lanes>(const AbsoluteTree&, const MotionOf<Lanes>&, const VectorOf<Lanes>&,
+                                MatrixOf<Lanes>&, VectorOf<Lanes>&, PointColumnsOf<Lanes>&);
 
 Matrix mass_matrix(const AbsoluteTree& tree, const Motion& motion) {
   Matrix M = Matrix::Zero(tree.N, tree.N);

@@ -1,6 +1,7 @@
 #include "solver/front.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 #include "jaculus/core/wide.h"
@@ -18,6 +19,22 @@ JACULUS_WIDE void add_rank_one(double* data, int stride, int count, const double
     if (factor == 0.0) continue;
     double* __restrict column = data + static_cast<std::size_t>(j) * stride;
     for (int i = 0; i <= j; ++i) column[i] += factor * line[i];
+  }
+}
+
+/// The same of four lines at once: a column is read and written a quarter as often.
+JACULUS_WIDE void add_rank_four(double* data, int stride, int count, const double* __restrict lines,
+                                const double* scales) {
+  const double* __restrict a = lines;
+  const double* __restrict b = lines + count;
+  const double* __restrict c = b + count;
+  const double* __restrict d = c + count;
+  for (int j = 0; j < count; ++j) {
+    const double by_a = scales[0] * a[j], by_b = scales[1] * b[j], by_c = scales[2] * c[j],
+                 by_d = scales[3] * d[j];
+    if (by_a == 0.0 && by_b == 0.0 && by_c == 0.0 && by_d == 0.0) continue;
+    double* __restrict column = data + static_cast<std::size_t>(j) * stride;
+    for (int i = 0; i <= j; ++i) column[i] += by_a * a[i] + by_b * b[i] + by_c * c[i] + by_d * d[i];
   }
 }
 
@@ -60,38 +77,39 @@ void Front::reserve(int places) {
     std::copy_n(data_.data() + static_cast<std::size_t>(j) * before, j + 1,
                 wider.data() + static_cast<std::size_t>(j) * stride_);
   data_ = std::move(wider);
+  spare_.assign(data_.size(), 0.0);
 }
 
 void Front::admit(const std::vector<int>& enter, const std::vector<int>& due,
                   const std::vector<char>& is_due) {
   // Order of places: present ones that stay, those that enter to stay, candidates.
-  std::vector<int> order;
+  order_.clear();
   for (const int u : unknown_)
-    if (!is_due[u]) order.push_back(u);
-  for (const int u : enter) order.push_back(u);
-  const std::size_t staying = order.size();
+    if (!is_due[u]) order_.push_back(u);
+  order_.insert(order_.end(), enter.begin(), enter.end());
+  const std::size_t staying = order_.size();
   for (const int u : unknown_)
-    if (is_due[u]) order.push_back(u);
+    if (is_due[u]) order_.push_back(u);
   for (const int u : due)
-    if (place_[u] < 0) order.push_back(u);
+    if (place_[u] < 0) order_.push_back(u);
 
-  const int places = static_cast<int>(order.size());
+  const int places = static_cast<int>(order_.size());
   reserve(places);
-  spare_.assign(static_cast<std::size_t>(stride_) * places, 0.0);
+  from_.resize(order_.size());
+  for (int j = 0; j < places; ++j) from_[j] = place_[order_[j]];
+
   for (int j = 0; j < places; ++j) {
-    const int from_j = place_[order[j]];
-    if (from_j < 0) continue;
+    double* to = spare_.data() + static_cast<std::size_t>(j) * stride_;
+    const int from_j = from_[j];
     for (int i = 0; i <= j; ++i) {
-      const int from_i = place_[order[i]];
-      if (from_i >= 0)
-        spare_[static_cast<std::size_t>(j) * stride_ + i] =
-            column(std::max(from_i, from_j))[std::min(from_i, from_j)];
+      const int from_i = from_[i];
+      to[i] = from_i < 0 || from_j < 0 ? 0.0
+                                       : column(std::max(from_i, from_j))[std::min(from_i, from_j)];
     }
   }
 
   data_.swap(spare_);
-  data_.resize(static_cast<std::size_t>(stride_) * stride_);
-  unknown_ = std::move(order);
+  unknown_.swap(order_);
   for (int j = 0; j < places; ++j) place_[unknown_[j]] = j;
   count_ = places;
   candidates_ = places - static_cast<int>(staying);
@@ -102,8 +120,9 @@ void Front::add(int unknown_a, int unknown_b, double value) {
   column(std::max(a, b))[std::min(a, b)] += value;
 }
 
-void Front::add_square(std::span<const double> line, double scale) {
-  add_rank_one(data_.data(), stride_, count_, line.data(), scale);
+void Front::add_squares(std::span<const double> lines, std::span<const double, kLines> scales) {
+  assert(lines.size() == static_cast<std::size_t>(kLines * count_));
+  add_rank_four(data_.data(), stride_, count_, lines.data(), scales.data());
 }
 
 void Front::swap(int a, int b) {

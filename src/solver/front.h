@@ -21,8 +21,9 @@ class Front {
   [[nodiscard]] int place(int unknown) const { return place_[unknown]; }
   [[nodiscard]] int count() const { return count_; }
   void add(int unknown_a, int unknown_b, double value);
-  /// Adds scale * line line^T; `line` has a value a place.
-  void add_square(std::span<const double> line, double scale);
+  /// Adds scale * line line^T of kLines lines, one after the other, each with a value a place.
+  static constexpr int kLines = 4;
+  void add_squares(std::span<const double> lines, std::span<const double, kLines> scales);
 
   /// Eliminates the candidates that have a pivot. With `all`, those whose pivot is worse as well;
   /// zero ones are left out and counted.
@@ -57,7 +58,8 @@ class Front {
   void eliminate_single();
   void eliminate_pair();
 
-  std::vector<double> data_, spare_;
+  std::vector<double> data_, spare_;  ///< stride_ by stride_, upper triangles
+  std::vector<int> order_, from_;     ///< of admit(): unknowns by new places, their old places
   int stride_ = 0, count_ = 0, candidates_ = 0;
   std::vector<int> unknown_;  ///< of a place
   std::vector<int> place_;    ///< of an unknown, -1 where it is not in the front

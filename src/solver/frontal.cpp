@@ -104,10 +104,19 @@ void FrontalFactorization::add_slack_row(SlackEntries& row) {
 
   if (det == 0.0) ++inertia_.zero;
   inertia_.negative += det < 0.0 ? 1 : (row.s < 0.0 ? 2 : 0);
-  line_.assign(static_cast<std::size_t>(front_.count()), 0.0);
+  double* line = lines_.data() + static_cast<std::ptrdiff_t>(waiting_) * front_.count();
   for (std::size_t k = 0; k < row.a.size(); ++k)
-    line_[front_.place(row.a[k].column)] += row.weights[k];
-  front_.add_square(line_, -row.s / det);
+    line[front_.place(row.a[k].column)] += row.weights[k];
+  scales_[waiting_++] = -row.s / det;
+  if (waiting_ == Front::kLines) add_lines();
+}
+
+/// Adds the lines that wait; what is missing to all is zero.
+void FrontalFactorization::add_lines() {
+  if (waiting_ > 0) front_.add_squares(lines_, scales_);
+  lines_.assign(static_cast<std::size_t>(Front::kLines) * front_.count(), 0.0);
+  scales_ = {};
+  waiting_ = 0;
 }
 
 void FrontalFactorization::add_group(Group& group, std::span<const double> values) {
@@ -119,7 +128,9 @@ void FrontalFactorization::add_group(Group& group, std::span<const double> value
   for (const int u : due) is_due_[u] = 1;
   front_.admit(group.enter, due, is_due_);
   for (const Entry& e : group.entries) front_.add(e.row, e.column, values[e.value]);
+  add_lines();
   for (const int k : group.slack_rows) add_slack_row(slack_rows_[k]);
+  add_lines();
 }
 
 Inertia FrontalFactorization::factorize(std::span<const double> values, double threshold) {

@@ -23,6 +23,7 @@
 // Arithmetic is that of single elements in a fixed order, also where a wide instruction does four
 // at a time: results are the same bits on every machine.
 
+#include <array>
 #include <span>
 #include <vector>
 
@@ -92,6 +93,7 @@ class FrontalFactorization {
   void place_entrances(const EliminationOrder& order);
   void add_group(Group& group, std::span<const double> values);
   void add_slack_row(SlackEntries& row);
+  void add_lines();
   void read_slack_row(SlackEntries& row, std::span<const double> values) const;
   void reduce_slack(const SlackEntries& row, std::span<double> rhs) const;
   void restore_slack(const SlackEntries& row, std::span<double> rhs) const;
@@ -103,7 +105,10 @@ class FrontalFactorization {
   Front front_;
   Inertia inertia_;
   std::vector<char> is_due_;  ///< [size], of an unknown: may be eliminated
-  std::vector<double> line_;  ///< a of one slack row by places in the front
+  /// Slack rows that are to be added: a by places in the front, and what its square counts.
+  std::vector<double> lines_;
+  std::array<double, Front::kLines> scales_{};
+  int waiting_ = 0;
 };
 
 }  // namespace jaculus::solver

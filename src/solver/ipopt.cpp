@@ -58,6 +58,7 @@ OptionMap base_options(const SolverOptions& options, bool warm) {
     map["linear_system_scaling"] = "none";
     map["ma57_pivtol"] = "1e-2";
     map["ma57_pivtolmax"] = "0.3";
+    map["min_refinement_steps"] = "0";  // residuals are looked at all the same
   }
 
   if (warm) {

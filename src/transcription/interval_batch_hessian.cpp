@@ -191,8 +191,7 @@ const MatrixOf<Lanes>& IntervalBatch::hessian(const ConstVectorRef& lambda, doub
 
   for (const int end : {0, 2}) {
     const Lanes moves = end == 0 ? eighth : -eighth;
-    for (int j = 0; j < 2 * n_; ++j)
-      phi_[j] = moves * pull_[j] - h_ * weight(end) * eta_[j];
+    for (int j = 0; j < 2 * n_; ++j) phi_[j] = moves * pull_[j] - h_ * weight(end) * eta_[j];
     point_hessian(end, lambda, sigma);
     add_end_hessian(end);
   }

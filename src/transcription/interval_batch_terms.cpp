@@ -33,8 +33,7 @@ void IntervalBatch::place_path() {
     }
     for (int i = 0; i < 3; ++i) path_rows_[i] = std::max(path_rows_[i], rows[i]);
   }
-  for (const IntegralCost& cost : costs_)
-    poses_read_ = poses_read_ || cost.term->reads.position;
+  for (const IntegralCost& cost : costs_) poses_read_ = poses_read_ || cost.term->reads.position;
   for (int i = 1; i < 3; ++i) path_place_[i] = path_place_[i - 1] + path_rows_[i - 1];
 }
 

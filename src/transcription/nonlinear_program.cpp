@@ -321,7 +321,8 @@ void NonlinearProgram::put_path(const IntervalBatch& batch, int first, VectorRef
     for (std::size_t t = 0; t < interval.path.size(); ++t) {
       for (int i = 0; i < count_of(interval.path[t].term->rows); ++i) {
         const int from = row[interval.path[t].point]++;
-        for (const int j : read[defects + t]) values[at++] = lane(batch.path_jacobian()(from, j), k);
+        for (const int j : read[defects + t])
+          values[at++] = lane(batch.path_jacobian()(from, j), k);
       }
     }
   }

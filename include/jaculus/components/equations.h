@@ -102,9 +102,9 @@ class Equations {
 /// derivatives are those of the pivot's J and phi, the last one.
 template <class S>
 struct DragPointOf {
-  int drag = 0;                     ///< index among the model's drags
-  std::vector<int> index;           ///< absolute, of a column
-  Vec2Of<S> normal, along, air;     ///< e', e, J V - wind [m/s]
+  int drag = 0;                  ///< index among the model's drags
+  std::vector<int> index;        ///< absolute, of a column
+  Vec2Of<S> normal, along, air;  ///< e', e, J V - wind [m/s]
   DragLoadOf<S> load;
   std::vector<S> s_Y, s_V, slip_Y;  ///< ds/dY, ds/dV, d(e' . J nu)/dY by columns
 };
@@ -123,15 +123,15 @@ struct EquationsPointOf {
   bool impact = false;  ///< whether the last evaluation was of an impact
   // Scratch. In absolute coordinates:
   VectorOf<S> A, A_feet, r, nu, g_Y, g_V, loop_force, kappa_l, chi_0, chi_1;
-  MatrixOf<S> M, MG, J_f, J_G;                     ///< mass, M G, the feet's Jacobian, J_f G
-  MatrixOf<S> Res_Y, Res_V, F_Y, F_V, L_Y, L_V;    ///< of r, the feet's and the loops' pdd
-  MatrixOf<S> chain;                               ///< d(r, A fixed)/d(q, v), N x 2n
-  MatrixOf<S> YY, YV, VV, YA;                      ///< second derivatives of the adjoint sum
-  MatrixOf<S> D_feet, D_loops;                     ///< D(nu)^T of feet and loops, N x rows
+  MatrixOf<S> M, MG, J_f, J_G;                   ///< mass, M G, the feet's Jacobian, J_f G
+  MatrixOf<S> Res_Y, Res_V, F_Y, F_V, L_Y, L_V;  ///< of r, the feet's and the loops' pdd
+  MatrixOf<S> chain;                             ///< d(r, A fixed)/d(q, v), N x 2n
+  MatrixOf<S> YY, YV, VV, YA;                    ///< second derivatives of the adjoint sum
+  MatrixOf<S> D_feet, D_loops;                   ///< D(nu)^T of feet and loops, N x rows
   // By way of the dependent joints:
-  MatrixOf<S> d_loops, loop_w;                     ///< d(cdd)/d(q, v), C_d^-1 of it: nd x 2n
-  MatrixOf<S> PMG, PMG_t, PMP, JP, JP_t;           ///< P_d^T M G, P_d^T M P_d, J_f P_d
-  MatrixOf<S> balance;                             ///< of the dependent joints, nd x 2n
+  MatrixOf<S> d_loops, loop_w;            ///< d(cdd)/d(q, v), C_d^-1 of it: nd x 2n
+  MatrixOf<S> PMG, PMG_t, PMP, JP, JP_t;  ///< P_d^T M G, P_d^T M P_d, J_f P_d
+  MatrixOf<S> balance;                    ///< of the dependent joints, nd x 2n
   // In coordinates:
   VectorOf<S> adjoint;
   MatrixOf<S> GY, GV, XV, GD, GA, left, qq, qv, vv, nw, C_d_inverse_t, GAP;

@@ -39,9 +39,9 @@ template <class S>
 struct DragLoadOf {
   using Square = Eigen::Matrix<S, 2, 2>;
 
-  S force = S(0.0);                           ///< along n(phi), at the pivot [N]
-  S moment = S(0.0);                          ///< about the pivot, positive with +phi [N m]
-  Square d = Square::Constant(S(0.0));        ///< rows force, moment; columns s, omega
+  S force = S(0.0);                             ///< along n(phi), at the pivot [N]
+  S moment = S(0.0);                            ///< about the pivot, positive with +phi [N m]
+  Square d = Square::Constant(S(0.0));          ///< rows force, moment; columns s, omega
   Square force_dd = Square::Constant(S(0.0));   ///< second derivatives of the force by (s, omega)
   Square moment_dd = Square::Constant(S(0.0));  ///< of the moment
 };

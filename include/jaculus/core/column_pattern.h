@@ -20,8 +20,7 @@ struct ColumnPattern {
 /// C += sign * A S. S is of any type that is indexed by row and column.
 template <class S, class Sparse>
 void add_times_sparse(const std::type_identity_t<ConstRefOf<S>>& A, const Sparse& sparse,
-                      const ColumnPattern& pattern, double sign,
-                      std::type_identity_t<RefOf<S>> C);
+                      const ColumnPattern& pattern, double sign, std::type_identity_t<RefOf<S>> C);
 /// C += sign * S^T B.
 template <class S, class Sparse>
 void add_sparse_transposed_times(const Sparse& sparse, const ColumnPattern& pattern, double sign,

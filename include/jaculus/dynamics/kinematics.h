@@ -52,11 +52,11 @@ struct LoopPaths {
 struct AbsoluteTree {
   explicit AbsoluteTree(const model::PlanarModel& model);
 
-  int n = 0;                    ///< generalised coordinates
-  int N = 0;                    ///< absolute coordinates
-  int nd = 0;                   ///< dependent joints
-  Matrix P;                     ///< N x n
-  Matrix P_d;                   ///< N x nd
+  int n = 0;   ///< generalised coordinates
+  int N = 0;   ///< absolute coordinates
+  int nd = 0;  ///< dependent joints
+  Matrix P;    ///< N x n
+  Matrix P_d;  ///< N x nd
   ColumnPattern P_pattern, P_d_pattern;
   /// Of what depends on the coordinates by way of the dependent joints as well: G of
   /// loop_closure.h, and X, which has rows of dependent bodies alone.

@@ -95,8 +95,8 @@ class IntervalBatch {
   MatrixOf<Lanes> defect_w_, path_w_;
   // Path rows of a point, all lanes: those of a member are in the order of its path. xi: what a term
   // reads; s: (q, v, u); z: (a, force).
-  std::array<int, 3> path_rows_{};   ///< most that a member has
-  std::array<int, 3> path_place_{};  ///< the first one in path_w_
+  std::array<int, 3> path_rows_{};              ///< most that a member has
+  std::array<int, 3> path_place_{};             ///< the first one in path_w_
   std::array<MatrixOf<Lanes>, 3> by_s_, by_z_;  ///< Jacobian, total by s; by z
   std::array<VectorOf<Lanes>, 3> lambda_;
   std::array<std::vector<int>, 3> curved_;  ///< places of xi with second derivatives
