@@ -108,9 +108,9 @@ void add_transposed_product(const ConstMatrixRef& A, const ConstMatrixRef& B, Ma
   assert(A.rows() == B.rows() && C.rows() == A.cols() && C.cols() == B.cols());
   for (Index j = 0; j < C.cols(); ++j) {
     for (Index i = 0; i < C.rows(); ++i) {
-      double sum = C(i, j);
+      double sum = 0.0;
       for (Index k = 0; k < A.rows(); ++k) sum += A(k, i) * B(k, j);
-      C(i, j) = sum;
+      C(i, j) += sum;
     }
   }
 }
