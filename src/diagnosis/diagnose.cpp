@@ -6,7 +6,7 @@
 #include <numeric>
 
 #include "diagnosis/build_problem.h"
-#include "diagnosis/localise/events.h"
+#include "diagnosis/describe_remainder.h"
 #include "diagnosis/localise/localise.h"
 #include "diagnosis/localise/postures.h"
 #include "diagnosis/preflight/next_experiment.h"
@@ -17,8 +17,6 @@
 
 namespace jaculus::diagnosis {
 namespace {
-
-constexpr int kAllWindows = 1'000'000;  // of a trial
 
 void tell(const DiagnoseOptions& options, const std::string& what) {
   if (options.progress) options.progress(what);
@@ -135,35 +133,6 @@ Diagnosis insufficient(const Problem& problem) {
   return out;
 }
 
-/// The parameters of the model that is stated, in a problem about other windows of the same data.
-Vector parameters_of(const Diagnosis& found, const Hypotheses& hypotheses) {
-  const Vector& stated = names_effects(found.verdict) ? found.model.p : found.none.p;
-  const std::vector<FreeParameter>& known = found.problem->hypotheses.parameters;
-  Vector p = hypotheses.nominal();
-  for (int i = 0; i < count_of(hypotheses.parameters); ++i) {
-    const FreeParameter& own = hypotheses.parameters[i];
-    for (int k = 0; k < count_of(known); ++k)
-      if (own.owner != "force" && known[k].owner == own.owner && known[k].name == own.name)
-        p[i] = stated[k];
-  }
-  return p;
-}
-
-/// Forces that acted once, about the model that is stated: sought in all windows.
-std::vector<ForceEvent> events_about(const Diagnosis& found,
-                                     const std::vector<trajectory::Dataset>& datasets,
-                                     DiagnoseOptions options) {
-  if (found.problem == nullptr || !in_windows(*found.problem) || found.none.p.size() == 0)
-    return {};
-  tell(options, "events");
-  options.settings.windows = kAllWindows;
-  options.settings.window_length = options.settings.force_box;
-  options.settings.window_start_half_width = 0.5 * options.settings.force_box;
-  const BuiltProblem all = build_problem(datasets, options);
-  if (!all.forward) return {};
-  return force_events(*all.problem, *all.forward, parameters_of(found, all.problem->hypotheses));
-}
-
 /// The same with the horizon that the user names.
 DiagnoseOptions at_horizon(DiagnoseOptions options) {
   options.settings.horizon = options.accuracy.horizon.value_or(options.settings.horizon);
@@ -201,7 +170,7 @@ Diagnosis diagnose(const std::vector<trajectory::Dataset>& datasets,
   Diagnosis out = built.forward
                       ? run_pipeline(std::move(built), builder_of(asked), &datasets.front(), asked)
                       : insufficient(*built.problem);
-  for (ForceEvent& event : events_about(out, datasets, asked)) out.events.push_back(event);
+  describe_remainder(datasets, asked, out);
   return with_options(std::move(out), asked, std::move(tolerances));
 }
 

@@ -9,6 +9,7 @@
 
 #include "diagnosis/agreement_text.h"
 #include "diagnosis/noise/noise_model.h"
+#include "diagnosis/remainder/hypothesis.h"
 #include "jaculus/core/json.h"
 #include "jaculus/diagnosis/summary.h"
 #include "jaculus/effects/select.h"
@@ -118,14 +119,35 @@ Json where_json(const Diagnosis& d) {
   return where;
 }
 
+/// What the force that is missing somewhere follows; null where nobody looked.
+Json follows_json(const Diagnosis& d, const std::string& joint) {
+  for (const RemainderPlace& place : d.remainder.places) {
+    if (place.joint != joint) continue;
+    Json list = Json::array();
+    for (const Dependence& f : place.follows) {
+      list.push_back({{"regressor", to_text(f.regressor)},
+                      {"share", json_number(f.share)},
+                      {"ci95", pair(f.ci95)},
+                      {"selected", f.selected},
+                      {"coefficients", f.coefficients}});
+      if (!f.of.empty()) list.back()["of"] = f.of;
+      if (std::isfinite(f.period)) list.back().update({{"period", f.period}, {"unit", f.unit}});
+    }
+    return list;
+  }
+  return nullptr;
+}
+
 /// What the judged model lacks, and whether that is established.
 Json remainder_json(const Diagnosis& d) {
   Json places = Json::array();
-  for (const LackingForce& f : d.lacking)
+  for (const LackingForce& f : d.lacking) {
     places.push_back({{"joint", f.name},
                       {"rms", json_number(f.rms)},
                       {"unit", f.unit},
-                      {"boxes_told", f.boxes}});
+                      {"boxes_told", f.boxes},
+                      {"follows", follows_json(d, f.name)}});
+  }
   Json events = Json::array();
   for (const ForceEvent& e : d.events)
     events.push_back({{"trial", e.trial},
@@ -138,7 +160,9 @@ Json remainder_json(const Diagnosis& d) {
                       {"unit", e.unit},
                       {"probability", json_number(e.probability)},
                       {"every_trial", e.every_trial}});
-  return {{"events", events},
+  return {{"share", json_number(d.remainder.share)},
+          {"ci95", pair(d.remainder.ci95)},
+          {"events", events},
           {"established", d.verdict == Verdict::partial || d.verdict == Verdict::unexplained},
           {"probability", d.lacking_probability},
           {"places", places}};
@@ -196,6 +220,19 @@ std::string effect_text(const Diagnosis& d, int candidate, const Vector& theta) 
   for (std::size_t k = 0; k < c.parameters.size(); ++k)
     parts.push_back(fmt::format("{}={}", c.effect->parameters[k].name, theta[count_of(parts)]));
   return fmt::format("{}:{}", c.name, fmt::join(parts, ","));
+}
+
+/// hypothesis.yaml, hypothesis_2.yaml, ...; those of an earlier diagnosis go.
+void write_hypotheses(const Diagnosis& d, const std::filesystem::path& folder) {
+  const auto file = [&](std::size_t i) {
+    return folder / (i == 0 ? "hypothesis.yaml" : fmt::format("hypothesis_{}.yaml", i + 1));
+  };
+  std::vector<std::string> texts;
+  if (d.problem && !d.problem->observations.datasets.empty())
+    texts = hypotheses_of(d.remainder, d.problem->observations.datasets.front().model);
+  for (std::size_t i = 0; i < texts.size(); ++i) trajectory::write_file(file(i), texts[i]);
+  for (std::size_t i = texts.size(); std::filesystem::exists(file(i)); ++i)
+    std::filesystem::remove(file(i));
 }
 
 }  // namespace
@@ -293,6 +330,7 @@ void write_diagnosis(const Diagnosis& diagnosis, const std::filesystem::path& fo
   std::filesystem::create_directories(folder);
   trajectory::write_file(folder / "diagnosis.json", diagnosis_json(diagnosis));
   trajectory::write_file(folder / "augmented.yaml", augmented_yaml(diagnosis));
+  write_hypotheses(diagnosis, folder);
 }
 
 }  // namespace jaculus::diagnosis

@@ -10,6 +10,7 @@
 #include "diagnosis/localise/components.h"
 #include "diagnosis/localise/windows.h"
 #include "diagnosis/noise/noise_model.h"
+#include "diagnosis/validation/shapley.h"
 #include "jaculus/diagnosis/diagnose.h"
 #include "jaculus/diagnosis/diagnosis_json.h"
 #include "jaculus/dynamics/rigid_body.h"

@@ -1,6 +1,6 @@
 // Pulses in missing forces: planted in noise, and not found where there is only noise.
 
-#include "diagnosis/localise/pulses.h"
+#include "diagnosis/remainder/pulses.h"
 
 #include <gtest/gtest.h>
 

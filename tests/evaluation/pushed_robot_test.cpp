@@ -7,7 +7,7 @@
 #include <cstdlib>
 
 #include "diagnosis/build_problem.h"
-#include "diagnosis/localise/events.h"
+#include "diagnosis/remainder/events.h"
 #include "jaculus/evaluation/real.h"
 #include "jaculus/trajectory/dataset.h"
 #include "model/support.h"
@@ -52,7 +52,8 @@ TEST(Events, OfAPushedRobotAreItsPushes) {
     if (owner == "joint_rotor_inertia") p[i] = 0.005;    // [kg m^2]
   }
 
-  const std::vector<ForceEvent> events = force_events(*all.problem, *all.forward, p);
+  const std::vector<ForceEvent> events =
+      force_events(*all.problem, motion_boxes(*all.problem, *all.forward, p));
   int pushes = 0;
   for (const evaluation::KnownEvent& push : known->events)
     pushes += std::any_of(events.begin(), events.end(),

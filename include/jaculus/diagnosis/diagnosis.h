@@ -11,6 +11,7 @@
 #include "jaculus/diagnosis/held_out.h"
 #include "jaculus/diagnosis/localisation.h"
 #include "jaculus/diagnosis/physical.h"
+#include "jaculus/diagnosis/remainder.h"
 #include "jaculus/diagnosis/settings.h"
 #include "jaculus/diagnosis/verdict.h"
 #include "jaculus/effects/effect.h"
@@ -116,6 +117,7 @@ struct Diagnosis {
   double lacking_probability = 0.0;
   std::vector<LackingForce> lacking;  ///< of `model`, by coordinate
   std::vector<ForceEvent> events;     ///< about `model`, by dataset, trial and time
+  Remainder remainder;                ///< what `model` leaves, described
   std::optional<Localisation> where;
   std::optional<NextExperiment> next;
   std::vector<FittedModel> rivals;  ///< of an ambiguous verdict: its two most probable models

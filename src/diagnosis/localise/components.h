@@ -16,10 +16,6 @@
 
 namespace jaculus::diagnosis {
 
-/// Shapley values of n players, v[subset] the worth of each subset of them (bit k: player k takes
-/// part).
-Vector shapley_values(const std::vector<double>& v, int n);
-
 struct ComponentShares {
   std::vector<ComponentShare> components;  ///< all of them, in the enum's order
   double unexplained = 0.0;                ///< share of the gap's energy [-]

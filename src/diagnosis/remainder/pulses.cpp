@@ -1,4 +1,4 @@
-#include "diagnosis/localise/pulses.h"
+#include "diagnosis/remainder/pulses.h"
 
 #include <Eigen/QR>
 #include <algorithm>

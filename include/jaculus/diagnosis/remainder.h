@@ -1,0 +1,61 @@
+#pragma once
+// What the judged model leaves, described: at which joint, how large, what it follows.
+
+#include <string>
+#include <vector>
+
+#include "jaculus/core/types.h"
+
+namespace jaculus::diagnosis {
+
+/// What a force that the model lacks may follow.
+enum class Regressor {
+  constant,
+  sign_of_speed,       ///< dry friction
+  speed,               ///< viscous friction
+  speed_squared,       ///< |speed| speed: drag
+  motor_torque,        ///< of the joint's own motor: a scale
+  torque_friction,     ///< the size of that, against the motion: friction of a loaded gear
+  weight_friction,     ///< the size of the weight that the joint carries, against the motion
+  position,            ///< a spring, towards where it is zero
+  periodic,            ///< in the joint's position
+  gravity_direction,   ///< sine and cosine of the link's absolute angle: a weight
+  acceleration,        ///< an inertia
+  time,                ///< since the trial's start
+  other_speed,         ///< of another joint
+  other_acceleration,  ///< of another joint
+  channel              ///< a logged one: bus voltage, temperature
+};
+/// "sign of speed", "periodic in position".
+const char* to_text(Regressor regressor);
+
+/// A share of what is left at a joint that follows something.
+struct Dependence {
+  Regressor regressor = Regressor::constant;
+  std::string of{};      ///< another joint, or the channel; empty: the joint itself
+  double period = kNaN;  ///< [unit]
+  std::string unit{};    ///< of the period, "rad" or "m"
+  double share = kNaN;   ///< of the missing force's mean square, on segments that no fit saw [-]
+  Bounds ci95{kNaN, kNaN};
+  double selected = 0.0;  ///< share of random halves of the data that choose it as well [-]
+  /// Force a unit of each of its functions: amplitudes of sine and cosine, slope and constant, ...
+  std::vector<double> coefficients;
+};
+
+/// What is left along one coordinate.
+struct RemainderPlace {
+  std::string joint;                  ///< a coordinate
+  double rms = kNaN;                  ///< of the missing force, without what sensors' noise makes
+  std::string unit;                   ///< "N m", "N"
+  int boxes = 0;                      ///< of time in which it is known
+  double rest = kNaN;                 ///< speed below which its sign counts in part [rad/s or m/s]
+  std::vector<Dependence> follows{};  ///< the largest share first; empty: no pattern in it
+};
+
+struct Remainder {
+  double share = kNaN;  ///< of the held-out gap's energy that the judged model leaves [-]
+  Bounds ci95{kNaN, kNaN};
+  std::vector<RemainderPlace> places;  ///< a coordinate each; empty where no force can be had
+};
+
+}  // namespace jaculus::diagnosis
