@@ -1,6 +1,7 @@
 #include "diagnosis/describe_remainder.h"
 
 #include "diagnosis/build_problem.h"
+#include "diagnosis/remainder/box_states.h"
 #include "diagnosis/remainder/events.h"
 #include "diagnosis/remainder/remainder.h"
 
@@ -23,12 +24,18 @@ Vector parameters_of(const Diagnosis& found, const Hypotheses& hypotheses) {
   return p;
 }
 
-/// The same options with windows of a box that follow one another over all of every trial.
-DiagnoseOptions in_boxes(DiagnoseOptions options) {
+/// The problem over boxes that follow one another over all of every trial; without a forward model
+/// where it can't be had.
+BuiltProblem in_boxes(const std::vector<trajectory::Dataset>& datasets, DiagnoseOptions options,
+                      double box) {
   options.settings.windows = kAllWindows;
-  options.settings.window_length = options.settings.force_box;
-  options.settings.window_start_half_width = 0.5 * options.settings.force_box;
-  return options;
+  options.settings.window_length = box;
+  options.settings.window_start_half_width = 0.5 * box;
+  return build_problem(datasets, options);
+}
+
+std::vector<std::vector<MotionBox>> boxes_about(const Diagnosis& found, const BuiltProblem& all) {
+  return motion_boxes(*all.problem, *all.forward, parameters_of(found, all.problem->hypotheses));
 }
 
 }  // namespace
@@ -40,14 +47,16 @@ void describe_remainder(const std::vector<trajectory::Dataset>& datasets,
   if (!in_windows(*found.problem)) return;
 
   if (options.progress) options.progress("events");
-  const BuiltProblem all = build_problem(datasets, in_boxes(options));
+  const BuiltProblem all = in_boxes(datasets, options, options.settings.force_box);
   if (!all.forward) return;
-  const Vector p = parameters_of(found, all.problem->hypotheses);
-  const std::vector<std::vector<MotionBox>> boxes = motion_boxes(*all.problem, *all.forward, p);
-  for (ForceEvent& event : force_events(*all.problem, boxes)) found.events.push_back(event);
+  for (ForceEvent& event : force_events(*all.problem, boxes_about(found, all)))
+    found.events.push_back(event);
 
   if (options.progress) options.progress("what is left");
-  found.remainder.places = described_places(*all.problem, boxes);
+  const double box = pattern_box(found.problem->observations.datasets, options.settings);
+  const BuiltProblem fine = in_boxes(datasets, options, box);
+  if (fine.forward)
+    found.remainder.places = described_places(*fine.problem, boxes_about(found, fine));
 }
 
 }  // namespace jaculus::diagnosis

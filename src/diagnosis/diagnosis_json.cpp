@@ -10,6 +10,7 @@
 #include "diagnosis/agreement_text.h"
 #include "diagnosis/noise/noise_model.h"
 #include "diagnosis/remainder/hypothesis.h"
+#include "diagnosis/remainder_json.h"
 #include "jaculus/core/json.h"
 #include "jaculus/diagnosis/summary.h"
 #include "jaculus/effects/select.h"
@@ -117,55 +118,6 @@ Json where_json(const Diagnosis& d) {
   where["unexplained"] = json_number(d.where->unexplained);
   where["notes"] = d.where->notes;
   return where;
-}
-
-/// What the force that is missing somewhere follows; null where nobody looked.
-Json follows_json(const Diagnosis& d, const std::string& joint) {
-  for (const RemainderPlace& place : d.remainder.places) {
-    if (place.joint != joint) continue;
-    Json list = Json::array();
-    for (const Dependence& f : place.follows) {
-      list.push_back({{"regressor", to_text(f.regressor)},
-                      {"share", json_number(f.share)},
-                      {"ci95", pair(f.ci95)},
-                      {"selected", f.selected},
-                      {"coefficients", f.coefficients}});
-      if (!f.of.empty()) list.back()["of"] = f.of;
-      if (std::isfinite(f.period)) list.back().update({{"period", f.period}, {"unit", f.unit}});
-    }
-    return list;
-  }
-  return nullptr;
-}
-
-/// What the judged model lacks, and whether that is established.
-Json remainder_json(const Diagnosis& d) {
-  Json places = Json::array();
-  for (const LackingForce& f : d.lacking) {
-    places.push_back({{"joint", f.name},
-                      {"rms", json_number(f.rms)},
-                      {"unit", f.unit},
-                      {"boxes_told", f.boxes},
-                      {"follows", follows_json(d, f.name)}});
-  }
-  Json events = Json::array();
-  for (const ForceEvent& e : d.events)
-    events.push_back({{"trial", e.trial},
-                      {"joint", e.joint},
-                      {"along", e.along},
-                      {"from_s", json_number(e.from)},
-                      {"to_s", json_number(e.to)},
-                      {"peak", json_number(e.peak)},
-                      {"peak_ci95", pair(e.peak_ci95)},
-                      {"unit", e.unit},
-                      {"probability", json_number(e.probability)},
-                      {"every_trial", e.every_trial}});
-  return {{"share", json_number(d.remainder.share)},
-          {"ci95", pair(d.remainder.ci95)},
-          {"events", events},
-          {"established", d.verdict == Verdict::partial || d.verdict == Verdict::unexplained},
-          {"probability", d.lacking_probability},
-          {"places", places}};
 }
 
 Json flag(const std::optional<bool>& value) { return value ? Json(*value) : Json(nullptr); }

@@ -140,6 +140,7 @@ std::string diagnosis_text(const Diagnosis& d) {
   text += effects_text(d);
   text += tolerated_text(d);
   text += gap_text(d);
+  for (const std::string& sentence : remainder_sentences(d)) text += sentence + "\n";
   text += events_text(d);
   text += agreement_text(d.agreement);
 

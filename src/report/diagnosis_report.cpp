@@ -179,6 +179,11 @@ Section shrink_section(const diagnosis::Diagnosis& d) {
   return section;
 }
 
+/// What is left, and what it follows; without text where nothing is told.
+Section remainder_section(const diagnosis::Diagnosis& d) {
+  return {"What is left", diagnosis::remainder_sentences(d)};
+}
+
 Section limits_section(const diagnosis::Diagnosis& d) {
   Section section{"What this diagnosis can't say"};
   for (const std::string& note : d.notes) section.text.push_back(note);
@@ -225,6 +230,8 @@ Report diagnosis_report(const diagnosis::Diagnosis& d, const std::string& title)
     if (d.where) document.sections.push_back(where_section(d));
     document.sections.push_back(which_section(d));
     if (d.gap.valid) document.sections.push_back(shrink_section(d));
+    if (Section left = remainder_section(d); !left.text.empty())
+      document.sections.push_back(std::move(left));
     Section motion{"Hardware and model in motion"};
     Animation animation = overlay(d, rows);
     if (!animation.panels.empty()) motion.animations.push_back(std::move(animation));

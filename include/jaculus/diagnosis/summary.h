@@ -2,6 +2,7 @@
 // What a diagnosis says, in three plain sentences.
 
 #include <string>
+#include <vector>
 
 #include "jaculus/diagnosis/diagnosis.h"
 
@@ -13,6 +14,10 @@ struct Summary {
   std::string how_far;  ///< how far it shrinks on held-out data, in units; whether that is enough
 };
 Summary summary_of(const Diagnosis& diagnosis);
+
+/// Where forces are missing and what they follow, a sentence a place; one without a pattern is
+/// told of verdicts by which something is left.
+std::vector<std::string> remainder_sentences(const Diagnosis& diagnosis);
 
 /// A name as words: "front_a" is "front a".
 std::string in_words(std::string name);

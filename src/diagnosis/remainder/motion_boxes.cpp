@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "diagnosis/forward/missing_forces.h"
+#include "diagnosis/remainder/box_states.h"
 #include "jaculus/dynamics/rigid_body.h"
 
 namespace jaculus::diagnosis {
@@ -85,20 +86,24 @@ double mean_sign(double from, double to) {
 
 /// None where the second window doesn't follow the first, or it can't be simulated.
 std::optional<MotionBox> box_between(const PlantForward& forward, int dataset, int segment,
-                                     const ObservedDataset& observed, double length,
+                                     const ObservedDataset& observed,
+                                     const std::vector<BoxState>& states, double length,
                                      const Vector& p) {
   if (segment + 1 >= count_of(observed.segments)) return std::nullopt;
   const Segment &own = observed.segments[segment], &next = observed.segments[segment + 1];
   const double apart = next.start - own.start;
   if (next.trial != own.trial || std::abs(apart - length) > kSameTime) return std::nullopt;
+  const BoxState &from = states[segment], &to = states[segment + 1];
+  if (from.q.size() == 0 || to.q.size() == 0) return std::nullopt;
 
   SimulationSetup setup = forward.setup(dataset, segment, p);
+  setup.start = {from.q, from.v};
   setup.options.sample_times = Vector::LinSpaced(kPathSamples + 1, 0.0, apart);
   setup.options.duration = apart;
   const dynamics::AbsoluteTree tree(setup.plant.model);
   dynamics::Motion motion(tree);
-  if (!set_configuration(tree, next.start_q, motion)) return std::nullopt;
-  Reached reached = force_reaching(setup, mass_matrix(tree, motion), next.start_v);
+  if (!set_configuration(tree, to.q, motion)) return std::nullopt;
+  Reached reached = force_reaching(setup, mass_matrix(tree, motion), to.v);
   if (reached.force.size() == 0) return std::nullopt;
 
   MotionBox box;
@@ -107,10 +112,10 @@ std::optional<MotionBox> box_between(const PlantForward& forward, int dataset, i
   box.start = own.start;
   box.length = apart;
   box.force = std::move(reached.force);
-  box.mean_rate = 0.5 * (own.start_v + next.start_v);
-  box.mean_sign = own.start_v.binaryExpr(next.start_v, &mean_sign);
-  box.acceleration = (next.start_v - own.start_v) / apart;
-  box.model_acceleration = (reached.free_rates - own.start_v) / apart;
+  box.mean_rate = 0.5 * (from.v + to.v);
+  box.mean_sign = from.v.binaryExpr(to.v, &mean_sign);
+  box.acceleration = (to.v - from.v) / apart;
+  box.model_acceleration = (reached.free_rates - from.v) / apart;
   const Eigen::Index bodies = count_of(setup.plant.model.bodies);
   box.angles.resize(2 * bodies);
   box.angles << motion.pose.sine.segment(tree.angle_index(0), bodies),
@@ -124,9 +129,12 @@ std::optional<MotionBox> box_between(const PlantForward& forward, int dataset, i
 std::vector<MotionBox> boxes_of(const Problem& all, const PlantForward& forward, int dataset,
                                 const Vector& p) {
   const ObservedDataset& observed = all.observations.datasets[dataset];
+  const double length = all.settings.window_length;
+  const std::vector<BoxState> states =
+      box_states(observed, all.settings.window_start_half_width, all.settings);
   std::vector<std::optional<MotionBox>> each(observed.segments.size());
   tbb::parallel_for(0, count_of(each), [&](int s) {
-    each[s] = box_between(forward, dataset, s, observed, all.settings.window_length, p);
+    each[s] = box_between(forward, dataset, s, observed, states, length, p);
   });
 
   std::vector<MotionBox> boxes;
