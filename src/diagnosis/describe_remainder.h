@@ -10,8 +10,10 @@
 
 namespace jaculus::diagnosis {
 
-/// Adds to a diagnosis what its model leaves: the share of the gap, and under logged inputs events
-/// and the places of missing forces, sought over all of every trial.
+/// Adds to a diagnosis what its model leaves: the share of the gap, under logged inputs events, and
+/// the places of missing forces where every motor's torque is logged and nothing touches the
+/// ground, both sought over all of every trial. Under a plan or a script the logged torques drive
+/// the model then: a fault between command and log is none of the forces that are missing.
 void describe_remainder(const std::vector<trajectory::Dataset>& datasets,
                         const DiagnoseOptions& options, Diagnosis& found);
 

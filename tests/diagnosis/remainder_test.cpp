@@ -2,14 +2,18 @@
 
 #include "diagnosis/remainder/remainder.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <functional>
 #include <random>
 
+#include "diagnosis/remainder/hypothesis.h"
 #include "jaculus/core/installation.h"
+#include "jaculus/effects/user_effect.h"
 #include "jaculus/model/robot.h"
+#include "support/temporary_folder.h"
 
 namespace jaculus::diagnosis {
 namespace {
@@ -124,6 +128,27 @@ TEST(Remainder, TwoThingsAtOnceAreBothNamed) {
   ASSERT_EQ(place.follows.size(), 2U);
   for (const Regressor wanted : {Regressor::sign_of_speed, Regressor::periodic})
     EXPECT_TRUE(place.follows[0].regressor == wanted || place.follows[1].regressor == wanted);
+}
+
+TEST(Remainder, EveryPatternThatAFormulaReadsIsAnEffectThatCanBeRead) {
+  const model::PlanarModel robot =
+      model::read_robot(source_folder() / "models" / "double_pendulum").planar;
+  const test::TemporaryFolder folder;
+  for (const Regressor regressor :
+       {Regressor::constant, Regressor::sign_of_speed, Regressor::speed, Regressor::speed_squared,
+        Regressor::motor_torque, Regressor::torque_friction, Regressor::weight_friction,
+        Regressor::position, Regressor::periodic, Regressor::time, Regressor::other_speed}) {
+    Dependence own{regressor, "", kNaN, "", 0.6, {0.4, 0.7}, 1.0, {-0.1, 0.05}};
+    if (regressor == Regressor::other_speed) own.of = "shoulder";
+    if (regressor == Regressor::periodic) own.period = 0.3;
+    Remainder remainder;
+    remainder.places.push_back({"elbow", 0.08, "N m", 300, 0.05, {own}});
+    const std::vector<std::string> texts = hypotheses_of(remainder, robot);
+    ASSERT_EQ(texts.size(), 1U) << to_text(regressor);
+    const std::string name = fmt::format("hypothesis_{}.yaml", static_cast<int>(regressor));
+    EXPECT_NO_THROW(effects::catalogue_with({folder.write(name, texts[0]).string()}, {robot}))
+        << texts[0];
+  }
 }
 
 }  // namespace

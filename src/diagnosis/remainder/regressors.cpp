@@ -47,9 +47,10 @@ double channel_mean(const trajectory::Trial& trial, const std::string& name, con
   for (const trajectory::Stream& stream : trial.streams) {
     const int channel = stream.channel(name);
     if (channel < 0) continue;
-    for (Eigen::Index i = 0; i < stream.time.size(); ++i) {
-      const bool inside = stream.time[i] >= box.start && stream.time[i] < box.start + box.length;
-      if (!inside || !std::isfinite(stream.values(channel, i))) continue;
+    const auto first = std::lower_bound(stream.time.begin(), stream.time.end(), box.start);
+    for (auto i = first - stream.time.begin(); i < stream.time.size(); ++i) {
+      if (stream.time[i] >= box.start + box.length) break;
+      if (!std::isfinite(stream.values(channel, i))) continue;
       sum += stream.values(channel, i);
       count += 1.0;
     }

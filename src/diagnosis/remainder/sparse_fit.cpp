@@ -9,10 +9,10 @@
 namespace jaculus::diagnosis {
 namespace {
 
-constexpr int kChunks = 40;      ///< wanted, for halves that differ
-constexpr int kShortest = 5;     ///< boxes of a chunk
-constexpr int kPairs = 50;       ///< B of Shah and Samworth
-constexpr double kRidge = 1e-9;  ///< of the rows, beside columns of mean square 1
+constexpr int kChunks = 40;                  ///< wanted, for halves that differ
+constexpr int kShortest = 5, kLongest = 40;  ///< boxes of a chunk
+constexpr int kPairs = 50;                   ///< B of Shah and Samworth
+constexpr double kRidge = 1e-9;              ///< of the rows, beside columns of mean square 1
 constexpr double kSamePeriod = 0.05;
 constexpr double kLeastTau = 0.75;  ///< from which their bound has this form
 constexpr std::uint64_t kSeed = 1;
@@ -211,7 +211,7 @@ double needed_share(double q, double p, double level) {
 }  // namespace
 
 std::vector<Chunk> chunks_of(const std::vector<int>& run) {
-  const int wanted = std::max(kShortest, count_of(run) / kChunks);
+  const int wanted = std::clamp(count_of(run) / kChunks, kShortest, kLongest);
   std::vector<Chunk> chunks;
   for (int first = 0; first < count_of(run);) {
     int end = first;

@@ -30,7 +30,8 @@ namespace jaculus::diagnosis {
 struct Chunk {
   int first = 0, count = 0;
 };
-/// Runs cut into chunks of nearly one length, some kChunks in all, none of fewer than five boxes.
+/// Runs cut into chunks of nearly one length, some 40 in all, none of fewer than five boxes and few
+/// of more than 40.
 std::vector<Chunk> chunks_of(const std::vector<int>& run);
 
 /// (rho, lambda).

@@ -1,0 +1,139 @@
+// From a cause that no list has to a hypothesis that is judged: simulated, described, written,
+// diagnosed again.
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+
+#include "jaculus/core/installation.h"
+#include "jaculus/diagnosis/diagnose.h"
+#include "jaculus/diagnosis/diagnosis_json.h"
+#include "jaculus/diagnosis/summary.h"
+#include "jaculus/effects/trials.h"
+#include "jaculus/effects/user_effect.h"
+#include "support/temporary_folder.h"
+
+namespace jaculus::diagnosis {
+namespace {
+
+namespace fs = std::filesystem;
+using test::TemporaryFolder;
+
+constexpr double kPeriod = 0.35;  // [rad]
+
+/// A file of an effect that no catalogue has: torque that repeats with a joint's angle.
+std::string cogging_file(const fs::path& folder, const std::string& joint) {
+  const fs::path file = folder / "cogging.yaml";
+  std::ofstream(file) << "format: jaculus-effect/1\nname: cogging\ncaption: cogging\nat: {joint: "
+                      << joint
+                      << "}\nparameters:\n"
+                         "  size: {unit: N m, nominal: 0, bounds: [-1, 1], scale: 0.1}\n"
+                         "  period: {unit: rad, nominal: 0.35, bounds: [0.2, 0.6], scale: 0.02}\n"
+                         "torque: \"size*sin(2*pi*q/period)\"\n";
+  return file.string();
+}
+
+/// Trials of a shipped experiment, as logs whose torque drives the model.
+trajectory::Dataset logged(const std::string& experiment, const std::vector<std::string>& files,
+                           const std::vector<std::string>& effects, int trials, int seed) {
+  simulation::Experiment played =
+      simulation::read_experiment(source_folder() / "problems" / experiment);
+  played.trials = trials;
+  played.seed = seed;
+  const model::PlanarModel robot = simulation::dataset_robot(played.setup).planar;
+  effects::EffectChoice choice;
+  choice.effects = effects;
+  choice.files = files;
+  trajectory::Dataset dataset =
+      simulate_trials(played, effects::choose_effects(choice, robot), robot).dataset;
+  dataset.script.reset();
+  dataset.controller = {};
+  dataset.controller.kind = trajectory::ControllerKind::measured;
+  dataset.controller.input = trajectory::Quantity::torque;
+  return dataset;
+}
+
+/// A diagnosis by two effects of the library, and those of files.
+Diagnosis diagnosed(const trajectory::Dataset& dataset, const std::vector<std::string>& files) {
+  DiagnoseOptions options;
+  options.settings.largest_model = 1;
+  options.catalogue =
+      std::make_shared<const effects::Catalogue>(effects::catalogue_for(files, {dataset}));
+  for (const effects::Effect& effect : *options.catalogue)
+    if (effect.name == "joint_coulomb_friction" || effect.name == "joint_viscous_friction" ||
+        !effect.file.empty())
+      options.effects.push_back(&effect);
+  return diagnose({dataset}, options);
+}
+
+TEST(UnknownCause, CoggingIsDescribedWrittenDownAndThenNamed) {
+  const TemporaryFolder folder;
+  const trajectory::Dataset dataset =
+      logged("pendulum_trials.yaml", {cogging_file(folder.path(), "pendulum")},
+             {"cogging:size=0.2"}, 4, 3);
+
+  const Diagnosis described = diagnosed(dataset, {});
+  EXPECT_EQ(described.verdict, Verdict::unexplained) << to_text(described.verdict);
+  ASSERT_EQ(described.remainder.places.size(), 1U);
+  const RemainderPlace& place = described.remainder.places.front();
+  ASSERT_EQ(place.follows.size(), 1U);
+  EXPECT_EQ(place.follows[0].regressor, Regressor::periodic);
+  EXPECT_NEAR(place.follows[0].period, kPeriod, 0.05 * kPeriod);
+  EXPECT_GT(place.follows[0].share, 0.5);
+  ASSERT_EQ(remainder_sentences(described).size(), 1U);
+  EXPECT_NE(remainder_sentences(described)[0].find("repeats with"), std::string::npos);
+
+  write_diagnosis(described, folder.path() / "described");
+  const fs::path hypothesis = folder.path() / "described" / "hypothesis.yaml";
+  ASSERT_TRUE(fs::is_regular_file(hypothesis));
+  const Diagnosis named = diagnosed(dataset, {hypothesis.string()});
+  EXPECT_EQ(named.verdict, Verdict::effect) << to_text(named.verdict);
+  ASSERT_EQ(named.effects.size(), 1U);
+  EXPECT_EQ(named.effects[0].name, "found_pendulum_periodic");
+  EXPECT_NEAR(named.effects[0].parameters[2].value, kPeriod, 0.01 * kPeriod);
+  EXPECT_LT(named.gap.after, 1.2);
+  EXPECT_TRUE(named.remainder.places.front().follows.empty());
+}
+
+TEST(UnknownCause, IsDescribedAtTheJointWhereItActs) {
+  const TemporaryFolder folder;
+  const Diagnosis described =
+      diagnosed(logged("double_pendulum_trials.yaml", {cogging_file(folder.path(), "elbow")},
+                       {"cogging:size=0.05"}, 6, 3),
+                {});
+  ASSERT_EQ(described.remainder.places.size(), 2U);
+  for (const RemainderPlace& place : described.remainder.places) {
+    const bool own = place.joint == "elbow";
+    ASSERT_EQ(place.follows.size(), own ? 1U : 0U) << place.joint;
+    if (!own) continue;
+    EXPECT_EQ(place.follows[0].regressor, Regressor::periodic);
+    EXPECT_NEAR(place.follows[0].period, kPeriod, 0.05 * kPeriod);
+  }
+}
+
+TEST(UnknownCause, NothingIsDescribedWhereTheCatalogueHasTheCause) {
+  int described = 0;
+  std::string told;
+  for (int seed = 1; seed <= 20; ++seed) {
+    const bool rubs = seed % 2 == 0;
+    const Diagnosis found =
+        diagnosed(logged("pendulum_trials.yaml", {},
+                         rubs ? std::vector<std::string>{"joint_coulomb_friction:torque=0.2"}
+                              : std::vector<std::string>{},
+                         3, seed),
+                  {});
+    const bool any =
+        std::any_of(found.remainder.places.begin(), found.remainder.places.end(),
+                    [](const RemainderPlace& place) { return !place.follows.empty(); });
+    if (!any) continue;
+    ++described;
+    for (const std::string& sentence : remainder_sentences(found))
+      told += fmt::format("seed {}, {}: {}\n", seed, to_text(found.verdict), sentence);
+  }
+  EXPECT_LE(described, 1) << told;
+}
+
+}  // namespace
+}  // namespace jaculus::diagnosis
