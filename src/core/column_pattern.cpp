@@ -5,20 +5,20 @@ namespace {
 
 using Eigen::Index;
 
-constexpr Index kRows = 4;  ///< of a result that are summed in registers
+constexpr Index kSummedRows = 4;  ///< of a result that are summed in registers
 
 /// Four rows (or fewer, `height`) of one column: c += sum_k A(:, rows[k]) factors(rows[k]).
 template <class S, class Factor>
 JACULUS_INLINE void add_columns(const S* A, Index stride, Index height,
                                 const std::vector<int>& rows, Factor&& factor, S* c) {
-  if (height >= kRows) {
-    S sum[kRows] = {c[0], c[1], c[2], c[3]};
+  if (height >= kSummedRows) {
+    S sum[kSummedRows] = {c[0], c[1], c[2], c[3]};
     for (const int i : rows) {
       const S b = factor(i);
       const S* a = A + i * stride;
-      for (Index k = 0; k < kRows; ++k) sum[k] += a[k] * b;
+      for (Index k = 0; k < kSummedRows; ++k) sum[k] += a[k] * b;
     }
-    for (Index k = 0; k < kRows; ++k) c[k] = sum[k];
+    for (Index k = 0; k < kSummedRows; ++k) c[k] = sum[k];
     return;
   }
 
@@ -49,7 +49,7 @@ JACULUS_WIDE void add_times_sparse(const std::type_identity_t<ConstRefOf<S>>& A,
   for (Index j = 0; j < C.cols(); ++j) {
     const auto* column = sparse.data() + j * sparse.rows();
     S* c = C.data() + j * C.outerStride();
-    for (Index i = 0; i < rows; i += kRows)
+    for (Index i = 0; i < rows; i += kSummedRows)
       add_columns(
           A.data() + i, stride, rows - i, pattern.rows[j],
           [&](int k) { return S(sign * column[k]); }, c + i);
