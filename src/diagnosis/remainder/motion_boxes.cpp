@@ -13,7 +13,7 @@
 namespace jaculus::diagnosis {
 namespace {
 
-constexpr double kSameTime = 1e-6;  // [s]
+constexpr double kAdjoining = 1e-6;  // [s]
 constexpr int kSteps = 12;
 constexpr double kForceReached = 1e-3;  ///< share of the force by which the last step moves it
 
@@ -92,7 +92,7 @@ std::optional<MotionBox> box_between(const PlantForward& forward, int dataset, i
   if (segment + 1 >= count_of(observed.segments)) return std::nullopt;
   const Segment &own = observed.segments[segment], &next = observed.segments[segment + 1];
   const double apart = next.start - own.start;
-  if (next.trial != own.trial || std::abs(apart - length) > kSameTime) return std::nullopt;
+  if (next.trial != own.trial || std::abs(apart - length) > kAdjoining) return std::nullopt;
   const BoxState &from = states[segment], &to = states[segment + 1];
   if (from.q.size() == 0 || to.q.size() == 0) return std::nullopt;
 

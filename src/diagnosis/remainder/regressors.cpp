@@ -10,10 +10,10 @@
 namespace jaculus::diagnosis {
 namespace {
 
-constexpr double kSameTime = 1e-6;    // [s]
-constexpr double kVaries = 1e-6;      ///< of its size, below which a function is a constant
-constexpr double kOscillates = 0.25;  ///< of boxes, that must pass less than half of a period
-constexpr double kHalfCycles = 0.5;   ///< over the whole range, from one period to the next
+constexpr double kSameInstant = 1e-6;  // [s]
+constexpr double kVaries = 1e-6;       ///< of its size, below which a function is a constant
+constexpr double kOscillates = 0.25;   ///< of boxes, that must pass less than half of a period
+constexpr double kHalfCycles = 0.5;    ///< over the whole range, from one period to the next
 constexpr std::size_t kMostPeriods = 400;
 
 /// The motion of one coordinate through a box, a sample each.
@@ -211,7 +211,7 @@ PlaceRegressors regressors_of(const Problem& all, const std::vector<std::vector<
     const MotionBox* before = nullptr;
     for (const MotionBox& box : boxes[d]) {
       const bool follows = before != nullptr && before->trial == box.trial &&
-                           std::abs(before->start + before->length - box.start) < kSameTime;
+                           std::abs(before->start + before->length - box.start) < kSameInstant;
       if (!follows) ++run;
       before = &box;
       out.boxes.run.push_back(run);
