@@ -51,13 +51,14 @@ JobsStatus status_of(const fs::path& path) {
   folder.read();
   JobsStatus status;
   status.stage = folder.stage();
-  status.tasks = folder.count();
+  status.tasks = folder.asked();
 
   std::set<int> finished;
-  for (const auto& [index, bytes] : folder.fresh("done")) finished.insert(index);
+  for (const auto& [index, bytes] : folder.fresh("done"))
+    if (index < status.tasks) finished.insert(index);
   status.done = count_of(finished);
   for (const auto& [index, why] : folder.fresh("failed"))
-    if (finished.insert(index).second) status.failed[why].push_back(index);
+    if (index < status.tasks && finished.insert(index).second) status.failed[why].push_back(index);
   add_elements(folder, finished, status);
 
   const double left = status.tasks - count_of(finished);

@@ -96,6 +96,7 @@ void StageFolder::open(const std::string& stage, int count, const std::string& k
           ": belongs to another list of tasks (its inputs differ); remove it to begin anew");
     }
     cost_s_ = there.cost_s_;
+    asked_ = there.asked_;
     return;
   }
 
@@ -117,18 +118,26 @@ void StageFolder::read() {
   count_ = json.at("tasks").get<int>();
   key_ = json.at("key").get<std::string>();
   if (json.contains("cost_s")) cost_s_ = json["cost_s"].get<double>();
+  if (json.contains("asked")) asked_ = json["asked"].get<int>();
   if (json.contains("finished")) finished_ = json["finished"].get<int>();
 }
 
 void StageFolder::write() const {
   Json json{{"format", kFormat}, {"stage", stage_}, {"tasks", count_}, {"key", key_}};
   if (cost_s_) json["cost_s"] = *cost_s_;
+  if (asked_) json["asked"] = *asked_;
   if (finished_) json["finished"] = *finished_;
   write_whole(path_ / "stage.json", json.dump(1) + "\n");
 }
 
 void StageFolder::set_cost(double cost_s) {
   cost_s_ = cost_s;
+  write();
+}
+
+void StageFolder::set_asked(int asked) {
+  if (asked == this->asked()) return;
+  asked_ = asked;
   write();
 }
 

@@ -50,6 +50,10 @@ class StageFolder {
   [[nodiscard]] std::optional<double> cost_s() const { return cost_s_; }
   void set_cost(double cost_s);
 
+  /// How many of the tasks, from the first on, are asked for: all, unless a run has a limit.
+  [[nodiscard]] int asked() const { return asked_.value_or(count_); }
+  void set_asked(int asked);
+
   /// How many results there are, where all that was asked for is there.
   [[nodiscard]] std::optional<int> finished() const { return finished_; }
   void set_finished(int finished);
@@ -84,6 +88,7 @@ class StageFolder {
   std::string stage_, key_;
   int count_ = 0;
   std::optional<double> cost_s_;
+  std::optional<int> asked_;
   std::optional<int> finished_;
   std::map<std::filesystem::path, JournalTail> tails_;
 };

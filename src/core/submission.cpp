@@ -60,6 +60,7 @@ class Submission {
         take_(take),
         folder_(executor_.folder / options.stage) {
     folder_.open(options.stage, count_of(known), key);
+    folder_.set_asked(total);
     for (int i = 0; i < total; ++i)
       if (known[i].state == TaskState::cancelled) open_.insert(i);
     adopt();
@@ -178,26 +179,40 @@ class Submission {
   }
 
   void submit_waiting() {
-    const int number = folder_.rounds() + 1;
+    // one that Slurm did not take has its files there already
+    const int number = folder_.rounds() + (refused_ ? 0 : 1);
     const auto chunks =
         chunks_of({waiting_.begin(), waiting_.end()}, *folder_.cost_s(), executor_.chunk_s);
     folder_.write_round(number, chunks);
     const fs::path script = folder_.path() / fmt::format("round_{}.sh", number);
     write_script(script, number);
 
-    Array array{"jaculus_" + options_.stage,
-                count_of(chunks),
-                fs::current_path(),
-                fs::absolute(script),
-                fs::absolute(folder_.path() / "log").string() + fmt::format("/{}.%a.txt", number),
-                executor_.options};
-    jobs_[number] = submit_array(array);
-    folder_.write_job(number, jobs_[number]);
+    const auto job = submitted(
+        {"jaculus_" + options_.stage, count_of(chunks), fs::current_path(), fs::absolute(script),
+         fs::absolute(folder_.path() / "log").string() + fmt::format("/{}.%a.txt", number),
+         executor_.options});
+    refused_ = !job;
+    if (refused_) return;
+    jobs_[number] = *job;
+    folder_.write_job(number, *job);
     for (int c = 0; c < count_of(chunks); ++c) watched_[{number, c}] = {chunks[c], true, {}, {}};
     most_elements_ = std::max(most_elements_, count_of(chunks));
     notice(fmt::format("{}: {} tasks in {} elements of Slurm job {}", options_.stage,
-                       waiting_.size(), chunks.size(), jobs_[number]));
+                       waiting_.size(), chunks.size(), *job));
     waiting_.clear();
+  }
+
+  /// The job's id. Nothing where Slurm, which took an array of this run before, doesn't take one
+  /// now (out of reach, a user's quota of jobs): it is asked again. InputError for the first.
+  [[nodiscard]] std::optional<std::string> submitted(const Array& array) {
+    try {
+      return submit_array(array);
+    } catch (const InputError& error) {
+      if (most_elements_ == 0) throw;
+      if (told_.insert(error.what()).second)
+        notice(fmt::format("Slurm takes no jobs, trying again: {}", error.what()));
+      return std::nullopt;
+    }
   }
 
   void write_script(const fs::path& script, int round) const {
@@ -225,8 +240,7 @@ class Submission {
       std::string trouble;
       const auto states = element_states(jobs_[round], &trouble);
       if (!states) {
-        if (!told_.contains(trouble)) notice("Slurm doesn't answer, waiting: " + trouble);
-        told_.insert(trouble);
+        if (told_.insert(trouble).second) notice("Slurm doesn't answer, waiting: " + trouble);
         continue;
       }
       for (auto& [element, watched] : watched_)
@@ -307,6 +321,7 @@ class Submission {
   std::map<int, std::string> jobs_;  ///< by round
   std::map<int, int> losses_;
   int lost_in_a_row_ = 0, most_elements_ = 0;
+  bool refused_ = false;  ///< the last array
   std::set<std::string> told_;
   std::optional<Journal> own_done_, own_failed_;  ///< of this process
   Clock::time_point begin_ = Clock::now();

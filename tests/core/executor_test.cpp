@@ -13,6 +13,7 @@
 #include <iterator>
 #include <map>
 #include <numeric>
+#include <optional>
 #include <stdexcept>
 
 #include "core/stage_folder.h"
@@ -48,8 +49,9 @@ class OnFakeSlurm : public testing::Test {
   }
   void TearDown() override {
     setenv("PATH", path_.c_str(), 1);
-    for (const char* fault : {"FAKE_SLURM_KILL", "FAKE_SLURM_REQUEUE", "FAKE_SLURM_REFUSE",
-                              "FAKE_SLURM_STATE", "FAKE_SLURM_OTHER", "JACULUS_TEST_FAULT"})
+    for (const char* fault :
+         {"FAKE_SLURM_KILL", "FAKE_SLURM_REQUEUE", "FAKE_SLURM_REFUSE", "FAKE_SLURM_STATE",
+          "FAKE_SLURM_OTHER", "FAKE_SLURM_BUSY", "JACULUS_TEST_FAULT"})
       unsetenv(fault);
     fs::remove_all(folder_);
   }
@@ -69,6 +71,7 @@ class OnFakeSlurm : public testing::Test {
   fs::path folder_;
   std::string path_;
   std::string notices_;
+  std::optional<int> limit_;  ///< tasks before it are asked for
 };
 
 /// How often this was called, by whatever process.
@@ -79,19 +82,21 @@ std::uintmax_t times_called(const fs::path& folder) {
 
 /// The list of tasks that the test submits, and the worker runs.
 std::vector<TaskResult> run_list(const fs::path& folder, const std::string& fingerprint,
-                                 std::string* notices) {
+                                 std::string* notices, std::optional<int> limit = {}) {
   const char* fault = std::getenv("JACULUS_TEST_FAULT");
   const std::string wrong = fault != nullptr ? fault : "";
   Executor executor{folder / "jobs",
                     {"/proc/self/exe", "--gtest_also_run_disabled_tests",
                      "--gtest_filter=ExecutorHelper.DISABLED_Worker"}};
   executor.command[0] = fs::read_symlink("/proc/self/exe");
-  executor.chunk_s = 0.4;
+  // of jobs that all are lost some must leave tasks that they never began, however slow a machine
+  executor.chunk_s = wrong == "worker_ends" ? 3.0 : 0.4;
   TaskOptions options;
   options.journal = folder / "list.journal";
   options.fingerprint = fingerprint;
   options.executor = std::make_shared<const Executor>(executor);
   options.stage = "list";
+  options.until = limit;
   if (notices != nullptr)
     options.notice = [notices](const std::string& text) { *notices += text + "\n"; };
 
@@ -109,7 +114,7 @@ std::vector<TaskResult> run_list(const fs::path& folder, const std::string& fing
 }
 
 std::vector<TaskResult> OnFakeSlurm::run(const std::string& fingerprint) {
-  return run_list(folder_, fingerprint, &notices_);
+  return run_list(folder_, fingerprint, &notices_, limit_);
 }
 
 TEST(ExecutorHelper, DISABLED_Worker) {
@@ -146,6 +151,15 @@ TEST_F(OnFakeSlurm, WhatALostNodeTookRunsAgainAndNothingElseDoes) {
   for (const auto& [index, times] : begun()) again += times - 1;
   EXPECT_EQ(again, 1);  // what was in flight
   EXPECT_NE(notices_.find("was lost (NODE_FAIL on here"), std::string::npos) << notices_;
+}
+
+TEST_F(OnFakeSlurm, ALaterArrayThatSlurmDoesNotTakeAtOnceIsOfferedAgain) {
+  setenv("FAKE_SLURM_KILL", "1.1", 1);
+  setenv("FAKE_SLURM_BUSY", "2", 1);
+  expect_all(run());
+  EXPECT_NE(notices_.find("Slurm takes no jobs, trying again: "), std::string::npos) << notices_;
+  EXPECT_TRUE(fs::exists(folder_ / "jobs/list/round_2.id"));
+  EXPECT_FALSE(fs::exists(folder_ / "jobs/list/round_3.json"));
 }
 
 TEST_F(OnFakeSlurm, ARequeuedElementGoesOn) {
@@ -205,6 +219,17 @@ TEST_F(OnFakeSlurm, AnArrayOfAnotherSubmissionRunsNothing) {
             std::string::npos)
       << results.back().error;
   EXPECT_TRUE(begun().empty());
+}
+
+TEST_F(OnFakeSlurm, StatusIsOfWhatWasAskedFor) {
+  limit_ = 20;
+  const auto results = run();
+  EXPECT_EQ(results[19].state, TaskState::done);
+  EXPECT_EQ(results[20].state, TaskState::cancelled);
+  const JobsStatus status = jobs_status(folder_ / "jobs").at(0);
+  EXPECT_EQ(status.tasks, 20);
+  EXPECT_EQ(status.done, 20);
+  EXPECT_EQ(status.remaining_s, 0.0);
 }
 
 TEST_F(OnFakeSlurm, AnotherListIsRefused) {

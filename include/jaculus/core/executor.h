@@ -51,7 +51,7 @@ void remove_jobs(const Executor& executor);
 /// One list of tasks as its folder tells it.
 struct JobsStatus {
   std::string stage;
-  int tasks = 0;
+  int tasks = 0;  ///< that are asked for
   int done = 0;
   std::map<std::string, std::vector<int>> failed;  ///< indices by reason
   /// elements of arrays by what Slurm says of them: state, and the reason where it waits
