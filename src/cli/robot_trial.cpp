@@ -71,13 +71,12 @@ std::string held_pose(const std::string& name, const model::Robot& robot,
 
   const bool stands = !model.feet.empty();
   return fmt::format(
-      "# {}, joints held by PD. Gains follow from its weight. They are the motors': where you\n"
-      "# put a gear into robot.yaml, divide them by its square, which is what the joint has of "
-      "them.\n"
+      "# {}, joints held by PD. Gains follow from its weight; they are the joints', whatever the "
+      "gear.\n"
       "format: jaculus-experiment/1\nname: {}\nexperiment: {}\nrobot: .\nplan: {}.csv\n"
       "initial: {{x: 0, z: {}, pitch: 0{}}}\n"
       "controller: {{kind: feedforward_pd, quantity: torque, rate_hz: 1000, kp: {{\"*\": {:.4g}}}, "
-      "kd: {{\"*\": {:.4g}}}, after_end: hold}}\nduration: {} ms\n",
+      "kd: {{\"*\": {:.4g}}}, gains_at: joint, after_end: hold}}\nduration: {} ms\n",
       stands ? "Stands on its feet for half a second" : "Falls freely, for it has no feet", name,
       stands ? "leap" : "self_righting", name, stands ? 0 : 1, open_joints(model, rest), kp,
       0.05 * kp, stands ? 500 : 200);

@@ -46,6 +46,7 @@ std::string controller_text(const StatedController& controller) {
 
   if (!controller.kp.empty()) out += ", kp: " + gains_text(controller.kp);
   if (!controller.kd.empty()) out += ", kd: " + gains_text(controller.kd);
+  if (controller.gains_at_joint) out += ", gains_at: joint";
   if (controller.bus_voltage) out += fmt::format(", bus_voltage: {}", *controller.bus_voltage);
   if (controller.after_end == AfterEnd::pose) {
     std::string pose;

@@ -40,6 +40,13 @@ std::map<std::string, StatedGain> read_gains(const yaml::Node& node, const Dimen
   return gains;
 }
 
+/// motor | joint. A joint's duty or voltage would be nobody's.
+void read_gains_at(const yaml::Node& node, StatedController& controller) {
+  controller.gains_at_joint = node.choice({"motor", "joint"}) == "joint";
+  if (controller.gains_at_joint && controller.quantity != Quantity::torque)
+    throw node.error("joint given with gains that are no torque; allowed: motor");
+}
+
 void note_gains(const StatedController& controller, std::vector<std::string>& notes) {
   if (!controller.gains_stated) {
     notes.emplace_back(
@@ -94,8 +101,22 @@ std::optional<Quantity> scripted_quantity(ControllerKind kind) {
   return std::nullopt;
 }
 
+/// A value, or a motor anew, in one line.
+std::string override_text(const yaml::Node& node) {
+  const auto one = [](const yaml::Node& value) {
+    if (!value.is_scalar()) throw value.error("allowed: one value");
+    return value.dump();
+  };
+  if (!node.is_map()) return one(node);
+  std::string text;
+  for (const auto& [key, value] : node.entries())
+    text += fmt::format("{}{}: {}", text.empty() ? "{" : ", ", key, one(value));
+  return text + "}";
+}
+
 StatedController controller_of(const yaml::Node& node, std::vector<std::string>& notes) {
-  node.only({"kind", "quantity", "rate_hz", "kp", "kd", "bus_voltage", "input", "after_end"});
+  node.only(
+      {"kind", "quantity", "rate_hz", "kp", "kd", "gains_at", "bus_voltage", "input", "after_end"});
   StatedController controller;
   controller.kind = read_name(node.at("kind"), controller_kinds());
   const bool feedback = controller.kind == ControllerKind::feedforward_pd;
@@ -129,6 +150,7 @@ StatedController controller_of(const yaml::Node& node, std::vector<std::string>&
   if (kp) controller.kp = read_gains(*kp, gain_dimension(controller.quantity, false));
   if (kd) controller.kd = read_gains(*kd, gain_dimension(controller.quantity, true));
   if (feedback) note_gains(controller, notes);
+  if (const auto at = node.find("gains_at")) read_gains_at(*at, controller);
 
   if (const auto bus = node.find("bus_voltage"))
     controller.bus_voltage = bus->number(dimension::voltage, kPositive);
@@ -293,8 +315,7 @@ DatasetOutline read_dataset_setup(const yaml::Node& file) {
   dataset.robot = file.at("robot").text();
   if (const auto overrides = file.find("override")) {
     for (const auto& [path, value] : overrides->entries()) {
-      if (!value.is_scalar()) throw value.error("allowed: one value");
-      dataset.overrides[path] = value.dump();
+      dataset.overrides[path] = override_text(value);
     }
   }
 

@@ -13,7 +13,7 @@
 //   initial: {z: 1 m}                # where the plan does not say
 //   stops: {tail: {range: [-90 deg, 90 deg], restitution: 0}}
 //   controller: {kind: feedforward_pd, quantity: torque, rate_hz: 1000, kp: {...}, kd: {...}}
-//     # as in dataset.yaml; gains known
+//     # as in dataset.yaml; gains known, of the motors, or with gains_at: joint of the joints
 //     after_end: hold                # in it, after the plan: hold | relax | repeat |
 //                                    # {pose: {"*": 60 deg, tail: 0}, within: 50 ms}
 //   duration: 0.3 s                  # of the recording from the command's start; default: to 0.1 s
@@ -97,6 +97,9 @@ model::Robot overridden_robot(const trajectory::Dataset& dataset);
 /// command are held where `initial` says, else at 0 (z: 1 m). InputError where the robot is
 /// unknown.
 model::Robot dataset_robot(const trajectory::Dataset& dataset);
+/// Gains that are stated at the joint become the motor's, whose angle is gear times the joint's and
+/// whose torque is the joint's over gear: they are divided by gear^2.
+void put_gains_at_motors(const model::PlanarModel& model, trajectory::StatedController& controller);
 /// When its commands end [s]: of its plan, else of its script. Misuse: neither.
 double command_duration(const trajectory::Dataset& dataset);
 /// nominal_plant() with the dataset's stops and bus voltage. InputError where the robot has no such

@@ -66,6 +66,8 @@ struct StatedController {
   bool quantity_stated = false;
   /// false: neither kp nor kd stood in the file, so every gain is unknown
   bool gains_stated = false;
+  /// true: gains are at the joint, behind the gear, as many drivers take them; else the motor's
+  bool gains_at_joint = false;
   std::map<std::string, StatedGain> kp;  ///< by joint; "*" any other joint
   std::map<std::string, StatedGain> kd;
   std::optional<double> bus_voltage;  ///< [V]

@@ -12,6 +12,7 @@
 
 #include "diagnosis/data/evidence_channels.h"
 #include "diagnosis/data/observations.h"
+#include "jaculus/simulation/experiment.h"
 
 namespace jaculus::diagnosis {
 namespace {
@@ -238,6 +239,7 @@ ObservedDataset cut_dataset(const Dataset& dataset, const PlanarModel& model,
                             const Settings& settings, Observations& out) {
   ObservedDataset observed;
   observed.dataset = dataset;
+  simulation::put_gains_at_motors(model, observed.dataset.controller);
   observed.model = model;
   observed.measured_input = dataset.controller.kind == trajectory::ControllerKind::measured;
   const std::string label = observed.name();

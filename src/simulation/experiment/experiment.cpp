@@ -84,6 +84,26 @@ Plant dataset_plant(const trajectory::Dataset& dataset, const model::PlanarModel
   return plant;
 }
 
+void put_gains_at_motors(const model::PlanarModel& model,
+                         trajectory::StatedController& controller) {
+  if (!controller.gains_at_joint) return;
+  controller.gains_at_joint = false;
+  for (auto* gains : {&controller.kp, &controller.kd}) {
+    const auto all = gains->find("*");
+    if (all != gains->end()) {
+      for (const model::PlanarMotor& motor : model.motors)
+        gains->try_emplace(motor.joint, all->second);
+      gains->erase("*");
+    }
+    for (const model::PlanarMotor& motor : model.motors) {
+      const auto gain = gains->find(motor.joint);
+      if (gain == gains->end()) continue;
+      gain->second.range.lower /= motor.gear * motor.gear;
+      gain->second.range.upper /= motor.gear * motor.gear;
+    }
+  }
+}
+
 Controller experiment_controller(const Experiment& experiment, const model::PlanarModel& model) {
   const trajectory::StatedController& stated = experiment.setup.controller;
   if (!stated.gains_stated)

@@ -232,6 +232,7 @@ Experiment read_parts(const yaml::Node& file, const fs::path& folder) {
     throw file.error(
         "neither plan nor input is given; allowed: one of the two, for there is no log to replay");
   const model::PlanarModel model = dataset_robot(experiment.setup).planar;
+  put_gains_at_motors(model, experiment.setup.controller);
   const double commanded = command_duration(experiment.setup);
   experiment.duration = commanded + 0.1;
 
