@@ -63,6 +63,9 @@ struct OverrideInput {
   yaml::Node value;
 };
 
+/// Whether `path` is what an override's path names; "*" there stands for any one part between dots.
+bool matches(std::string_view pattern, std::string_view path);
+
 /// Applies overrides ("*" stands for any one part of a path; a path in full wins over one with "*";
 /// "=path" copies another value). Unknown path, one value set twice, a cycle: InputError.
 void apply_overrides(PlanarModel& model, const std::vector<OverrideInput>& overrides);

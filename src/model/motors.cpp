@@ -109,4 +109,39 @@ void read_motors(const yaml::Node& robot, const Absent& absent, PlanarModel& mod
     if (absent.count(name) == 0) model.motors.push_back(read_motor(name, node, model));
 }
 
+std::string motor_text(PlanarMotor motor, const PlanarModel& model) {
+  std::string text = fmt::format("{{kind: {}", motor.ideal() ? "ideal" : "electric");
+  const std::size_t body = motor.body;
+  for (const Field& field : motor_fields(motor, model.bodies[body].kind == JointKind::prismatic)) {
+    const double value = **std::get_if<double*>(&field.target);
+    if (std::isfinite(value)) text += fmt::format(", {}: {}", field.key(), value);
+  }
+  return text + "}";
+}
+
+void replace_motors(const std::vector<OverrideInput>& overrides, PlanarModel& model) {
+  for (const bool wild : {true, false}) {
+    for (const OverrideInput& o : overrides) {
+      if ((o.path.find('*') != std::string::npos) != wild) continue;
+      for (PlanarMotor& motor : model.motors)
+        if (matches(o.path, "motors." + motor.joint))
+          motor = read_motor(motor.joint, o.value, model);
+    }
+  }
+}
+
+void check_replaced(const std::vector<OverrideInput>& overrides, const Absent& absent,
+                    const PlanarModel& model) {
+  std::vector<std::string> known;
+  for (const PlanarMotor& motor : model.motors) known.push_back("motors." + motor.joint);
+  std::vector<std::string> all = known;
+  for (const std::string& name : absent) all.push_back("motors." + name);
+
+  for (const OverrideInput& o : overrides) {
+    const bool there = std::any_of(all.begin(), all.end(),
+                                   [&o](const std::string& path) { return matches(o.path, path); });
+    if (!there) throw unknown_name(o.value, "motor", o.path, known);
+  }
+}
+
 }  // namespace jaculus::model

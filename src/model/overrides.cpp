@@ -6,9 +6,7 @@
 #include "model/fields.h"
 
 namespace jaculus::model {
-namespace {
 
-/// Whether `path` fits `pattern`, in which "*" stands for one part between dots.
 bool matches(std::string_view pattern, std::string_view path) {
   for (;;) {
     const std::size_t a = pattern.find('.');
@@ -21,9 +19,10 @@ bool matches(std::string_view pattern, std::string_view path) {
   }
 }
 
-bool matches(const std::string& pattern, const Field& field) {
-  return matches(std::string_view(pattern), field.path) ||
-         (!field.alias.empty() && matches(std::string_view(pattern), field.alias));
+namespace {
+
+bool names(const std::string& pattern, const Field& field) {
+  return matches(pattern, field.path) || (!field.alias.empty() && matches(pattern, field.alias));
 }
 
 bool is_reference(const yaml::Node& node) {
@@ -55,7 +54,7 @@ class Applier {
   void assign(const OverrideInput& o, bool wild) {
     bool found = false;
     for (std::size_t f = 0; f < fields_.size(); ++f) {
-      if (!matches(o.path, fields_[f])) continue;
+      if (!names(o.path, fields_[f])) continue;
       found = true;
       const auto old = assigned_.find(f);
       if (old != assigned_.end() && old->second.wild == wild) {

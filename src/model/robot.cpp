@@ -101,7 +101,21 @@ void check_base(const yaml::Node& node, const PlanarModel& model) {
         "nothing of this robot can move; allowed: a free base or a joint that moves");
 }
 
-bool concerns_attached(const Override& o) { return o.path.starts_with("attach."); }
+/// What an override is read by.
+enum class Concern { attached, motor, value };
+
+/// A motor anew is a map, {motors.hip: {kind: ...}}; with a further key it is one of its values.
+Concern concern_of(const Override& o) {
+  if (o.path.starts_with("attach.")) return Concern::attached;
+  return o.path.starts_with("motors.") && o.value.is_map() ? Concern::motor : Concern::value;
+}
+
+std::vector<OverrideInput> concerning(const std::vector<Override>& overrides, Concern concern) {
+  std::vector<OverrideInput> inputs;
+  for (const Override& o : overrides)
+    if (concern_of(o) == concern) inputs.push_back({o.path, o.value});
+  return inputs;
+}
 
 /// The bodies in space, in the robot's axes, with what robot.yaml attaches.
 struct Composed {
@@ -114,10 +128,8 @@ struct Composed {
 Composed compose(const Description& d, const std::vector<Override>& overrides, Reading reading) {
   Composed c;
   c.tree = read_placement(d.node, read_urdf(d.urdf, reading), c.notes);
-  std::vector<OverrideInput> inputs;
-  for (const Override& o : overrides)
-    if (concerns_attached(o)) inputs.push_back({o.path, o.value});
-  c.attachments = read_attachments(d.node, inputs, c.tree.total_mass());
+  c.attachments =
+      read_attachments(d.node, concerning(overrides, Concern::attached), c.tree.total_mass());
   c.absent = remove_absent(reading, c.attachments);
   attach(c.attachments, reading, c.tree);
   for (const Attachment& a : c.attachments) c.notes.push_back(attached_note(a));
@@ -125,7 +137,8 @@ Composed compose(const Description& d, const std::vector<Override>& overrides, R
 }
 
 /// The bodies that move, and how robot.yaml names what they carry.
-void read_bodies(const yaml::Node& node, const Composed& composed, Reading reading, Robot& robot) {
+void read_bodies(const yaml::Node& node, const Composed& composed,
+                 const std::vector<OverrideInput>& motors, Reading reading, Robot& robot) {
   const SpatialTree& tree = composed.tree;
   Absent absent = composed.absent;
   const std::vector<PairSpec> joints = read_pairs(node, "joints", tree, absent);
@@ -143,8 +156,11 @@ void read_bodies(const yaml::Node& node, const Composed& composed, Reading readi
   model.feet = read_points(node, "feet", reduction, model, absent);
   model.points = read_points(node, "points", reduction, model, absent);
   read_motors(node, absent, model);
+  replace_motors(motors, model);  // before a tail takes one like them
   read_drags(node, reduction, absent, model);
   add_attached_parts(composed.attachments, model);
+  replace_motors(motors, model);
+  check_replaced(motors, absent, model);
   robot.rest_pose = read_rest_pose(node, model, absent);
 }
 
@@ -166,7 +182,7 @@ Robot read_files(const fs::path& folder, const Description& described,
 
   PlanarModel& model = robot.planar;
   read_base(node, model);
-  read_bodies(node, composed, reading, robot);
+  read_bodies(node, composed, concerning(overrides, Concern::motor), reading, robot);
   const Bounds not_negative{0.0, kInfinity};
   if (const auto gravity = node.find("gravity"))
     model.gravity = gravity->number(dimension::acceleration, not_negative);
@@ -201,10 +217,7 @@ fs::path find_robot(const std::string& name, const fs::path& relative_to) {
 Robot read_robot(const fs::path& folder, const std::vector<Override>& overrides, Reading reading) {
   const Description described = read_description(folder);
   Robot robot = read_files(folder, described, overrides, reading);
-  std::vector<OverrideInput> inputs;
-  for (const Override& o : overrides)
-    if (!concerns_attached(o)) inputs.push_back({o.path, o.value});
-  apply_overrides(robot.planar, inputs);
+  apply_overrides(robot.planar, concerning(overrides, Concern::value));
   check_drags(described.node, robot.planar);
   return robot;
 }
@@ -221,6 +234,8 @@ std::vector<std::string> override_paths(const fs::path& folder) {
   const Description described = read_description(folder);
   Robot robot = read_files(folder, described, {}, Reading::lenient);
   std::vector<std::string> lines = attach_paths(described.node);
+  for (const PlanarMotor& motor : robot.planar.motors)
+    lines.push_back(fmt::format("motors.{} = {}", motor.joint, motor_text(motor, robot.planar)));
   for (const Field& field : model_fields(robot.planar))
     lines.push_back(field.path + " = " + field.shown());
   return lines;

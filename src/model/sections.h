@@ -13,6 +13,8 @@
 
 namespace jaculus::model {
 
+struct OverrideInput;
+
 /// Joints and links of what `attach` has with kind none: they aren't there, and what robot.yaml
 /// says of them (pairs, fixed_joints, ranges, rest_pose, feet, points, motors, drag) is skipped.
 using Absent = std::set<std::string>;
@@ -49,6 +51,13 @@ std::vector<PlanarPoint> read_points(const yaml::Node& robot, const std::string&
 void read_motors(const yaml::Node& robot, const Absent& absent, PlanarModel& model);
 /// One of them, at a joint of the model.
 PlanarMotor read_motor(const std::string& joint, const yaml::Node& node, const PlanarModel& model);
+/// As such a node, in one line.
+std::string motor_text(PlanarMotor motor, const PlanarModel& model);
+/// Motors of the model that an override describes anew, as {motors.hip: {kind: ideal}}.
+void replace_motors(const std::vector<OverrideInput>& overrides, PlanarModel& model);
+/// InputError for such an override of a motor that the robot hasn't.
+void check_replaced(const std::vector<OverrideInput>& overrides, const Absent& absent,
+                    const PlanarModel& model);
 
 /// rest_pose: {joint: value}, of joints with a motor, where they are while the robot is carried
 /// [rad or m]

@@ -33,7 +33,8 @@ std::vector<Key> file_keys() {
       {"robot", Other{},
        "a folder with robot.urdf and robot.yaml, relative to this file, or a name under models/"},
       {"override", Other{},
-       "model values by path, {tail.drag.coefficient: 2.0}; `jaculus check ROBOT` lists the paths",
+       "model values by path, {tail.drag.coefficient: 2.0}, or a motor anew, {motors.tail: {kind: "
+       "ideal}}; `jaculus check ROBOT` lists the paths",
        kNone},
       {"lock", Other{"rad or m"},
        "coordinates held fixed, {tail: -90 deg}; the motor there does nothing", kNone},

@@ -265,6 +265,18 @@ TEST(Robot, EveryListedPathCanBeOverridden) {
   }
 }
 
+TEST(Robot, AMotorIsReplacedAsAWholeAndSingleValuesCountOnTop) {
+  const fs::path folder = kModels / "minitaur_tail";
+  const PlanarModel m = read_robot(folder, {set("motors.tail", "{kind: ideal, torque_limit: 9}"),
+                                            set("motors.tail.torque_limit", "8 N m"),
+                                            set("motors.*", "{kind: ideal}")})
+                            .planar;
+  const PlanarMotor& tail = m.motors[m.motor_index("tail")];
+  EXPECT_TRUE(tail.ideal());
+  EXPECT_EQ(tail.torque_limit, 8.0);
+  EXPECT_EQ(tail.gear, 1.0);
+}
+
 TEST(Robot, IsFoundByFolderAndByName) {
   const testing::Folder folder;
   fs::create_directories(folder.path() / "mine");

@@ -30,7 +30,8 @@ struct Robot {
 /// One override of a model value by its path, as in `override: {tail.drag.coefficient: 2.0}`. "*"
 /// in a path stands for any one part between dots (a path in full wins over it); a value "=path"
 /// copies another model value. "attach.tail.kind" and its like replace what robot.yaml attaches,
-/// before anything else is built from it.
+/// before anything else is built from it. A map replaces a motor, of another kind maybe:
+/// "motors.tail" with {kind: ideal, torque_limit: 9}; single values then count on top of it.
 struct Override {
   std::string path;  ///< "tail.drag.coefficient", "motors.tail.resistance", "bodies.base.mass", ...
   yaml::Node value;  ///< read with the dimension of what it replaces
