@@ -1,5 +1,7 @@
 #include "jaculus/solver/plan.h"
 
+#include <cmath>
+
 #include "jaculus/core/interrupt.h"
 #include "solver/plan_solve.h"
 
@@ -45,28 +47,35 @@ Plan finish(std::unique_ptr<transcription::NonlinearProgram> program,
   return plan;
 }
 
-/// Of all optima that the starts of a program found the best whose plan holds between nodes; where
-/// none's does, the best.
+/// Of all optima that the starts of a program found the best whose plan holds between nodes, as it
+/// is on its last mesh, for finer ones may have led it to another optimum; where none's holds, the
+/// best.
 Plan best_verified(std::unique_ptr<transcription::NonlinearProgram> program,
                    const std::optional<EarlierPlan>& earlier, const transcription::Problem& problem,
                    const model::PlanarModel& planned, const PlanOptions& options) {
+  constexpr double kBetter = 0.01;  // of the objective: less isn't worth another refinement
   detail::SolvedStarts solved = detail::solve_starts(*program, earlier, options);
   std::optional<Plan> taken;
+  bool held = false;
   std::vector<int> passed_over;
 
   for (auto& [start, result] : solved.results) {
     if (taken && interrupt_requested()) break;
+    // the best come first: none of those that follow could be better
+    const double least = taken ? taken->result.objective : 0.0;
+    if (held && !(result.objective < least - kBetter * std::abs(least))) break;
+
     if (!program) program = std::make_unique<transcription::NonlinearProgram>(problem, planned);
     Plan plan = finish(std::move(program), problem, planned, std::move(result), options);
     const bool holds = plan.verification && plan.verification->passed;
-    if (holds || !taken) {
-      plan.starts = solved.figures;
-      plan.starts.best = start;
-      if (holds) plan.starts.passed_over = passed_over;
-      taken = std::move(plan);
-    }
-    if (holds) break;
-    passed_over.push_back(start);
+    const bool better = holds && (!held || plan.result.objective < least);
+    if (!holds) passed_over.push_back(start);
+    if (!better && taken) continue;
+    plan.starts = solved.figures;
+    plan.starts.best = start;
+    if (holds) plan.starts.passed_over = passed_over;
+    taken = std::move(plan);
+    held = holds;
   }
 
   return std::move(*taken);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <optional>
 
+#include "jaculus/core/interrupt.h"
 #include "solver/plan_solve.h"
 
 namespace jaculus::solver::detail {
@@ -100,8 +101,8 @@ bool in_worse_optimum(const NlpResult& coarse, const NlpResult& fine) {
 
 /// The plan on a finer mesh, from the plan before. First as from any guess, for which the plan
 /// before is a good one: on the leaps that takes a quarter of the iterations that a small first
-/// barrier takes. Where it ends worse, tried again with ever smaller ones, which stay close; the
-/// best of those that converge.
+/// barrier takes. Where it ends worse or nowhere, tried again with ever smaller ones, which stay
+/// close; the best of those that converge.
 NlpResult solve_finer(const Plan& plan, transcription::NonlinearProgram& finer, const Vector& x,
                       const PlanOptions& options) {
   NlpResult result;
@@ -115,7 +116,8 @@ NlpResult solve_finer(const Plan& plan, transcription::NonlinearProgram& finer, 
     result.iterations += before;
     before = result.iterations;
     if (result.converged() && (!best || result.objective < best->objective)) best = result;
-    if (!result.converged() || !in_worse_optimum(plan.result, result)) break;
+    const bool good = result.converged() && !in_worse_optimum(plan.result, result);
+    if (good || interrupt_requested()) break;
   }
   if (!best) return result;
   best->iterations = before;
