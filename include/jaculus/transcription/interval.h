@@ -1,6 +1,6 @@
 #pragma once
-// One collocation interval: its variables, its three points and the rows that hold there. Defects and
-// derivatives are those of interval_batch.h, four intervals at a time.
+// One collocation interval: its variables, its three points and the rows that hold there. Defects
+// and derivatives are those of interval_batch.h, four intervals at a time.
 //
 // State x = (q, v), dynamics f(x, u) = (v, a(q, v, u)), interval length h = fraction * T with T the
 // phase's duration.

@@ -2,8 +2,8 @@
 // Defects, path rows and integral costs of up to four intervals of one phase, each in a lane
 // (core/lanes.h), with exact first and second derivatives.
 //
-// In the words of interval.h, with Z_i = d a/d(q, v, u) at point i, the middle's (q, v, u) moves with
-// w by
+// In the words of interval.h, with Z_i = d a/d(q, v, u) at point i, the middle's (q, v, u) moves
+// with w by
 //     S = [ 1/2 I,  h/8 I   | 1/2 I, -h/8 I     | 0        | f/8 (v_0 - v_1) ]      q_m
 //         [   1/2 (0 I) + h/8 Z_0 | 1/2 (0 I) - h/8 Z_1 (their u as well) | f/8 (a_0 - a_1) ]   v_m
 //         [ 0             | 0                   | 1/2 of either end's input | 0 ]       u_m
@@ -93,8 +93,8 @@ class IntervalBatch {
   VectorOf<Lanes> x_middle_;
   MatrixOf<Lanes> S_v_, A_w_;  ///< d v_m/dw, d a_m/dw: n x w
   MatrixOf<Lanes> defect_w_, path_w_;
-  // Path rows of a point, all lanes: those of a member are in the order of its path. xi: what a term
-  // reads; s: (q, v, u); z: (a, force).
+  // Path rows of a point, all lanes: those of a member are in the order of its path. xi: what a
+  // term reads; s: (q, v, u); z: (a, force).
   std::array<int, 3> path_rows_{};              ///< most that a member has
   std::array<int, 3> path_place_{};             ///< the first one in path_w_
   std::array<MatrixOf<Lanes>, 3> by_s_, by_z_;  ///< Jacobian, total by s; by z

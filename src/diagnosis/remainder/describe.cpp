@@ -156,7 +156,8 @@ void add_shares(const HeldOutEnergy& energy, int groups, std::vector<Dependence>
   }
 }
 
-/// What the noise of rates at both ends of a box makes of its force, and what is left in all [unit^2].
+/// What the noise of rates at both ends of a box makes of its force, and what is left in all
+/// [unit^2].
 double rate_noise(const PlaceRegressors& place, const std::vector<Chunk>& chunks,
                   const Selected& selected) {
   const double rows = static_cast<double>(rows_in(chunks).size());

@@ -1,9 +1,9 @@
 #pragma once
 // What a missing force follows, and how much of it, judged on segments that no fit saw.
 //
-// Of the groups that stand by stability (sparse_fit.h), coefficients are fitted by generalised least
-// squares to all folds but one and predict that one; folds are runs of chunks in time. With the
-// missing force's energy E = sum f^2 less what the rates' noise makes of it, a set S of groups
+// Of the groups that stand by stability (sparse_fit.h), coefficients are fitted by generalised
+// least squares to all folds but one and predict that one; folds are runs of chunks in time. With
+// the missing force's energy E = sum f^2 less what the rates' noise makes of it, a set S of groups
 // explains
 //   v(S) = (sum f^2 - sum (f - x_S b_S)^2)/E
 // on held-out boxes. Its groups share v by Shapley's mean over the orders in which they may join

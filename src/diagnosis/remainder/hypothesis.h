@@ -1,6 +1,6 @@
 #pragma once
-// A description as a hypothesis: a file of an effect (jaculus-effect/1, effects/user_effect.h) whose
-// formula is what the missing force was found to follow.
+// A description as a hypothesis: a file of an effect (jaculus-effect/1, effects/user_effect.h)
+// whose formula is what the missing force was found to follow.
 //
 // At nominal the effect is nothing; scales, the deviations of the prior, are the sizes found, so
 // that a diagnosis judges it as it judges what a user would have written. Periods and the places of

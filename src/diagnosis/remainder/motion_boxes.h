@@ -7,9 +7,9 @@
 //   f <- f + M(q) (v measured - v simulated under f)/h   until it stays.
 // The first of these is not enough where a joint is at rest: friction takes up its own share of a
 // push before the joint moves. States are those of parabolas through the samples within half a box
-// (box_states.h), so that means over several boxes telescope and their noise falls with their number. No data are
-// differentiated twice, and what a force may follow is taken along the model's own way through the
-// box under f, which is a smoother of the data there.
+// (box_states.h), so that means over several boxes telescope and their noise falls with their
+// number. No data are differentiated twice, and what a force may follow is taken along the model's
+// own way through the box under f, which is a smoother of the data there.
 
 #include <vector>
 

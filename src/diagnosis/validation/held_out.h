@@ -28,8 +28,9 @@ namespace jaculus::diagnosis {
 struct JudgedFit {
   std::vector<std::optional<Errors>> folds;
 };
-/// What the datasets of each fold leave open of tolerances and gains (judge.h, `open`): a fold each, a
-/// dataset each. Nothing where folds are not over datasets, or where no simulation tells it.
+/// What the datasets of each fold leave open of tolerances and gains (judge.h, `open`): a fold
+/// each, a dataset each. Nothing where folds are not over datasets, or where no simulation tells
+/// it.
 using OpenRows = std::vector<std::vector<Matrix>>;
 /// `none`: the fit of `comparison` without effects.
 OpenRows open_rows(const Problem& problem, const Comparison& comparison, const Folds& folds,

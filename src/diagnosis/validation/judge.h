@@ -6,11 +6,11 @@
 // and rows after it are judged. P: covariance of n that the prefix leaves.
 //   noise floors  e_i = (y - f - A n)_i/sqrt(v_i),  v_i = sigma_i^2 (1 + 1/n_train) + (A P A^T)_ii
 //   units         (y - f - A n)_i, beside v_i, which is what a perfect model is expected to leave
-// A dataset of which a fold knows nothing is predicted by a robot whose tolerances and unknown gains
-// only the other datasets tell: with S = (J^T J + I)^-1 their covariance by these, J the white slopes
-// there and B the slopes here, less what n takes of them, v_i has (B S B^T)_ii in place of
-// sigma_i^2/n_train. S is a model's that lacks nothing, the same for all models, so that a vague one
-// gains nothing by being vague.
+// A dataset of which a fold knows nothing is predicted by a robot whose tolerances and unknown
+// gains only the other datasets tell: with S = (J^T J + I)^-1 their covariance by these, J the
+// white slopes there and B the slopes here, less what n takes of them, v_i has (B S B^T)_ii in
+// place of sigma_i^2/n_train. S is a model's that lacks nothing, the same for all models, so that a
+// vague one gains nothing by being vague.
 //
 // Horizon h: the segment is judged as if it ended at h after its start, its prefix being
 // settings.prefix_share of that. The start is that of the command, or of a window under a logged
