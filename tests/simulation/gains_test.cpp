@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Core>
+
 #include "jaculus/core/error.h"
 #include "jaculus/core/installation.h"
 #include "jaculus/simulation/experiment.h"
@@ -34,8 +36,10 @@ TEST(GainsAtJoints, AreThoseAtMotorsTimesTheGearSquared) {
       experiment_controller(experiment, dataset_robot(experiment.setup).planar);
   const std::vector<std::string> motors = {"shoulder", "elbow", "wrist"};
   ASSERT_EQ(controller.reference.motors, motors);
-  EXPECT_TRUE(controller.kp.isApprox(Vec3(900.0 / 225.0, 900.0 / 144.0, 50.0 / 100.0), 1e-15));
-  EXPECT_TRUE(controller.kd.isApprox(Vec3(36.0 / 225.0, 36.0 / 144.0, 36.0 / 100.0), 1e-15));
+  EXPECT_TRUE(
+      controller.kp.isApprox(Eigen::Vector3d(900.0 / 225.0, 900.0 / 144.0, 50.0 / 100.0), 1e-15));
+  EXPECT_TRUE(
+      controller.kd.isApprox(Eigen::Vector3d(36.0 / 225.0, 36.0 / 144.0, 36.0 / 100.0), 1e-15));
 }
 
 TEST(GainsAtJoints, HoldTheSameWhateverTheGear) {
