@@ -90,6 +90,31 @@ TEST(Propose, ForwardFollowsFromTheNamesOfLeftAndRight) {
   EXPECT_TRUE(holds(biped.proposal.yaml, "[\"left_hip\", \"right_hip\"]"));
 }
 
+TEST(Propose, SidesThatRubUnlikeHaveTheirMean) {
+  std::string text = "<robot name=\"biped\">" + link("trunk", 5, "0 0 0");
+  for (const char* side : {"left", "right"}) {
+    const bool left = std::string(side) == "left";
+    text +=
+        link(std::string(side) + "_leg", 1, "0 0 -0.1", "<sphere radius=\"0.01\"/>") +
+        testing::replaced(joint(std::string(side) + "_hip", "revolute", "trunk",
+                                std::string(side) + "_leg", left ? "0 0.1 0" : "0 -0.1 0", "0 1 0"),
+                          "</joint>",
+                          left ? "<dynamics damping=\"0.1\" friction=\"2\"/></joint>"
+                               : "<dynamics damping=\"0.3\" friction=\"3\"/></joint>");
+  }
+  const Imported biped = imported(text + "</robot>");
+  const PlanarMotor& motor = biped.robot.planar.motors.at(0);
+  EXPECT_EQ(motor.count, 2);
+  EXPECT_NEAR(motor.viscous_friction, 0.2, 1e-12);
+  EXPECT_NEAR(motor.dry_friction, 2.5, 1e-12);
+  bool said = false;
+  for (const std::string& note : biped.proposal.notes)
+    said = said || holds(note,
+                         "'left_hip' and 'right_hip' differ in damping, 0.1 and 0.3, or "
+                         "friction, 2 and 3 (SI): their mean counts");
+  EXPECT_TRUE(said);
+}
+
 TEST(Propose, SaysWhatIsDropped) {
   const Dropped d = imported(test::quadruped_urdf()).proposal.dropped;
   EXPECT_NEAR(d.mass, 12.0, 1e-12);

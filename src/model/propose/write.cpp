@@ -136,6 +136,13 @@ struct StatedMotor {
   bool fast_known = true;     ///< or slides, where no speed is assumed
 };
 
+/// Of a pair, the mean: both together rub as they do in the file.
+double mean_of_sides(const Draft& draft, const DraftJoint& joint, double SpatialJoint::*value) {
+  double sum = 0.0;
+  for (const int j : joint.spatial) sum += draft.tree.joints[j].*value;
+  return sum / static_cast<double>(joint.spatial.size());
+}
+
 StatedMotor stated_motor(const Draft& draft, const DraftJoint& joint) {
   const SpatialJoint& first = draft.tree.joints[joint.spatial.front()];
   const bool slides = first.kind == SpatialJointKind::prismatic;
@@ -148,24 +155,32 @@ StatedMotor stated_motor(const Draft& draft, const DraftJoint& joint) {
   const auto armature = draft.armature.find(first.name);
   if (armature != draft.armature.end() && !slides)
     motor.keys += fmt::format(", rotor_inertia: {}", number(armature->second));
-  if (first.damping > 0.0)
-    motor.keys += fmt::format(", viscous_friction: {}", number(first.damping));
-  if (first.friction > 0.0) motor.keys += fmt::format(", dry_friction: {}", number(first.friction));
+  const double damping = mean_of_sides(draft, joint, &SpatialJoint::damping);
+  const double friction = mean_of_sides(draft, joint, &SpatialJoint::friction);
+  if (damping > 0.0) motor.keys += fmt::format(", viscous_friction: {}", number(damping));
+  if (friction > 0.0) motor.keys += fmt::format(", dry_friction: {}", number(friction));
   return motor;
 }
 
-/// robot.yaml has the friction of motors alone, the left one's of a pair.
-void note_lost_friction(Draft& draft, const DraftJoint& joint, bool driven) {
+/// What robot.yaml doesn't have of the file's friction: it is that of motors alone, one of a pair.
+void note_friction(Draft& draft, const DraftJoint& joint, bool driven) {
   const SpatialJoint& first = draft.tree.joints[joint.spatial.front()];
   for (const int j : joint.spatial) {
     const SpatialJoint& side = draft.tree.joints[j];
     const bool same = side.damping == first.damping && side.friction == first.friction;
     const bool none = side.damping == 0.0 && side.friction == 0.0;
-    if (driven ? same : none) continue;
-    draft.notes.push_back(fmt::format(
-        "'{}': damping {:.4g} and friction {:.4g} (SI) are left out: {}", side.name, side.damping,
-        side.friction,
-        driven ? "the left side's count" : "no motor is assumed there; effects simulate them"));
+    if (driven && !same) {
+      draft.notes.push_back(fmt::format(
+          "'{}' and '{}' differ in damping, {:.4g} and {:.4g}, or friction, {:.4g} and {:.4g} "
+          "(SI): their mean counts",
+          first.name, side.name, first.damping, side.damping, first.friction, side.friction));
+    }
+    if (!driven && !none) {
+      draft.notes.push_back(fmt::format(
+          "'{}': damping {:.4g} and friction {:.4g} (SI) are left out: no motor is assumed there; "
+          "effects simulate them",
+          side.name, side.damping, side.friction));
+    }
   }
 }
 
@@ -183,7 +198,7 @@ std::string motors(Draft& draft) {
   for (const DraftJoint& joint : joints) {
     const StatedMotor motor = stated_motor(draft, joint);
     const bool known = std::isfinite(motor.effort);
-    note_lost_friction(draft, joint, !is_dependent(draft, joint) && (known || !any));
+    note_friction(draft, joint, !is_dependent(draft, joint) && (known || !any));
     if (is_dependent(draft, joint)) continue;
     if (!known) list(unknown, joint.name);
     if (!motor.fast_known && known == any) list(unknown_speed, joint.name);
