@@ -20,8 +20,9 @@ Experiment held_arm(const std::string& controller) {
   const TemporaryFolder folder;
   folder.write(
       "plan.csv",
-      "time [s],shoulder [rad],elbow [rad],wrist [rad],shoulder_torque [N m],"
-      "elbow_torque [N m],wrist_torque [N m]\n0,2.1,0.6,0.3,0,0,0\n0.1,2.1,0.6,0.3,0,0,0\n");
+      "time [s],shoulder [rad],elbow [rad],wrist [rad],shoulder_velocity [rad/s],"
+      "elbow_velocity [rad/s],wrist_velocity [rad/s],shoulder_torque [N m],elbow_torque [N m],"
+      "wrist_torque [N m]\n0,2.1,0.6,0.3,0,0,0,0,0,0\n0.1,2.1,0.6,0.3,0,0,0,0,0,0\n");
   folder.write("held.yaml",
                "format: jaculus-experiment/1\nname: held\nexperiment: pendulum\nrobot: arm\n"
                "plan: plan.csv\ncontroller: {kind: feedforward_pd, rate_hz: 1000, " +
