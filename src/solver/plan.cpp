@@ -56,14 +56,16 @@ Plan best_verified(std::unique_ptr<transcription::NonlinearProgram> program,
   constexpr double kBetter = 0.01;  // of the objective: less isn't worth another refinement
   detail::SolvedStarts solved = detail::solve_starts(*program, earlier, options);
   std::optional<Plan> taken;
-  bool held = false;
+  bool held = false, fell = false;
   std::vector<int> passed_over;
 
   for (auto& [start, result] : solved.results) {
     if (taken && interrupt_requested()) break;
-    // the best come first: none of those that follow could be better
+    // The best come first, so none that follows is better, unless finer meshes led what is taken to
+    // another optimum: then they may do so with the others, for the better too.
     const double least = taken ? taken->result.objective : 0.0;
-    if (held && !(result.objective < least - kBetter * std::abs(least))) break;
+    const double first = result.objective;
+    if (held && !fell && !(first < least - kBetter * std::abs(least))) break;
 
     if (!program) program = std::make_unique<transcription::NonlinearProgram>(problem, planned);
     Plan plan = finish(std::move(program), problem, planned, std::move(result), options);
@@ -76,6 +78,7 @@ Plan best_verified(std::unique_ptr<transcription::NonlinearProgram> program,
     if (holds) plan.starts.passed_over = passed_over;
     taken = std::move(plan);
     held = holds;
+    fell = taken->result.objective > first + kBetter * std::abs(first);
   }
 
   return std::move(*taken);
