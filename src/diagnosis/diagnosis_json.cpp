@@ -149,20 +149,18 @@ Json gap_json(const Diagnosis& d) {
   Json channels = Json::object();
   for (const auto& [name, c] : d.gap.channels)
     channels[name] = {{"before", json_number(c.before)}, {"after", json_number(c.after)}};
-  return {
-      {"before", json_number(d.gap.before)},
-      {"after", json_number(d.gap.after)},
-      {"noise_floor", 1.0},
-      {"within_tolerances", json_number(d.gap.adjusted)},
-      {"energy_explained", d.gap.valid ? json_number(1.0 - (d.gap.after * d.gap.after - 1.0) /
-                                                               (d.gap.before * d.gap.before - 1.0))
-                                       : Json(nullptr)},
-      {"shrink", d.gap.shrink ? json_number(*d.gap.shrink) : Json(nullptr)},
-      {"ci95", pair(d.gap.ci95)},
-      {"held_out", d.gap.over},
-      {"folds", d.gap.folds},
-      {"physical", physical_json(d)},
-      {"per_channel", channels}};
+  return {{"before", json_number(d.gap.before)},
+          {"after", json_number(d.gap.after)},
+          {"noise_floor", 1.0},
+          {"within_tolerances", json_number(d.gap.adjusted)},
+          {"energy_explained",
+           d.gap.valid ? json_number(1.0 - energy_left(d.gap.before, d.gap.after)) : Json(nullptr)},
+          {"shrink", d.gap.shrink ? json_number(*d.gap.shrink) : Json(nullptr)},
+          {"ci95", pair(d.gap.ci95)},
+          {"held_out", d.gap.over},
+          {"folds", d.gap.folds},
+          {"physical", physical_json(d)},
+          {"per_channel", channels}};
 }
 
 /// `name:parameter=value,...` of one chosen effect.

@@ -126,8 +126,7 @@ std::string explaining(const Diagnosis& d) {
                   clipped(effects[0].share->alone));
   std::vector<std::string> others;
   for (std::size_t i = 1; i < effects.size(); ++i) others.push_back(effect_phrase(effects[i]));
-  const double before = d.gap.before * d.gap.before - 1.0;
-  const double all = 1.0 - (d.gap.after * d.gap.after - 1.0) / before;
+  const double all = 1.0 - energy_left(d.gap.before, d.gap.after);
   const double tolerances = effects[0].share->tolerances;
   if (!others.empty())
     text += fmt::format(", with {} {}", listed(others), clipped(all - tolerances));
@@ -247,10 +246,9 @@ std::string how_far_sentence(const Diagnosis& d) {
                                                : "The nominal model's error is, in",
                                  listed(changes), rows.front().judged.reach,
                                  d.gap.over == "time" ? "windows" : in_words(d.gap.over));
-  const double before = d.gap.before * d.gap.before - 1.0;
   if (models_differ && d.gap.before >= kWithinNoise)
     text += fmt::format(": {} of the gap's energy",
-                        clipped(1.0 - (d.gap.after * d.gap.after - 1.0) / before));
+                        clipped(1.0 - energy_left(d.gap.before, d.gap.after)));
   return text + "." + tolerance_phrase(d);
 }
 

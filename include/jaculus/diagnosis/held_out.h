@@ -39,6 +39,11 @@ struct EffectShare {
   double tolerances = 0.0;
 };
 
+/// What a gap leaves of another one's energy beyond noise, (after^2 - 1)/(before^2 - 1) [-].
+inline double energy_left(double before, double after) {
+  return (after * after - 1.0) / (before * before - 1.0);
+}
+
 struct HeldOut {
   bool valid = false;
   std::string over;  ///< "conditions" (datasets), "trials", "time"

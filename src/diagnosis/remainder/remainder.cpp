@@ -25,8 +25,6 @@ constexpr std::array kNames = {"constant",
                                "other acceleration",
                                "channel"};
 
-double left(double before, double after) { return (after * after - 1.0) / (before * before - 1.0); }
-
 }  // namespace
 
 const char* to_text(Regressor regressor) { return kNames.at(static_cast<std::size_t>(regressor)); }
@@ -35,8 +33,8 @@ void set_share(const HeldOut& gap, const Settings& settings, Remainder& remainde
   if (!gap.valid || gap.before < settings.plain_gap) return;
   std::vector<double> by_fold;
   for (const FoldGap& fold : gap.by_fold)
-    if (fold.before > settings.gap_of_fold) by_fold.push_back(left(fold.before, fold.after));
-  remainder.share = left(gap.before, gap.after);
+    if (fold.before > settings.gap_of_fold) by_fold.push_back(energy_left(fold.before, fold.after));
+  remainder.share = energy_left(gap.before, gap.after);
   remainder.ci95 = fold_interval(by_fold, remainder.share);
 }
 

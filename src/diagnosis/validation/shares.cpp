@@ -6,6 +6,7 @@
 #include <map>
 
 #include "diagnosis/validation/fold_interval.h"
+#include "diagnosis/validation/shapley.h"
 
 namespace jaculus::diagnosis {
 namespace {
@@ -18,9 +19,7 @@ struct Explained {
   std::vector<double> by_fold;
 };
 
-double explained(double before, double after) {
-  return 1.0 - (after * after - 1.0) / (before * before - 1.0);
-}
+double explained(double before, double after) { return 1.0 - energy_left(before, after); }
 
 Explained explained_by(const HeldOut& gap, const Settings& settings) {
   Explained out;
@@ -38,20 +37,12 @@ Explained explained_by(const HeldOut& gap, const Settings& settings) {
 /// v of all subsets that are needed, by bits of the members' places.
 using Subsets = std::map<unsigned, Explained>;
 
-/// Weighted mean of value(v(S and i)) - value(v(S)) over the sets S of the others.
+/// Shapley value of member i by one number of each subset.
 template <class Value>
 double shapley(const Subsets& v, int n, int i, Value&& value) {
-  double factorial[kMostOrdered + 1] = {1.0};
-  for (int k = 1; k <= n; ++k) factorial[k] = factorial[k - 1] * k;
-
-  double sum = 0.0;
-  for (unsigned set = 0; set < 1u << n; ++set) {
-    if ((set >> i & 1u) != 0) continue;
-    const int size = std::popcount(set);
-    const double weight = factorial[size] * factorial[n - size - 1] / factorial[n];
-    sum += weight * (value(v.at(set | 1u << i)) - value(v.at(set)));
-  }
-  return sum;
+  std::vector<double> worth;
+  for (unsigned set = 0; set < 1u << n; ++set) worth.push_back(value(v.at(set)));
+  return shapley_values(worth, n)[i];
 }
 
 EffectShare share_of(const Subsets& v, int n, int i) {

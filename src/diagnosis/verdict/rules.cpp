@@ -36,8 +36,7 @@ bool no_better_prediction(const VerdictEvidence& e, const Settings& s) {
 
 /// Of a gap's energy, what another gap has [-].
 double share_left(double before, double after) {
-  const double all = before * before - 1.0, left = after * after - 1.0;
-  return all > 0.0 ? std::clamp(left / all, 0.0, 1.0) : 0.0;
+  return before > 1.0 ? std::clamp(energy_left(before, after), 0.0, 1.0) : 0.0;
 }
 
 bool less_than_is_left(const VerdictEvidence& e, const Settings& s) {
