@@ -21,6 +21,7 @@ std::string period_text(const Dependence& d) {
 /// "repeats with the joint's position, period 17 deg (0.3 rad): cogging, a bent shaft or a tooth".
 std::string dependence_text(const Dependence& d) {
   const std::string of = in_words(d.of);
+
   switch (d.regressor) {
     case Regressor::constant:
       return "is always there: a bias or an offset";

@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "diagnosis/validation/fold_interval.h"
 #include "diagnosis/validation/shapley.h"
@@ -57,13 +58,18 @@ Vector solved(const Matrix& white, const std::vector<int>& columns) {
   return (X.transpose() * X).ldlt().solve(X.transpose() * white.col(0));
 }
 
+/// The same by all of their columns.
+Vector solved(const Matrix& white) {
+  std::vector<int> columns(static_cast<std::size_t>(white.cols() - 1));
+  std::iota(columns.begin(), columns.end(), 0);
+  return solved(white, columns);
+}
+
 double white_energy_left(const PlaceRegressors& place, const Selected& selected,
                          const std::vector<Chunk>& chunks, double period) {
   const Fitted fitted = columns_of(place, selected.groups, period);
   const Matrix white = white_rows(place, fitted, chunks, selected.shape);
-  std::vector<int> columns(fitted.member.size());
-  for (int k = 0; k < count_of(columns); ++k) columns[k] = k;
-  return (white.col(0) - white.rightCols(white.cols() - 1) * solved(white, columns)).squaredNorm();
+  return (white.col(0) - white.rightCols(white.cols() - 1) * solved(white)).squaredNorm();
 }
 
 /// The period by which least is left, about the grid's: by halved steps of 1/period.
@@ -197,11 +203,9 @@ Dependence followed(const PlaceRegressors& place, const Selected& selected, int 
 void add_coefficients(const PlaceRegressors& place, const Selected& selected, const Fitted& fitted,
                       const std::vector<Chunk>& chunks, std::vector<Dependence>& follows) {
   const Matrix white = white_rows(place, fitted, chunks, selected.shape);
-  std::vector<int> columns(fitted.member.size());
-  for (int k = 0; k < count_of(columns); ++k) columns[k] = k;
-  const Vector solution = solved(white, columns);
+  const Vector solution = solved(white);
   std::vector<int> seen(selected.groups.size(), 0);
-  for (int k = 0; k < count_of(columns); ++k) {
+  for (int k = 0; k < count_of(fitted.member); ++k) {
     const int m = fitted.member[k], group = selected.groups[m];
     const bool periodic = group == count_of(place.groups);
     const double scale = periodic ? 1.0 : place.groups[group].scale[seen[m]];

@@ -83,6 +83,7 @@ Body body_of(const Dependence& d, const RemainderPlace& place, const Units& unit
   const double first = d.coefficients.front();
   const std::string rate = units.position + "/s", friction = rest_constant(place.rest, units);
   const std::string other = d.of + ".qd";
+
   switch (d.regressor) {
     case Regressor::constant:
       return {"offset", "is always there", size("offset", units.force, first), "", "offset"};

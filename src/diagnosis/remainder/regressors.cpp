@@ -185,11 +185,6 @@ void add_others(const std::vector<BoxPath>& paths, const model::PlanarModel& mod
         [c](const BoxPath& p) { return Vec2(p.channels[c], 1.0); }, groups);
 }
 
-/// A coordinate of a model by name; -1 where it has none.
-int coordinate_of(const model::PlanarModel& model, const std::string& name) {
-  return model.coordinate_index(name);
-}
-
 }  // namespace
 
 PlaceRegressors regressors_of(const Problem& all, const std::vector<std::vector<MotionBox>>& boxes,
@@ -204,7 +199,7 @@ PlaceRegressors regressors_of(const Problem& all, const std::vector<std::vector<
 
   for (int d = 0; d < count_of(boxes); ++d) {
     const ObservedDataset& observed = all.observations.datasets[d];
-    const int own = coordinate_of(observed.model, coordinate);
+    const int own = observed.model.coordinate_index(coordinate);
     if (own < 0) continue;
     if (model == nullptr) model = &observed.model;
     if (observed.model.size() != model->size()) continue;
@@ -221,7 +216,7 @@ PlaceRegressors regressors_of(const Problem& all, const std::vector<std::vector<
   }
   if (paths.empty()) return out;
 
-  const int own = coordinate_of(*model, coordinate);
+  const int own = model->coordinate_index(coordinate);
   out.boxes.angular = model->coordinates[own].angular;
   out.boxes.force = Eigen::Map<const Vector>(forces.data(), std::ssize(forces));
   for (const BoxPath& path : paths) out.boxes.position.push_back(path.position);

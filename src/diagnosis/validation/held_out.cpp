@@ -60,11 +60,11 @@ std::vector<Matrix> open_rows_of(const Problem& problem, const Whitening& fold,
 }
 
 /// Errors of the segments that a fold leaves out, by the model refitted to the others; nothing
-/// where the fold has no rows or can't be simulated. `open`: a dataset each, or none.
+/// where the fold has no rows or can't be simulated. `open`: a dataset each; null: nothing is.
 std::optional<Errors> judge_fold(const Problem& problem, const Comparison& comparison,
                                  const SegmentMask& mask, const Fit& fit,
                                  const std::vector<std::vector<Vector>>& slopes,
-                                 const std::vector<Matrix>& open) {
+                                 const std::vector<Matrix>* open) {
   const Whitening fold = whitening_of(problem, comparison.noise, mask);
   if (fold.rows == 0) return {};
   const Matrix J = white_slopes(fold, slopes);
@@ -80,7 +80,7 @@ std::optional<Errors> judge_fold(const Problem& problem, const Comparison& compa
     const bool alone = observed.measured_input || trained == 0.0;
     const Judge judge{
         observed,         comparison.noise.datasets[d], comparison.whitening.datasets[d],
-        problem.settings, alone ? kInfinity : trained,  open.empty() ? Matrix() : open[d]};
+        problem.settings, alone ? kInfinity : trained,  open != nullptr ? &(*open)[d] : nullptr};
     const Vector residual = measured_rows(observed, comparison.noise.alignments[d]) - there.rows[d];
     for (int s = 0; s < count_of(mask[d]); ++s)
       if (!mask[d][s]) judge.judge(d, s, residual, errors);
@@ -159,7 +159,7 @@ JudgedFit judge_fit(const Problem& problem, const Comparison& comparison, const 
   if (!slopes) return judged;
   tbb::parallel_for(0, count_of(judged.folds), [&](int f) {
     judged.folds[f] = judge_fold(problem, comparison, folds.masks[f], fit, *slopes,
-                                 open.empty() ? std::vector<Matrix>() : open[f]);
+                                 open.empty() ? nullptr : &open[f]);
   });
   return judged;
 }

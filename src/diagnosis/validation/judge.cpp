@@ -95,9 +95,9 @@ Judge::Estimated Judge::estimated(int segment, int block, const Vector& about_me
 
   Estimated out{about_mean - own.columns * estimate.deviation, Vector(own.count), estimate.root,
                 Matrix(own.count, 0)};
-  if (open.size() > 0) {
+  if (open != nullptr) {
     // The prefix takes of a tolerance's influence what looks like its nuisances.
-    const Matrix raw = open.middleRows(own.first, own.count);
+    const Matrix raw = open->middleRows(own.first, own.count);
     const Matrix white_open = prefix.asDiagonal() * whitening.whiten_block(block, raw);
     Matrix taken = white_columns.transpose() * white_open;
     estimate.root.triangularView<Eigen::Lower>().solveInPlace(taken);

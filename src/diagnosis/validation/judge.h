@@ -56,8 +56,8 @@ struct Judge {
   const DatasetWhitening& whitening;  ///< of all rows
   const Settings& settings;
   double trained = 1.0;  ///< segments that the fold was fitted to
-  /// Slopes as S^(1/2) has them, raw rows of the dataset x tolerances; empty: nothing is open.
-  Matrix open{};
+  /// Slopes as S^(1/2) has them, raw rows of the dataset x tolerances; null: nothing is open.
+  const Matrix* open = nullptr;
 
   /// Adds the errors of a segment. `residual`: measured less predicted, all rows of the dataset.
   void judge(int dataset, int segment, const Vector& residual, Errors& errors) const;
