@@ -128,6 +128,9 @@ std::optional<double> minimise(Residual& residual, const RandomWeights& weights,
   options.linear_solver_type = ceres::DENSE_QR;
   options.function_tolerance = settings.fit_cost_tolerance;
   options.parameter_tolerance = settings.fit_parameter_tolerance;
+  // Along a step that bounds cut, Ceres asks for slopes at every trial point unless told to fit
+  // parabolas: each would be as many simulations as there are parameters.
+  options.line_search_interpolation_type = ceres::QUADRATIC;
   options.logging_type = ceres::SILENT;
   options.num_threads = 1;
   ceres::Solver::Summary summary;
