@@ -87,8 +87,10 @@ class Cost : public ceres::CostFunction {
     slopes_.follow(residual_, J);
     Matrix H = slopes_.gram();
     H.diagonal().array() += 1.0;
+    Vector gradient = slopes_.weighed().transpose() * root + u;
+    hold_at_bounds(u, gradient, H);
     const Eigen::LLT<Matrix> factor(H);
-    rows.head(n) = factor.matrixL().solve(slopes_.weighed().transpose() * root + u);
+    rows.head(n) = factor.matrixL().solve(gradient);
     rows[n] = std::sqrt(std::max(0.0, squares - rows.head(n).squaredNorm()));
     Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> all(
         jacobians[0], n + 1, n);
@@ -98,6 +100,22 @@ class Cost : public ceres::CostFunction {
   }
 
  private:
+  /// A parameter at a bound beyond which the cost falls stays there, and the step of the others is
+  /// that of the problem without it (Bertsekas 1982, projected Newton). Where a step was merely
+  /// cut, it would be made for a place that no parameter may reach.
+  void hold_at_bounds(const Vector& u, Vector& gradient, Matrix& H) const {
+    for (Eigen::Index i = 0; i < u.size(); ++i) {
+      const Bounds range = residual_.range(i);
+      const bool held =
+          (u[i] <= range.lower && gradient[i] > 0.0) || (u[i] >= range.upper && gradient[i] < 0.0);
+      if (!held) continue;
+      gradient[i] = 0.0;
+      H.row(i).setZero();
+      H.col(i).setZero();
+      H(i, i) = 1.0;
+    }
+  }
+
   Residual& residual_;
   const RandomWeights& weights_;
   mutable WeighedSlopes slopes_;  // Ceres evaluates through a constant
@@ -128,9 +146,9 @@ std::optional<double> minimise(Residual& residual, const RandomWeights& weights,
   options.linear_solver_type = ceres::DENSE_QR;
   options.function_tolerance = settings.fit_cost_tolerance;
   options.parameter_tolerance = settings.fit_parameter_tolerance;
-  // Along a step that bounds cut, Ceres asks for slopes at every trial point unless told to fit
-  // parabolas: each would be as many simulations as there are parameters.
-  options.line_search_interpolation_type = ceres::QUADRATIC;
+  // With bounds Ceres would search along every step, up to twenty simulations where none is lower.
+  // A step that fails is shortened by the trust region instead.
+  options.max_num_line_search_step_size_iterations = 0;
   options.logging_type = ceres::SILENT;
   options.num_threads = 1;
   ceres::Solver::Summary summary;
