@@ -95,19 +95,19 @@ void PassiveForces::add_motor_friction(const Mechanism& mechanism, const double*
 
 PassiveForces::Rubbing PassiveForces::rubbing(const Friction& f, const Mechanism& mechanism,
                                               const std::vector<MotorState>& motors,
-                                              const double* q, const double* v) const {
+                                              const double* q, const double* v,
+                                              JointState& state) const {
   Rubbing joint;
   double load = 0.0;
   if (f.motor >= 0) {
     joint.rate = mechanism.motor_rate(f.motor, v);
-    joint.row = mechanism.motor_row[f.motor];
+    joint.row = &mechanism.motor_row[f.motor];
     load = std::abs(motors[f.motor].torque);
   } else {
-    JointState state;
     mechanism.joint(f.body, q, v, state);
     const model::PlanarBody& link = plant_.model.bodies[f.body];
     joint.rate = link.sign * (mechanism.frame(f.body).omega - mechanism.frame(link.parent).omega);
-    joint.row = state.row;
+    joint.row = &state.row;
   }
 
   joint.sign = std::tanh(joint.rate / f.law->smoothing_rate);
@@ -117,10 +117,11 @@ PassiveForces::Rubbing PassiveForces::rubbing(const Friction& f, const Mechanism
 
 void PassiveForces::add_friction(const Mechanism& mechanism, const std::vector<MotorState>& motors,
                                  const double* q, const double* v, double* force) const {
+  JointState state;
   for (const Friction& f : friction_) {
-    const Rubbing joint = rubbing(f, mechanism, motors, q, v);
+    const Rubbing joint = rubbing(f, mechanism, motors, q, v, state);
     const double torque = -f.count * (joint.sign * joint.level + f.law->viscous * joint.rate);
-    for (int i = 0; i < mechanism.n; ++i) force[i] += torque * joint.row[i];
+    for (int i = 0; i < mechanism.n; ++i) force[i] += torque * (*joint.row)[i];
   }
 }
 
@@ -149,10 +150,12 @@ double PassiveForces::fastest_rate(const Mechanism& mechanism, const Inertia& in
                                    const std::vector<MotorState>& motors, const double* q,
                                    const double* v) const {
   double fastest = 0.0;
+  JointState state;
   for (const Friction& f : friction_) {
-    Rubbing joint = rubbing(f, mechanism, motors, q, v);
-    inertia.forward(joint.row.data());
-    const double a = dot(joint.row, joint.row.data(), mechanism.n);
+    const Rubbing joint = rubbing(f, mechanism, motors, q, v, state);
+    Row row = *joint.row;
+    inertia.forward(row.data());
+    const double a = dot(row, row.data(), mechanism.n);
     const double slope = (1.0 - joint.sign * joint.sign) * joint.level / f.law->smoothing_rate;
     fastest = std::max(fastest, f.count * a * (slope + f.law->viscous));
   }

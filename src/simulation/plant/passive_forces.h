@@ -51,10 +51,10 @@ class PassiveForces {
   };
   /// A joint that rubs, as it moves.
   struct Rubbing {
-    double rate = 0.0;   ///< [rad/s, m/s]
-    Row row{};           ///< d(rate)/dv
-    double sign = 0.0;   ///< smoothed, of the rate
-    double level = 0.0;  ///< of dry friction [N m, N]
+    double rate = 0.0;         ///< [rad/s, m/s]
+    const Row* row = nullptr;  ///< d(rate)/dv; the mechanism's, or that of `state`
+    double sign = 0.0;         ///< smoothed, of the rate
+    double level = 0.0;        ///< of dry friction [N m, N]
   };
   struct Spring {
     double stiffness;      ///< [N m/rad]
@@ -73,9 +73,10 @@ class PassiveForces {
     double torque;  ///< of left and right together [N m]
   };
   void add_motor_friction(const Mechanism& mechanism, const double* v, double* force) const;
+  /// `state`: that of a joint without a motor.
   [[nodiscard]] Rubbing rubbing(const Friction& f, const Mechanism& mechanism,
                                 const std::vector<MotorState>& motors, const double* q,
-                                const double* v) const;
+                                const double* v, JointState& state) const;
   void add_friction(const Mechanism& mechanism, const std::vector<MotorState>& motors,
                     const double* q, const double* v, double* force) const;
   void add_springs(const Mechanism& mechanism, const Inertia& inertia, const double* q,
