@@ -8,11 +8,10 @@
 
 #include "diagnosis/build_problem.h"
 #include "diagnosis/describe_remainder.h"
-#include "jaculus/core/installation.h"
+#include "diagnosis/logged_trials.h"
 #include "jaculus/diagnosis/diagnose.h"
 #include "jaculus/diagnosis/diagnosis_json.h"
 #include "jaculus/diagnosis/summary.h"
-#include "jaculus/effects/trials.h"
 #include "jaculus/effects/user_effect.h"
 #include "support/temporary_folder.h"
 
@@ -20,6 +19,7 @@ namespace jaculus::diagnosis {
 namespace {
 
 namespace fs = std::filesystem;
+using test::logged;
 using test::TemporaryFolder;
 
 constexpr double kPeriod = 0.35;  // [rad]
@@ -34,26 +34,6 @@ std::string cogging_file(const fs::path& folder, const std::string& joint) {
                          "  period: {unit: rad, nominal: 0.35, bounds: [0.2, 0.6], scale: 0.02}\n"
                          "torque: \"size*sin(2*pi*q/period)\"\n";
   return file.string();
-}
-
-/// Trials of a shipped experiment, as logs whose torque drives the model.
-trajectory::Dataset logged(const std::string& experiment, const std::vector<std::string>& files,
-                           const std::vector<std::string>& effects, int trials, int seed) {
-  simulation::Experiment played =
-      simulation::read_experiment(source_folder() / "problems" / experiment);
-  played.trials = trials;
-  played.seed = seed;
-  const model::PlanarModel robot = simulation::dataset_robot(played.setup).planar;
-  effects::EffectChoice choice;
-  choice.effects = effects;
-  choice.files = files;
-  trajectory::Dataset dataset =
-      simulate_trials(played, effects::choose_effects(choice, robot), robot).dataset;
-  dataset.script.reset();
-  dataset.controller = {};
-  dataset.controller.kind = trajectory::ControllerKind::measured;
-  dataset.controller.input = trajectory::Quantity::torque;
-  return dataset;
 }
 
 /// A diagnosis by two effects of the library, and those of files.

@@ -5,11 +5,10 @@
 
 #include "diagnosis/selection/comparison.h"
 #include "diagnosis/selection/linear_sets.h"
+#include "diagnosis/selection/neighbouring_sets.h"
 #include "diagnosis/selection/posterior.h"
 
 namespace jaculus::diagnosis {
-
-using Members = std::vector<int>;
 
 class FittedModels {
  public:

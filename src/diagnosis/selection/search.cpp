@@ -7,9 +7,9 @@
 #include <cmath>
 #include <map>
 #include <set>
-#include <string_view>
 
 #include "diagnosis/selection/fitted_models.h"
+#include "diagnosis/selection/neighbouring_sets.h"
 
 namespace jaculus::diagnosis {
 namespace {
@@ -109,57 +109,6 @@ bool leaves_more(const Settings& settings, const Fit& fit) {
   return fit.log_evidence - fit.log_complete >= settings.remainder_left;
 }
 
-Members with_member(Members set, int c) {
-  set.insert(std::upper_bound(set.begin(), set.end(), c), c);
-  return set;
-}
-
-Members without_one(Members set, int c) {
-  std::erase(set, c);
-  return set;
-}
-
-/// Every set of one or two more candidates than `set`, of at most `largest`.
-std::vector<Members> larger_sets(const Members& set, int candidates, int largest) {
-  std::vector<Members> out;
-  if (count_of(set) >= largest) return out;
-  for (int c = 0; c < candidates; ++c) {
-    if (std::binary_search(set.begin(), set.end(), c)) continue;
-    const Members one = with_member(set, c);
-    out.push_back(one);
-    for (int d = c + 1; d < candidates && count_of(one) < largest; ++d)
-      if (!std::binary_search(set.begin(), set.end(), d)) out.push_back(with_member(one, d));
-  }
-  return out;
-}
-
-/// `set` with one member exchanged for each other candidate.
-std::vector<Members> exchanged_sets(const Members& set, int dropped, int candidates) {
-  std::vector<Members> out;
-  for (int c = 0; c < candidates; ++c)
-    if (!std::binary_search(set.begin(), set.end(), c))
-      out.push_back(with_member(without_one(set, dropped), c));
-  return out;
-}
-
-/// The effect of which a candidate is one joint's, its own name where it is no joint's.
-std::string_view shared_name(const Candidate& candidate) {
-  return std::string_view(candidate.name).substr(0, candidate.name.find('@'));
-}
-
-/// Whether a set holds an effect of all joints and the same of one of them: what they can do
-/// together, one for each joint can.
-bool holds_twice(const Hypotheses& hypotheses, const Members& set) {
-  return std::any_of(set.begin(), set.end(), [&](int c) {
-    const std::string& shared = hypotheses.candidates[c].name;
-    const auto of_one = [&](int d) {
-      const Candidate& own = hypotheses.candidates[d];
-      return own.name != shared && shared_name(own) == shared;
-    };
-    return std::any_of(set.begin(), set.end(), of_one);
-  });
-}
-
 /// A fitted model and the candidates as they look from there.
 struct Surroundings {
   const Problem& problem;
@@ -213,9 +162,17 @@ void exchange_members(const Surroundings& near, FittedModels& models) {
   models.fit_sets(near.about, chosen, near.probes);
 }
 
-/// Moves from the leading model to a better one, by one or two effects more or one exchanged, until
-/// none leads. Slopes hold near a fit only, so each move is judged about what leads
-/// there.
+/// Sets in which each joint has its own value of what joints share in the leading model, or all the
+/// same in place of their own.
+void part_members(const Surroundings& near, int largest, FittedModels& models) {
+  const std::vector<Members> sets =
+      parted_sets(near.problem.hypotheses, near.about.candidates, largest);
+  models.fit_sets(near.about, near.best_of(sets, models, count_of(sets)), near.probes);
+}
+
+/// Moves from the leading model to a better one, by one or two effects more, one exchanged, or one
+/// that joints share given to each of them, until none leads. Slopes hold near a fit only, so each
+/// move is judged about what leads there.
 void search_from_leader(const Problem& problem, const Whitening& whitening,
                         const std::vector<Probe>& about_none, const SearchOptions& options,
                         FittedModels& models) {
@@ -229,6 +186,7 @@ void search_from_leader(const Problem& problem, const Whitening& whitening,
                             leader.candidates.empty() ? about_none : models.probe(leader)};
     if (enlarge(near, options.largest, models)) continue;
     exchange_members(near, models);
+    part_members(near, options.largest, models);
   }
 }
 
