@@ -16,6 +16,9 @@
 #include "jaculus/core/yaml.h"
 
 namespace jaculus::cli {
+
+void add_preflight(CLI::App& app, Action& chosen);
+
 namespace {
 
 std::string hint(const std::string& given, const std::vector<std::string>& names) {
@@ -86,6 +89,7 @@ int run(int argc, char** argv) {
   add_import(app, chosen);
   add_robot(app, chosen);
   add_diagnose(app, chosen);
+  add_preflight(app, chosen);
   add_testbed(app, chosen);
   add_evaluate(app, chosen);
   add_jobs(app, chosen);

@@ -70,8 +70,8 @@ Diagnosis answered(const Prepared& prepared, const Selection& selection,
 }
 
 /// The two leading rivals, for what to do next about them.
-Rival rival_of(const Problem& problem, const FittedModel& model) {
-  Rival rival;
+Explanation rival_of(const Problem& problem, const FittedModel& model) {
+  Explanation rival;
   for (const int c : model.candidates) {
     const Candidate& candidate = problem.hypotheses.candidates[c];
     rival.effects.push_back(candidate.effect);

@@ -12,7 +12,7 @@ namespace {
 const std::filesystem::path kProblems = source_folder() / "problems";
 
 /// The shipped drop, with the tail's friction made larger.
-trajectory::Dataset drop_with(const Rival& rival) {
+trajectory::Dataset drop_with(const Explanation& rival) {
   const simulation::Experiment experiment =
       simulation::read_experiment(kProblems / "drop_trials.yaml");
   const model::Robot robot = simulation::dataset_robot(experiment.setup);
@@ -26,7 +26,7 @@ trajectory::Dataset drop_with(const Rival& rival) {
   return dataset;
 }
 
-Rival rival(const std::string& effect, double value) {
+Explanation rival(const std::string& effect, double value) {
   const effects::Effect* found = effects::find_effect(effect);
   Vector theta = found->nominal();
   theta[0] = value;
@@ -34,8 +34,8 @@ Rival rival(const std::string& effect, double value) {
 }
 
 TEST(NextExperiment, TellsFrictionThatDependsOnRateFromFrictionThatDoesNot) {
-  const Rival dry = rival("tail_coulomb_friction", 0.3),
-              viscous = rival("tail_viscous_friction", 0.015);
+  const Explanation dry = rival("tail_coulomb_friction", 0.3),
+                    viscous = rival("tail_viscous_friction", 0.015);
   const auto next = next_experiment(drop_with(dry), {}, {}, dry, viscous);
   ASSERT_TRUE(next);
   EXPECT_GT(next->log_bayes_factor, 3.0);
@@ -45,7 +45,7 @@ TEST(NextExperiment, TellsFrictionThatDependsOnRateFromFrictionThatDoesNot) {
 }
 
 TEST(NextExperiment, ProposesNothingWhereRivalsAreTheSame) {
-  const Rival dry = rival("tail_coulomb_friction", 0.3);
+  const Explanation dry = rival("tail_coulomb_friction", 0.3);
   const auto next = next_experiment(drop_with(dry), {}, {}, dry, dry);
   EXPECT_FALSE(next) << next->experiment << ' ' << next->log_bayes_factor;
 }
@@ -53,7 +53,7 @@ TEST(NextExperiment, ProposesNothingWhereRivalsAreTheSame) {
 TEST(NextExperiment, ProposesNothingWhereNoCommandIsKnown) {
   trajectory::Dataset logged = simulation::read_experiment(kProblems / "drop_trials.yaml").setup;
   logged.controller.kind = trajectory::ControllerKind::measured;
-  const Rival dry = rival("tail_coulomb_friction", 0.3);
+  const Explanation dry = rival("tail_coulomb_friction", 0.3);
   EXPECT_FALSE(next_experiment(logged, {}, {}, dry, dry));
 }
 

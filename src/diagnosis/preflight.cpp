@@ -1,0 +1,219 @@
+#include "jaculus/diagnosis/preflight.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "diagnosis/preflight/detection.h"
+#include "diagnosis/preflight/isolability.h"
+#include "diagnosis/preflight/sensors_added.h"
+#include "jaculus/core/error.h"
+#include "jaculus/effects/select.h"
+
+namespace jaculus::diagnosis {
+namespace {
+
+using simulation::Experiment;
+
+/// Shares of the stated departure at which signatures of the planned experiment are simulated, both
+/// ways, as far as screening's line search goes; and, for changes of it, coarser ones.
+const std::vector<double> kFineShares = {0.125, -0.125, 0.5, -0.5, 1.0, -1.0, 2.0, -2.0, 8.0, -8.0};
+const std::vector<double> kCoarseShares = {0.25, -0.25, 1.0, -1.0};
+
+std::vector<SignatureCurve> curves_of(const SignatureSpace& space, double size,
+                                      const std::vector<double>& shares) {
+  std::vector<SignatureCurve> curves(space.problem->hypotheses.candidates.size());
+  tbb::parallel_for(0, count_of(curves), [&](int c) {
+    curves[c] = signature_curve(space, {c}, stated_departure(*space.problem, c, size), shares);
+  });
+  return curves;
+}
+
+PlannedEffect planned_effect(const Problem& problem, int c, const Vector& departure,
+                             const Detection& found) {
+  const Candidate& candidate = problem.hypotheses.candidates[c];
+  const effects::EffectParameter& own = candidate.effect->parameters.front();
+  const auto shown = [&](double departed) {
+    return effects::shown_value(own, own.nominal + departed);
+  };
+  PlannedEffect out{candidate.name, candidate.effect->caption, own.shown_name(), own.shown_unit()};
+  out.structural = found.structural;
+  out.stated = shown(departure[candidate.parameters.front()] - own.nominal);
+  out.log_odds = found.stated.log_odds;
+  out.gap = found.stated.gap;
+  out.named = found.stated.named;
+  if (std::isnan(found.size)) return out;
+
+  out.least = shown(found.size);
+  out.least_scales = std::abs(found.size) / own.scale;
+  const double bound = found.size > 0.0 ? own.bounds.upper : own.bounds.lower;
+  if (std::isfinite(bound)) out.least_of_bounds = found.size / (bound - own.nominal);
+  return out;
+}
+
+/// The planned experiment as all that follows sees it.
+struct Plan {
+  const Experiment& experiment;
+  const PreflightOptions& options;
+  SignatureSpace space;
+  std::vector<SignatureCurve> curves;  ///< a candidate each
+  std::vector<bool> seen;              ///< a candidate each: named as stated
+  std::vector<CandidatePair> pairs;
+
+  [[nodiscard]] const Hypotheses& hypotheses() const { return space.problem->hypotheses; }
+  [[nodiscard]] const Settings& settings() const { return space.problem->settings; }
+  /// The same candidates, as this robot has them; of some of them.
+  [[nodiscard]] DiagnoseOptions with_candidates(const std::vector<int>& which) const {
+    DiagnoseOptions same = options.diagnosis;
+    same.effects.clear();
+    for (const int c : which) same.effects.push_back(hypotheses().candidates[c].effect);
+    return same;
+  }
+};
+
+std::vector<CandidatePair> not_told(const Plan& plan) {
+  std::vector<CandidatePair> out;
+  for (const CandidatePair& pair : plan.pairs)
+    if (pair.not_tellable(plan.settings())) out.push_back(pair);
+  return out;
+}
+
+/// What a pair's lesser way is told by in another space; NaN where a curve is missing there.
+double told_there(const SignatureSpace& space, const std::vector<SignatureCurve>& curves,
+                  const Hypotheses& planned, const CandidatePair& pair) {
+  const int a = space.problem->hypotheses.candidate(planned.candidates[pair.a].name);
+  const int b = space.problem->hypotheses.candidate(planned.candidates[pair.b].name);
+  if (a < 0 || b < 0) return kNaN;
+  double least = kInfinity;
+  if (!std::isnan(pair.told_a))
+    least = std::min(least, expected_log_bayes_factor(curves[a], curves[b]));
+  if (!std::isnan(pair.told_b))
+    least = std::min(least, expected_log_bayes_factor(curves[b], curves[a]));
+  return least;
+}
+
+/// Adds a change to the pairs that it tells; how many these are.
+int add_told(const Plan& plan, const SignatureSpace& space,
+             const std::vector<SignatureCurve>& curves, const std::string& kind,
+             const std::string& name, Preflight& out) {
+  int told = 0;
+  for (std::size_t i = 0; i < plan.pairs.size(); ++i) {
+    if (out.pairs[i].tellable) continue;
+    const double factor = told_there(space, curves, plan.hypotheses(), plan.pairs[i]);
+    if (!(factor >= plan.settings().indistinguishable_below)) continue;
+    out.pairs[i].by.push_back({kind, name, factor});
+    ++told;
+  }
+  return told;
+}
+
+void try_sensors(const Plan& plan, Preflight& out) {
+  std::vector<int> members;
+  for (const CandidatePair& pair : not_told(plan))
+    for (const int c : {pair.a, pair.b})
+      if (index_of(members, c) < 0) members.push_back(c);
+  if (members.empty()) return;
+  std::sort(members.begin(), members.end());
+
+  const DiagnoseOptions options = plan.with_candidates(members);
+  const model::PlanarModel model = simulation::dataset_robot(plan.experiment.setup).planar;
+  for (const NamedExperiment& sensor :
+       with_one_more_sensor(plan.experiment, model, plan.settings())) {
+    if (options.progress) options.progress("sensor: " + sensor.name);
+    const PlannedSpace there = space_of({sensor.experiment}, options, MissingForces::left_out);
+    if (!there.space) continue;
+    add_told(plan, *there.space, curves_of(*there.space, out.size, kCoarseShares), "sensor",
+             sensor.name, out);
+  }
+}
+
+void try_motions(const Plan& plan, Preflight& out) {
+  std::vector<int> all;
+  for (int c = 0; c < count_of(plan.curves); ++c) all.push_back(c);
+  const DiagnoseOptions options = plan.with_candidates(all);
+  for (const ExperimentMaker& make : possible_experiments(plan.experiment, plan.settings())) {
+    try {
+      const NamedExperiment motion = make();
+      if (options.progress) options.progress("motion: " + motion.name);
+      const PlannedSpace there =
+          space_of({plan.experiment, motion.experiment}, options, MissingForces::left_out);
+      if (!there.space) continue;
+      const std::vector<SignatureCurve> curves = curves_of(*there.space, out.size, kCoarseShares);
+      const int told = add_told(plan, *there.space, curves, "motion", motion.name, out);
+      out.following.push_back({motion.name, expected_information(*there.space, curves), told});
+    } catch (const InputError&) {
+      continue;  // the robot or its stated controller does not allow this experiment
+    }
+  }
+  std::stable_sort(out.following.begin(), out.following.end(),
+                   [](const auto& a, const auto& b) { return a.information > b.information; });
+}
+
+void add_pairs(const Plan& plan, Preflight& out) {
+  const Settings& settings = plan.settings();
+  const std::vector<Candidate>& candidates = plan.hypotheses().candidates;
+  for (const CandidatePair& pair : plan.pairs)
+    out.pairs.push_back({candidates[pair.a].name, candidates[pair.b].name, pair.told_a, pair.told_b,
+                         telling_of(pair.told_a, settings), telling_of(pair.told_b, settings),
+                         pair.structural(settings), !pair.not_tellable(settings)});
+  for (const std::vector<int>& set : connected_sets(not_told(plan), count_of(candidates))) {
+    out.sets.emplace_back();
+    for (const int c : set) out.sets.back().push_back(candidates[c].name);
+  }
+}
+
+}  // namespace
+
+Preflight preflight(const Experiment& experiment, const PreflightOptions& options) {
+  Preflight out;
+  out.experiment = experiment.name;
+  out.robot = experiment.setup.robot;
+  out.size = options.size;
+  out.settings = options.diagnosis.settings;
+  const auto tell = [&](const std::string& what) {
+    if (options.diagnosis.progress) options.diagnosis.progress(what);
+  };
+
+  tell("simulating the experiment");
+  PlannedSpace planned = space_of({experiment}, options.diagnosis, MissingForces::granted);
+  out.reasons = planned.reasons;
+  out.notes = planned.notes;
+  if (experiment.trials < out.settings.fewest_trials)
+    out.reasons.push_back("one trial: a diagnosis could only guess its noise; plan three or more");
+  if (!planned.space || !out.reasons.empty()) return out;
+
+  tell("signatures of effects");
+  Plan plan{experiment, options, std::move(*planned.space), {}, {}, {}};
+  plan.curves = curves_of(plan.space, out.size, kFineShares);
+  tell("least sizes");
+  const int n = count_of(plan.curves);
+  std::vector<Detection> found(n);
+  tbb::parallel_for(0, n, [&](int c) {
+    const Vector departure = stated_departure(*plan.space.problem, c, out.size);
+    found[c] = detect(plan.space, c, plan.curves[c], departure);
+  });
+  for (int c = 0; c < n; ++c) {
+    const Vector departure = stated_departure(*plan.space.problem, c, out.size);
+    out.effects.push_back(planned_effect(*plan.space.problem, c, departure, found[c]));
+    plan.seen.push_back(found[c].stated.named);
+  }
+
+  tell("pairs of effects");
+  plan.pairs = candidate_pairs(plan.curves, plan.seen);
+  add_pairs(plan, out);
+  out.information = expected_information(plan.space, plan.curves);
+  out.uncertainty = prior_uncertainty(n, out.settings);
+  if (!options.alternatives) return out;
+
+  try_sensors(plan, out);
+  try_motions(plan, out);
+  for (PlannedPair& pair : out.pairs)
+    std::stable_sort(pair.by.begin(), pair.by.end(), [](const auto& a, const auto& b) {
+      return a.log_bayes_factor > b.log_bayes_factor;
+    });
+  return out;
+}
+
+}  // namespace jaculus::diagnosis

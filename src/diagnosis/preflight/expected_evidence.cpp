@@ -1,0 +1,94 @@
+#include "diagnosis/preflight/expected_evidence.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace jaculus::diagnosis {
+namespace {
+
+/// How much of a step from `from` keeps every parameter within its bounds and its reach: from
+/// nominal to twice as far, or a prior scale where that is more.
+double share_of_step(const Vector& from, const Vector& step, const SignatureCurve& curve) {
+  double share = 1.0;
+  for (Eigen::Index i = 0; i < step.size(); ++i) {
+    if (step[i] == 0.0) continue;
+    const double reach = i == 0 ? std::abs(from[i]) : std::max(1.0, std::abs(from[i]));
+    const double room = step[i] > 0.0 ? curve.upper[i] - from[i] : from[i] - curve.lower[i];
+    share = std::min(share, std::min(reach, std::max(0.0, room)) / std::abs(step[i]));
+  }
+  return share;
+}
+
+/// log of the mass of N(mean, deviation^2) within bounds over that of N(0, 1).
+double log_mass_ratio(double mean, double deviation, double lower, double upper) {
+  const auto mass = [&](double m, double s) {
+    const double root = std::numbers::sqrt2 * s;
+    return 0.5 * (std::erfc((lower - m) / root) - std::erfc((upper - m) / root));
+  };
+  return std::log(std::max(mass(mean, deviation), 1e-300)) - std::log(mass(0.0, 1.0));
+}
+
+double evidence_at(const Vector& signature, const SignatureCurve& curve, const CurvePoint& point) {
+  const Vector r = signature - point.signature;
+  const Matrix& Y = point.slopes;
+  if (Y.cols() == 0) return -0.5 * r.squaredNorm();
+
+  Matrix A = Y.transpose() * Y;
+  A.diagonal().array() += 1.0;
+  const Eigen::LLT<Matrix> factor(A);
+  const Matrix covariance = factor.solve(Matrix::Identity(A.rows(), A.cols()));
+  const Vector step = factor.solve(Y.transpose() * r - point.u);
+  const Vector moved = share_of_step(point.u, step, curve) * step;
+  const Vector u = point.u + moved;
+
+  const double log_det = 2.0 * factor.matrixLLT().diagonal().array().log().sum();
+  const double told = static_cast<double>(A.rows()) - covariance.trace();
+  const double mass =
+      log_mass_ratio(u[0], std::sqrt(covariance(0, 0)), curve.lower[0], curve.upper[0]);
+  return -0.5 * ((r - Y * moved).squaredNorm() + u.squaredNorm() + log_det - told) + mass;
+}
+
+}  // namespace
+
+double log_of_sum(double a, double b) {
+  const double most = std::max(a, b);
+  return std::isinf(most) ? most : most + std::log1p(std::exp(std::min(a, b) - most));
+}
+
+double expected_log_evidence(const Vector& signature, const SignatureCurve& curve) {
+  double best = -kInfinity;
+  for (const CurvePoint& point : curve.points)
+    best = std::max(best, evidence_at(signature, curve, point));
+  return best;
+}
+
+double expected_log_evidence_of_none(const Vector& signature) {
+  return -0.5 * signature.squaredNorm();
+}
+
+double expected_log_weight_of_none(const SignatureSpace& space, const Vector& signature) {
+  const Settings& settings = space.problem->settings;
+  const double complete =
+      std::log1p(-settings.prior_lacking) + expected_log_evidence_of_none(signature);
+  if (space.random.size() == 0) return complete;
+
+  const Products products = products_of(space.random, signature);
+  const ScaleEstimate estimate =
+      estimated_scales(space.random, products, first_scales(space.random), settings.scale_steps,
+                       settings.scale_spread);
+  const double told = told_by(space.random, products, estimate.scales).sum();
+  const double lacking = linear_evidence(space.random, products, estimate.scales).log_evidence +
+                         estimate.log_cost + 0.5 * told;
+  return log_of_sum(complete, std::log(settings.prior_lacking) + lacking);
+}
+
+double expected_log_bayes_factor(const SignatureCurve& at_work, const SignatureCurve& other) {
+  const CurvePoint* stated = at_work.stated();
+  if (stated == nullptr) return kNaN;
+  return expected_log_evidence(stated->signature, at_work) -
+         expected_log_evidence(stated->signature, other);
+}
+
+}  // namespace jaculus::diagnosis

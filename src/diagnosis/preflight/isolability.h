@@ -1,0 +1,60 @@
+#pragma once
+// Which effects could be told apart, each as it is stated to be at work.
+//
+// Structurally (M. Krysander, E. Frisk, "Sensor placement for fault diagnosis", IEEE Trans. SMC A
+// 38, 2008): A is isolable from B if some combination of the data reacts to A and not to B, that is
+// if A's slope does not lie in the span of B's, of all its parameters. Its sine to that span is
+// zero up to rounding of the differences (settings.structural_angle) where no amount of such data
+// can tell.
+// Statistically: A is told from B if the expected log Bayes factor, data with A at work and B at
+// what imitates it best, reaches settings.indistinguishable_below, by which a diagnosis lists
+// rivals; below that either is named, and where it is as much below zero B alone. Both ways, for B
+// may imitate A and A not B.
+
+#include "diagnosis/preflight/expected_evidence.h"
+#include "jaculus/diagnosis/preflight.h"
+
+namespace jaculus::diagnosis {
+
+/// By an expected log Bayes factor; NaN: not judged.
+Telling telling_of(double log_factor, const Settings& settings);
+
+/// Two candidates. What is of `a` is with a at work and b as rival.
+struct CandidatePair {
+  int a = 0, b = 0;                     ///< candidates
+  double sine_a = kNaN, sine_b = kNaN;  ///< of its slope to the other's span
+  double told_a = kNaN, told_b = kNaN;  ///< expected log Bayes factors; NaN: not judged
+
+  /// Whether either can't be told where it is at work.
+  [[nodiscard]] bool not_tellable(const Settings& settings) const;
+  /// Whether either lies in the other's span.
+  [[nodiscard]] bool structural(const Settings& settings) const;
+};
+
+/// Sine of a vector to the span of some columns.
+double sine_to_span(const Vector& slope, const Matrix& columns);
+
+/// All pairs of candidates with a curve of which one at least is `seen`; what is not seen is not
+/// judged as at work.
+std::vector<CandidatePair> candidate_pairs(const std::vector<SignatureCurve>& curves,
+                                           const std::vector<bool>& seen);
+
+/// Candidates that pairs can't tell, as connected components: each is not told from one other of
+/// its set at least. Sorted.
+std::vector<std::vector<int>> connected_sets(const std::vector<CandidatePair>& not_told, int count);
+
+/// What data are expected to tell of which effect is at work [bits], each in turn at its stated
+/// size, none among them:
+///   I = H(prior) - sum_A pi_A log sum_B (pi_B/pi_A) exp(-D_AB),   D_AB: expected log Bayes factors,
+/// by Jensen's inequality from the posterior's entropy with A at work. `factors`: D, models x models,
+/// none first; `prior`: pi.
+double expected_information(const Vector& prior, const Matrix& factors);
+
+/// Its entropy where nothing is known, of none and `singles` [bit].
+double prior_uncertainty(int singles, const Settings& settings);
+
+/// pi and D of some candidates with a curve and none. One without a curve at its stated size counts
+/// as known not to be at work.
+double expected_information(const SignatureSpace& space, const std::vector<SignatureCurve>& curves);
+
+}  // namespace jaculus::diagnosis

@@ -1,0 +1,160 @@
+// What an experiment could tell, on a problem that is linear, so that every figure has a closed
+// form.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "diagnosis/preflight/detection.h"
+#include "diagnosis/preflight/isolability.h"
+#include "diagnosis/selection/comparison.h"
+#include "diagnosis/selection/posterior.h"
+#include "toy.h"
+
+namespace jaculus::test {
+namespace {
+
+using diagnosis::CurvePoint;
+using diagnosis::SignatureCurve;
+using diagnosis::SignatureSpace;
+
+enum ToyCandidate { kFirst, kSecond, kTwin, kBlind };
+
+/// The toy's nominal data and their space, without forces that may be missing.
+SignatureSpace toy_space() {
+  const auto problem = toy_problem(Vector::Zero(4));
+  const diagnosis::Comparison comparison =
+      diagnosis::comparison_about(*problem, diagnosis::estimate_noise(*problem, Vector::Zero(4)));
+  SignatureSpace space;
+  space.problem = problem;
+  space.whitening = comparison.whitening;
+  space.rows = diagnosis::rows_of(*problem, comparison.noise, comparison.noise.at_p);
+  for (const diagnosis::RowSpan& span : space.whitening.datasets.front().spans)
+    space.channel.insert(space.channel.end(), span.count, span.channel);
+  space.channels = 2;
+  return space;
+}
+
+SignatureCurve toy_curve(const SignatureSpace& space, int candidate, double size) {
+  return signature_curve(space, {candidate}, stated_departure(*space.problem, candidate, size),
+                         {0.25, -0.25, 1.0, -1.0, 4.0, -4.0});
+}
+
+TEST(ExpectedEvidence, OfALinearEffectAgainstNoneIsTheClosedForm) {
+  const SignatureSpace space = toy_space();
+  for (const double size : {0.05, 0.5, 2.0}) {
+    const SignatureCurve curve = toy_curve(space, kSecond, size);
+    const CurvePoint* stated = curve.stated();
+    ASSERT_NE(stated, nullptr);
+    const double u = stated->u[0], E = stated->signature.squaredNorm() / (u * u);
+    EXPECT_NEAR(u, size, 1e-12);
+    const double expected = 0.5 * (u * u * E * E + E) / (1.0 + E) - 0.5 * std::log1p(E);
+    EXPECT_NEAR(expected_log_evidence(stated->signature, curve) -
+                    diagnosis::expected_log_evidence_of_none(stated->signature),
+                expected, 1e-3 * std::abs(expected) + 1e-3);
+  }
+}
+
+TEST(ExpectedEvidence, OfARivalIsThatOfItsProjection) {
+  // By far more data than prior: B's best imitation leaves |g|^2 sin^2 of its angle.
+  const SignatureSpace space = toy_space();
+  const SignatureCurve first = toy_curve(space, kFirst, 1.0),
+                       second = toy_curve(space, kSecond, 1.0);
+  const Vector &g = first.stated()->signature, &y = second.stated()->signature;
+  const double u = g.dot(y) / y.squaredNorm();
+  const double rest = (g - u * y).squaredNorm();
+  const double occam = 0.5 * std::log(y.squaredNorm() / g.squaredNorm());
+  const double prior = 0.5 * (u * u - 1.0);
+  const double half_of_a_bound = std::log(2.0);  // `first` can't be negative
+  const double factor = expected_log_bayes_factor(first, second);
+  EXPECT_NEAR(factor, 0.5 * rest + occam + prior + half_of_a_bound, 0.02 * factor);
+}
+
+TEST(Isolability, IsNoneOfWhatHasTheSameSlope) {
+  const SignatureSpace space = toy_space();
+  std::vector<SignatureCurve> curves;
+  for (const int c : {kFirst, kSecond, kTwin}) curves.push_back(toy_curve(space, c, 1.0));
+  const diagnosis::Settings& settings = space.problem->settings;
+  for (const diagnosis::CandidatePair& pair :
+       diagnosis::candidate_pairs(curves, {true, true, true})) {
+    const bool twins = pair.a == kFirst && pair.b == kTwin;
+    EXPECT_EQ(pair.structural(settings), twins) << pair.a << ' ' << pair.b;
+    EXPECT_EQ(pair.not_tellable(settings), twins) << pair.told_a << ' ' << pair.told_b;
+  }
+}
+
+TEST(Isolability, OfWhatIsNotSeenIsNotJudged) {
+  const SignatureSpace space = toy_space();
+  std::vector<SignatureCurve> curves;
+  for (const int c : {kFirst, kSecond}) curves.push_back(toy_curve(space, c, 1.0));
+  EXPECT_TRUE(diagnosis::candidate_pairs(curves, {false, false}).empty());
+  const auto pairs = diagnosis::candidate_pairs(curves, {true, false});
+  ASSERT_EQ(pairs.size(), 1u);
+  EXPECT_FALSE(std::isnan(pairs[0].told_a));
+  EXPECT_TRUE(std::isnan(pairs[0].told_b));
+}
+
+TEST(SineToSpan, IsZeroWithinAndOneAcross) {
+  Matrix span(3, 2);
+  span << 1.0, 1e6, 0.0, 1e6, 0.0, 0.0;
+  EXPECT_NEAR(diagnosis::sine_to_span(Eigen::Vector3d(0.0, 3.0, 0.0), span), 0.0, 1e-9);
+  EXPECT_NEAR(diagnosis::sine_to_span(Eigen::Vector3d(0.0, 0.0, 2.0), span), 1.0, 1e-12);
+  EXPECT_NEAR(diagnosis::sine_to_span(Eigen::Vector3d(0.0, 1.0, 1.0), span), std::sqrt(0.5), 1e-9);
+}
+
+TEST(Detection, OfWhatChangesNothingIsNoneAtAnySize) {
+  const SignatureSpace space = toy_space();
+  const diagnosis::Detection found = detect(space, kBlind, toy_curve(space, kBlind, 1.0),
+                                            stated_departure(*space.problem, kBlind, 1.0));
+  EXPECT_FALSE(found.structural);
+  EXPECT_TRUE(std::isnan(found.size));
+  EXPECT_FALSE(found.stated.named);
+}
+
+TEST(Detection, FindsTheSizeFromWhichAnEffectIsNamed) {
+  const SignatureSpace space = toy_space();
+  const diagnosis::Settings& settings = space.problem->settings;
+  const SignatureCurve curve = toy_curve(space, kSecond, 1.0);
+  const diagnosis::Detection found =
+      detect(space, kSecond, curve, stated_departure(*space.problem, kSecond, 1.0));
+  ASSERT_TRUE(found.structural && std::isfinite(found.size));
+
+  // The least u at which odds and gap suffice, by the closed forms of both.
+  const double E = curve.stated()->signature.squaredNorm();
+  const double prior = diagnosis::log_prior(1, 4, settings) - diagnosis::log_prior(0, 4, settings);
+  const auto odds = [&](double u) {
+    return prior + 0.5 * (u * u * E * E + E) / (1.0 + E) - 0.5 * std::log1p(E);
+  };
+  double least = 1e-6;
+  const double rows = space.whitening.rows;
+  const auto named = [&](double u) {
+    const bool gains = 0.5 * u * u * E > settings.worth_small_gap;
+    const double gap = std::sqrt(1.0 + u * u * E / rows);  // as many rows in both channels
+    return odds(u) >= settings.worth &&
+           (gap >= settings.plain_gap ||
+            (gains && 1.0 < (1.0 - settings.least_improvement_small_gap) * gap));
+  };
+  while (!named(least)) least *= 1.001;
+  EXPECT_NEAR(found.size / (0.1 * least), 1.0, 0.06);
+}
+
+TEST(ConnectedSets, HoldWhatPairsConnect) {
+  std::vector<diagnosis::CandidatePair> pairs = {{0, 3}, {3, 5}, {1, 2}};
+  EXPECT_EQ(diagnosis::connected_sets(pairs, 6),
+            (std::vector<std::vector<int>>{{0, 3, 5}, {1, 2}}));
+}
+
+TEST(ExpectedInformation, IsThePriorsEntropyWhereAllIsToldAndNothingWhereNothingIs) {
+  const Vector even = Vector::Constant(4, 0.25);
+  Matrix told = Matrix::Constant(4, 4, 1e3);
+  told.diagonal().setZero();
+  EXPECT_NEAR(diagnosis::expected_information(even, told), 2.0, 1e-9);
+  EXPECT_NEAR(diagnosis::expected_information(even, Matrix::Zero(4, 4)), 0.0, 1e-9);
+
+  // Two halves that are told from one another and not within: one bit of the two.
+  for (const int half : {0, 2}) told(half, half + 1) = told(half + 1, half) = 0.0;
+  EXPECT_NEAR(diagnosis::expected_information(even, told), 1.0, 1e-9);
+}
+
+}  // namespace
+}  // namespace jaculus::test
