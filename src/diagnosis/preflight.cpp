@@ -80,28 +80,41 @@ std::vector<CandidatePair> not_told(const Plan& plan) {
   return out;
 }
 
-/// What a pair's lesser way is told by in another space; NaN where a curve is missing there.
-double told_there(const SignatureSpace& space, const std::vector<SignatureCurve>& curves,
-                  const Hypotheses& planned, const CandidatePair& pair) {
-  const int a = space.problem->hypotheses.candidate(planned.candidates[pair.a].name);
-  const int b = space.problem->hypotheses.candidate(planned.candidates[pair.b].name);
+/// Another space with the same candidates or some of them.
+struct Changed {
+  PlannedSpace planned;
+  std::vector<SignatureCurve> curves;
+  Matrix factors;  ///< expected log Bayes factors
+};
+
+/// Nothing where the plant is lost or data could not be diagnosed.
+std::optional<Changed> changed(const std::vector<Experiment>& experiments,
+                               const DiagnoseOptions& options, double size) {
+  Changed out{space_of(experiments, options, MissingForces::left_out), {}, {}};
+  if (!out.planned.space) return {};
+  out.curves = curves_of(*out.planned.space, size, kCoarseShares);
+  out.factors = expected_log_bayes_factors(*out.planned.space, out.curves);
+  return out;
+}
+
+/// What a pair's lesser way is told by there; NaN where a curve is missing.
+double told_there(const Changed& there, const Hypotheses& planned, const CandidatePair& pair) {
+  const Hypotheses& own = there.planned.space->problem->hypotheses;
+  const int a = own.candidate(planned.candidates[pair.a].name);
+  const int b = own.candidate(planned.candidates[pair.b].name);
   if (a < 0 || b < 0) return kNaN;
-  double least = kInfinity;
-  if (!std::isnan(pair.told_a))
-    least = std::min(least, expected_log_bayes_factor(curves[a], curves[b]));
-  if (!std::isnan(pair.told_b))
-    least = std::min(least, expected_log_bayes_factor(curves[b], curves[a]));
-  return least;
+  if (std::isnan(pair.told_a)) return there.factors(b, a);
+  if (std::isnan(pair.told_b)) return there.factors(a, b);
+  return std::min(there.factors(a, b), there.factors(b, a));
 }
 
 /// Adds a change to the pairs that it tells; how many these are.
-int add_told(const Plan& plan, const SignatureSpace& space,
-             const std::vector<SignatureCurve>& curves, const std::string& kind,
+int add_told(const Plan& plan, const Changed& there, const std::string& kind,
              const std::string& name, Preflight& out) {
   int told = 0;
   for (std::size_t i = 0; i < plan.pairs.size(); ++i) {
     if (out.pairs[i].tellable) continue;
-    const double factor = told_there(space, curves, plan.hypotheses(), plan.pairs[i]);
+    const double factor = told_there(there, plan.hypotheses(), plan.pairs[i]);
     if (!(factor >= plan.settings().indistinguishable_below)) continue;
     out.pairs[i].by.push_back({kind, name, factor});
     ++told;
@@ -122,10 +135,8 @@ void try_sensors(const Plan& plan, Preflight& out) {
   for (const NamedExperiment& sensor :
        with_one_more_sensor(plan.experiment, model, plan.settings())) {
     if (options.progress) options.progress("sensor: " + sensor.name);
-    const PlannedSpace there = space_of({sensor.experiment}, options, MissingForces::left_out);
-    if (!there.space) continue;
-    add_told(plan, *there.space, curves_of(*there.space, out.size, kCoarseShares), "sensor",
-             sensor.name, out);
+    const auto there = changed({sensor.experiment}, options, out.size);
+    if (there) add_told(plan, *there, "sensor", sensor.name, out);
   }
 }
 
@@ -137,12 +148,11 @@ void try_motions(const Plan& plan, Preflight& out) {
     try {
       const NamedExperiment motion = make();
       if (options.progress) options.progress("motion: " + motion.name);
-      const PlannedSpace there =
-          space_of({plan.experiment, motion.experiment}, options, MissingForces::left_out);
-      if (!there.space) continue;
-      const std::vector<SignatureCurve> curves = curves_of(*there.space, out.size, kCoarseShares);
-      const int told = add_told(plan, *there.space, curves, "motion", motion.name, out);
-      out.following.push_back({motion.name, expected_information(*there.space, curves), told});
+      const auto there = changed({plan.experiment, motion.experiment}, options, out.size);
+      if (!there) continue;
+      const int told = add_told(plan, *there, "motion", motion.name, out);
+      out.following.push_back(
+          {motion.name, information_of(there->factors, there->curves, plan.settings()), told});
     } catch (const InputError&) {
       continue;  // the robot or its stated controller does not allow this experiment
     }
@@ -201,9 +211,10 @@ Preflight preflight(const Experiment& experiment, const PreflightOptions& option
   }
 
   tell("pairs of effects");
-  plan.pairs = candidate_pairs(plan.curves, plan.seen);
+  const Matrix factors = expected_log_bayes_factors(plan.space, plan.curves);
+  plan.pairs = candidate_pairs(plan.curves, factors, plan.seen);
   add_pairs(plan, out);
-  out.information = expected_information(plan.space, plan.curves);
+  out.information = information_of(factors, plan.curves, out.settings);
   out.uncertainty = prior_uncertainty(n, out.settings);
   if (!options.alternatives) return out;
 

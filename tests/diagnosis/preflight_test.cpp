@@ -66,7 +66,7 @@ TEST(ExpectedEvidence, OfARivalIsThatOfItsProjection) {
   const double occam = 0.5 * std::log(y.squaredNorm() / g.squaredNorm());
   const double prior = 0.5 * (u * u - 1.0);
   const double half_of_a_bound = std::log(2.0);  // `first` can't be negative
-  const double factor = expected_log_bayes_factor(first, second);
+  const double factor = expected_log_bayes_factor(space, first, second);
   EXPECT_NEAR(factor, 0.5 * rest + occam + prior + half_of_a_bound, 0.02 * factor);
 }
 
@@ -75,8 +75,9 @@ TEST(Isolability, IsNoneOfWhatHasTheSameSlope) {
   std::vector<SignatureCurve> curves;
   for (const int c : {kFirst, kSecond, kTwin}) curves.push_back(toy_curve(space, c, 1.0));
   const diagnosis::Settings& settings = space.problem->settings;
+  const Matrix factors = diagnosis::expected_log_bayes_factors(space, curves);
   for (const diagnosis::CandidatePair& pair :
-       diagnosis::candidate_pairs(curves, {true, true, true})) {
+       diagnosis::candidate_pairs(curves, factors, {true, true, true})) {
     const bool twins = pair.a == kFirst && pair.b == kTwin;
     EXPECT_EQ(pair.structural(settings), twins) << pair.a << ' ' << pair.b;
     EXPECT_EQ(pair.not_tellable(settings), twins) << pair.told_a << ' ' << pair.told_b;
@@ -87,8 +88,9 @@ TEST(Isolability, OfWhatIsNotSeenIsNotJudged) {
   const SignatureSpace space = toy_space();
   std::vector<SignatureCurve> curves;
   for (const int c : {kFirst, kSecond}) curves.push_back(toy_curve(space, c, 1.0));
-  EXPECT_TRUE(diagnosis::candidate_pairs(curves, {false, false}).empty());
-  const auto pairs = diagnosis::candidate_pairs(curves, {true, false});
+  const Matrix factors = diagnosis::expected_log_bayes_factors(space, curves);
+  EXPECT_TRUE(diagnosis::candidate_pairs(curves, factors, {false, false}).empty());
+  const auto pairs = diagnosis::candidate_pairs(curves, factors, {true, false});
   ASSERT_EQ(pairs.size(), 1u);
   EXPECT_FALSE(std::isnan(pairs[0].told_a));
   EXPECT_TRUE(std::isnan(pairs[0].told_b));

@@ -8,6 +8,9 @@
 namespace jaculus::diagnosis {
 namespace {
 
+/// Share of a signature's energy below which an imitation is near enough for slopes to lead it on.
+constexpr double kAlike = 0.25;
+
 /// How much of a step from `from` keeps every parameter within its bounds and its reach: from
 /// nominal to twice as far, or a prior scale where that is more.
 double share_of_step(const Vector& from, const Vector& step, const SignatureCurve& curve) {
@@ -30,10 +33,19 @@ double log_mass_ratio(double mean, double deviation, double lower, double upper)
   return std::log(std::max(mass(mean, deviation), 1e-300)) - std::log(mass(0.0, 1.0));
 }
 
-double evidence_at(const Vector& signature, const SignatureCurve& curve, const CurvePoint& point) {
+/// A model's evidence by its slopes at one point.
+struct PointEvidence {
+  double expected = -kInfinity;  ///< E log Z at the most probable u
+  double achieved = -kInfinity;  ///< the same if it stayed at the point, which is simulated
+  double missed = kInfinity;     ///< |g_A - g_B|^2 there
+  Vector u;                      ///< the most probable
+};
+
+PointEvidence evidence_at(const Vector& signature, const SignatureCurve& curve,
+                          const CurvePoint& point) {
   const Vector r = signature - point.signature;
   const Matrix& Y = point.slopes;
-  if (Y.cols() == 0) return -0.5 * r.squaredNorm();
+  if (Y.cols() == 0) return {-0.5 * r.squaredNorm(), -0.5 * r.squaredNorm(), kInfinity, point.u};
 
   Matrix A = Y.transpose() * Y;
   A.diagonal().array() += 1.0;
@@ -41,13 +53,29 @@ double evidence_at(const Vector& signature, const SignatureCurve& curve, const C
   const Matrix covariance = factor.solve(Matrix::Identity(A.rows(), A.cols()));
   const Vector step = factor.solve(Y.transpose() * r - point.u);
   const Vector moved = share_of_step(point.u, step, curve) * step;
-  const Vector u = point.u + moved;
 
   const double log_det = 2.0 * factor.matrixLLT().diagonal().array().log().sum();
   const double told = static_cast<double>(A.rows()) - covariance.trace();
-  const double mass =
-      log_mass_ratio(u[0], std::sqrt(covariance(0, 0)), curve.lower[0], curve.upper[0]);
-  return -0.5 * ((r - Y * moved).squaredNorm() + u.squaredNorm() + log_det - told) + mass;
+  const auto evidence = [&](const Vector& u, double missed) {
+    const double mass =
+        log_mass_ratio(u[0], std::sqrt(covariance(0, 0)), curve.lower[0], curve.upper[0]);
+    return -0.5 * (missed + u.squaredNorm() + log_det - told) + mass;
+  };
+  PointEvidence out;
+  out.u = point.u + moved;
+  out.missed = (r - Y * moved).squaredNorm();
+  out.expected = evidence(out.u, out.missed);
+  out.achieved = evidence(point.u, r.squaredNorm());
+  return out;
+}
+
+PointEvidence best_of(const Vector& signature, const SignatureCurve& curve) {
+  PointEvidence best;
+  for (const CurvePoint& point : curve.points) {
+    PointEvidence own = evidence_at(signature, curve, point);
+    if (own.expected > best.expected) best = std::move(own);
+  }
+  return best;
 }
 
 }  // namespace
@@ -58,10 +86,28 @@ double log_of_sum(double a, double b) {
 }
 
 double expected_log_evidence(const Vector& signature, const SignatureCurve& curve) {
-  double best = -kInfinity;
-  for (const CurvePoint& point : curve.points)
-    best = std::max(best, evidence_at(signature, curve, point));
-  return best;
+  return best_of(signature, curve).expected;
+}
+
+double expected_log_evidence(const SignatureSpace& space, const Vector& signature,
+                             const SignatureCurve& curve) {
+  const Problem& problem = *space.problem;
+  const double energy = signature.squaredNorm();
+  PointEvidence best = best_of(signature, curve);
+  for (int i = 0; i < problem.settings.relinearisations; ++i) {
+    const bool alike = best.missed < kAlike * energy;
+    if (!alike || energy < problem.settings.indistinguishable_below) break;
+    const Vector p = problem.hypotheses.unscaled(curve.free, best.u, problem.hypotheses.nominal());
+    const auto point = curve_point(space, curve.free, p);
+    if (!point) break;
+
+    PointEvidence next = evidence_at(signature, curve, *point);
+    const double gained = next.expected - best.expected;
+    const bool nearer = next.achieved > best.achieved;
+    if (nearer) best = std::move(next);
+    if (!nearer || std::abs(gained) < problem.settings.lower_valley) break;
+  }
+  return best.expected;
 }
 
 double expected_log_evidence_of_none(const Vector& signature) {
@@ -84,11 +130,12 @@ double expected_log_weight_of_none(const SignatureSpace& space, const Vector& si
   return log_of_sum(complete, std::log(settings.prior_lacking) + lacking);
 }
 
-double expected_log_bayes_factor(const SignatureCurve& at_work, const SignatureCurve& other) {
+double expected_log_bayes_factor(const SignatureSpace& space, const SignatureCurve& at_work,
+                                 const SignatureCurve& other) {
   const CurvePoint* stated = at_work.stated();
-  if (stated == nullptr) return kNaN;
+  if (stated == nullptr || other.points.empty()) return kNaN;
   return expected_log_evidence(stated->signature, at_work) -
-         expected_log_evidence(stated->signature, other);
+         expected_log_evidence(space, stated->signature, other);
 }
 
 }  // namespace jaculus::diagnosis

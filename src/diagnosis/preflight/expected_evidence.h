@@ -24,6 +24,11 @@ namespace jaculus::diagnosis {
 /// E log Z of a model along a curve, data with `signature`; -infinity where the curve has no point.
 double expected_log_evidence(const Vector& signature, const SignatureCurve& curve);
 
+/// The same, the best point moved by Gauss-Newton steps that are simulated while the model imitates
+/// the signature well: strong signatures leave the reach of slopes before they can be told apart.
+double expected_log_evidence(const SignatureSpace& space, const Vector& signature,
+                             const SignatureCurve& curve);
+
 /// The same of no effect, nothing lacking.
 double expected_log_evidence_of_none(const Vector& signature);
 
@@ -31,7 +36,8 @@ double expected_log_evidence_of_none(const Vector& signature);
 double expected_log_weight_of_none(const SignatureSpace& space, const Vector& signature);
 
 /// Of the curve `at_work`, as stated, against another; NaN where it can't be simulated.
-double expected_log_bayes_factor(const SignatureCurve& at_work, const SignatureCurve& other);
+double expected_log_bayes_factor(const SignatureSpace& space, const SignatureCurve& at_work,
+                                 const SignatureCurve& other);
 
 /// log(e^a + e^b).
 double log_of_sum(double a, double b);

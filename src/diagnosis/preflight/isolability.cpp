@@ -49,22 +49,34 @@ double sine_to_span(const Vector& slope, const Matrix& columns) {
   return rest.norm() / norm;
 }
 
+Matrix expected_log_bayes_factors(const SignatureSpace& space,
+                                  const std::vector<SignatureCurve>& curves) {
+  const int n = count_of(curves);
+  Matrix factors = Matrix::Constant(n, n + 1, kNaN);
+  tbb::parallel_for(0, n * n, [&](int i) {
+    const int a = i / n, b = i % n;
+    factors(a, b) = a == b ? 0.0 : expected_log_bayes_factor(space, curves[a], curves[b]);
+  });
+  for (int a = 0; a < n; ++a)
+    if (const CurvePoint* stated = curves[a].stated())
+      factors(a, n) = expected_log_evidence(stated->signature, curves[a]) -
+                      expected_log_evidence_of_none(stated->signature);
+  return factors;
+}
+
 std::vector<CandidatePair> candidate_pairs(const std::vector<SignatureCurve>& curves,
-                                           const std::vector<bool>& seen) {
+                                           const Matrix& factors, const std::vector<bool>& seen) {
   std::vector<CandidatePair> pairs;
   for (int a = 0; a < count_of(curves); ++a)
-    for (int b = a + 1; b < count_of(curves); ++b)
-      if ((seen[a] || seen[b]) && !curves[a].points.empty() && !curves[b].points.empty())
-        pairs.push_back({a, b});
-
-  tbb::parallel_for(0, count_of(pairs), [&](int i) {
-    CandidatePair& pair = pairs[i];
-    const SignatureCurve &a = curves[pair.a], &b = curves[pair.b];
-    pair.sine_a = sine_to_span(a.plain.col(0), b.plain);
-    pair.sine_b = sine_to_span(b.plain.col(0), a.plain);
-    if (seen[pair.a]) pair.told_a = expected_log_bayes_factor(a, b);
-    if (seen[pair.b]) pair.told_b = expected_log_bayes_factor(b, a);
-  });
+    for (int b = a + 1; b < count_of(curves); ++b) {
+      if ((!seen[a] && !seen[b]) || curves[a].points.empty() || curves[b].points.empty()) continue;
+      CandidatePair pair{a, b};
+      pair.sine_a = sine_to_span(curves[a].plain.col(0), curves[b].plain);
+      pair.sine_b = sine_to_span(curves[b].plain.col(0), curves[a].plain);
+      if (seen[a]) pair.told_a = factors(a, b);
+      if (seen[b]) pair.told_b = factors(b, a);
+      pairs.push_back(pair);
+    }
   return pairs;
 }
 
@@ -104,24 +116,19 @@ double prior_uncertainty(int singles, const Settings& settings) {
   return -(prior.array() * prior.array().log()).sum() / std::numbers::ln2;
 }
 
-double expected_information(const SignatureSpace& space,
-                            const std::vector<SignatureCurve>& curves) {
-  const Settings& settings = space.problem->settings;
-  std::vector<const SignatureCurve*> models;
-  for (const SignatureCurve& curve : curves)
-    if (curve.stated() != nullptr) models.push_back(&curve);
-  const int n = count_of(models);
-  Matrix factors = Matrix::Zero(n + 1, n + 1);
-  const Vector nothing = Vector::Zero(space.whitening.rows);
-  for (int b = 0; b < n; ++b) factors(0, b + 1) = -expected_log_evidence(nothing, *models[b]);
-  tbb::parallel_for(0, n, [&](int a) {
-    const Vector& signature = models[a]->stated()->signature;
-    const double own = expected_log_evidence(signature, *models[a]);
-    factors(a + 1, 0) = own - expected_log_evidence_of_none(signature);
+double information_of(const Matrix& factors, const std::vector<SignatureCurve>& curves,
+                      const Settings& settings) {
+  const int n = count_of(curves);
+  Matrix all = Matrix::Zero(n + 1, n + 1);
+  for (int a = 0; a < n; ++a) {
+    if (curves[a].stated() == nullptr) continue;
+    all(a + 1, 0) = factors(a, n);
+    const Vector nothing = Vector::Zero(curves[a].stated()->signature.size());
+    all(0, a + 1) = -expected_log_evidence(nothing, curves[a]);
     for (int b = 0; b < n; ++b)
-      if (b != a) factors(a + 1, b + 1) = own - expected_log_evidence(signature, *models[b]);
-  });
-  return expected_information(single_priors(n, settings), factors);
+      if (curves[b].stated() != nullptr) all(a + 1, b + 1) = factors(a, b);
+  }
+  return expected_information(single_priors(n, settings), all);
 }
 
 }  // namespace jaculus::diagnosis

@@ -34,10 +34,15 @@ struct CandidatePair {
 /// Sine of a vector to the span of some columns.
 double sine_to_span(const Vector& slope, const Matrix& columns);
 
+/// Expected log Bayes factors D(a, b) of curves, a at work as stated and b as rival; NaN where one
+/// can't be simulated. The last column is against none.
+Matrix expected_log_bayes_factors(const SignatureSpace& space,
+                                  const std::vector<SignatureCurve>& curves);
+
 /// All pairs of candidates with a curve of which one at least is `seen`; what is not seen is not
-/// judged as at work.
+/// judged as at work. `factors`: D.
 std::vector<CandidatePair> candidate_pairs(const std::vector<SignatureCurve>& curves,
-                                           const std::vector<bool>& seen);
+                                           const Matrix& factors, const std::vector<bool>& seen);
 
 /// Candidates that pairs can't tell, as connected components: each is not told from one other of
 /// its set at least. Sorted.
@@ -50,11 +55,11 @@ std::vector<std::vector<int>> connected_sets(const std::vector<CandidatePair>& n
 /// none first; `prior`: pi.
 double expected_information(const Vector& prior, const Matrix& factors);
 
-/// Its entropy where nothing is known, of none and `singles` [bit].
+/// The entropy of the prior of none and `singles` effects of which one at most is at work [bit].
 double prior_uncertainty(int singles, const Settings& settings);
 
-/// pi and D of some candidates with a curve and none. One without a curve at its stated size counts
-/// as known not to be at work.
-double expected_information(const SignatureSpace& space, const std::vector<SignatureCurve>& curves);
+/// I of curves with this prior, `factors` as above; what could not be simulated counts as not told.
+double information_of(const Matrix& factors, const std::vector<SignatureCurve>& curves,
+                      const Settings& settings);
 
 }  // namespace jaculus::diagnosis

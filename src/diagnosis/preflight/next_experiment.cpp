@@ -46,8 +46,10 @@ double told_between(const Experiment& experiment, const Explanation& a, const Ex
   const PlannedSpace planned =
       space_of({experiment}, between(a, b, options), MissingForces::left_out);
   if (!planned.space) return kNaN;
-  const SignatureCurve of_a = curve_of(*planned.space, a), of_b = curve_of(*planned.space, b);
-  return 0.5 * (expected_log_bayes_factor(of_a, of_b) + expected_log_bayes_factor(of_b, of_a));
+  const SignatureSpace& space = *planned.space;
+  const SignatureCurve of_a = curve_of(space, a), of_b = curve_of(space, b);
+  return 0.5 * (expected_log_bayes_factor(space, of_a, of_b) +
+                expected_log_bayes_factor(space, of_b, of_a));
 }
 
 }  // namespace

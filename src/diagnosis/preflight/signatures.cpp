@@ -126,6 +126,27 @@ const CurvePoint* SignatureCurve::stated() const {
   return nullptr;
 }
 
+std::optional<CurvePoint> curve_point(const SignatureSpace& space, const std::vector<int>& free,
+                                      const Vector& p, Matrix* plain) {
+  const auto change = change_of_rows(space, p);
+  if (!change) return {};
+  CurvePoint point{1.0, space.problem->hypotheses.scaled(free, p), signature_of(space, *change),
+                   Matrix(space.whitening.rows, count_of(free))};
+  std::vector<Vector> rows = space.rows;
+  for (std::size_t d = 0; d < rows.size(); ++d) rows[d] += (*change)[d];
+  const double departed = point.u.norm();
+  const double sensitivity = departed > 0.0 ? point.signature.norm() / departed : 0.0;
+  const auto slopes = raw_slopes(space, p, rows, free, sensitivity);
+  if (!slopes) return {};
+
+  if (plain != nullptr) plain->resize(space.whitening.rows, count_of(free));
+  for (int k = 0; k < count_of(free); ++k) {
+    point.slopes.col(k) = signature_of(space, (*slopes)[k]);
+    if (plain != nullptr) plain->col(k) = space.whitening.apply((*slopes)[k]);
+  }
+  return point;
+}
+
 SignatureCurve signature_curve(const SignatureSpace& space, const std::vector<int>& candidates,
                                const Vector& p, const std::vector<double>& shares) {
   const Hypotheses& hypotheses = space.problem->hypotheses;
@@ -151,24 +172,12 @@ SignatureCurve signature_curve(const SignatureSpace& space, const std::vector<in
       return hypotheses.parameters[i].bounds.contains(there[i]);
     });
     if (!within) continue;
-    const auto change = change_of_rows(space, there);
-    if (!change) continue;
-    CurvePoint point{share, hypotheses.scaled(curve.free, there), signature_of(space, *change),
-                     Matrix(space.whitening.rows, count_of(curve.free))};
-    std::vector<Vector> rows = space.rows;
-    for (std::size_t d = 0; d < rows.size(); ++d) rows[d] += (*change)[d];
-    const double sensitivity = point.signature.norm() / point.u.norm();
-    const auto slopes = raw_slopes(space, there, rows, curve.free, sensitivity);
-    if (!slopes) continue;
-
     const bool nearest = std::abs(share) < least;
-    if (nearest) curve.plain.resize(space.whitening.rows, count_of(curve.free));
-    for (int k = 0; k < count_of(curve.free); ++k) {
-      point.slopes.col(k) = signature_of(space, (*slopes)[k]);
-      if (nearest) curve.plain.col(k) = space.whitening.apply((*slopes)[k]);
-    }
+    auto point = curve_point(space, curve.free, there, nearest ? &curve.plain : nullptr);
+    if (!point) continue;
+    point->share = share;
     least = std::min(least, std::abs(share));
-    curve.points.push_back(std::move(point));
+    curve.points.push_back(std::move(*point));
   }
   return curve;
 }

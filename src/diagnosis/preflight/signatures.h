@@ -75,6 +75,11 @@ struct SignatureCurve {
   [[nodiscard]] const CurvePoint* stated() const;
 };
 
+/// The point of some free parameters at p, with T df/du into `plain` where that is given; nothing
+/// where the plant is lost.
+std::optional<CurvePoint> curve_point(const SignatureSpace& space, const std::vector<int>& free,
+                                      const Vector& p, Matrix* plain = nullptr);
+
 /// Of some candidates at p(share) = nominal + share (p - nominal). Without candidates: one point
 /// that changes nothing.
 SignatureCurve signature_curve(const SignatureSpace& space, const std::vector<int>& candidates,
