@@ -60,6 +60,7 @@ void add_simulate(CLI::App& app, Action& chosen);
 void add_import(CLI::App& app, Action& chosen);
 void add_robot(CLI::App& app, Action& chosen);
 void add_diagnose(CLI::App& app, Action& chosen);
+void add_preflight(CLI::App& app, Action& chosen);
 void add_testbed(CLI::App& app, Action& chosen);
 void add_evaluate(CLI::App& app, Action& chosen);
 void add_jobs(CLI::App& app, Action& chosen);

@@ -16,9 +16,6 @@
 #include "jaculus/core/yaml.h"
 
 namespace jaculus::cli {
-
-void add_preflight(CLI::App& app, Action& chosen);
-
 namespace {
 
 std::string hint(const std::string& given, const std::vector<std::string>& names) {

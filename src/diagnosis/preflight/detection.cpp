@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "diagnosis/preflight/dev_settings.h"
 #include "diagnosis/selection/posterior.h"
 
 namespace jaculus::diagnosis {
@@ -49,8 +48,8 @@ class SizeSearch {
 
   /// Between a share that is not named and one that is.
   [[nodiscard]] double between(double below, double above) const {
-    [[maybe_unused]] const Settings& settings = space_.problem->settings;
-    for (int i = 0; i < kDev.size_steps && above > (1.0 + kDev.size_within) * below; ++i) {
+    const Settings& settings = space_.problem->settings;
+    for (int i = 0; i < settings.size_steps && above > (1.0 + settings.size_within) * below; ++i) {
       const double middle = std::sqrt(below * above);
       (named(middle) ? above : below) = middle;
     }
@@ -98,7 +97,7 @@ double least_named(const SignatureSpace& space, const SignatureCurve& curve,
     above = farthest;
   }
   const double factor = 1.0 / space.problem->settings.line_search_lowest;
-  for (int i = 0; below <= 0.0 && i < kDev.size_steps; ++i) {
+  for (int i = 0; below <= 0.0 && i < space.problem->settings.size_steps; ++i) {
     if (search.named(above / factor))
       above /= factor;
     else
@@ -137,7 +136,7 @@ Detection detect(const SignatureSpace& space, int candidate, const SignatureCurv
   const double stated = departure[first] - own.nominal;
   Detection out;
   for (const CurvePoint& point : curve.points)
-    out.structural = out.structural || point.signature.norm() > kDev.structural_zero;
+    out.structural = out.structural || point.signature.norm() > problem.settings.structural_zero;
   if (const CurvePoint* point = curve.stated()) out.stated = sight_of(space, curve, *point);
   if (!out.structural || stated == 0.0) return out;
 

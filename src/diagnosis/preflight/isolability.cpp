@@ -8,7 +8,6 @@
 #include <numbers>
 #include <numeric>
 
-#include "diagnosis/preflight/dev_settings.h"
 #include "diagnosis/selection/posterior.h"
 
 namespace jaculus::diagnosis {
@@ -29,13 +28,13 @@ Telling telling_of(double log_factor, const Settings& settings) {
   return log_factor > -settings.indistinguishable_below ? Telling::ambiguous : Telling::taken;
 }
 
-bool CandidatePair::not_tellable([[maybe_unused]] const Settings& settings) const {
+bool CandidatePair::not_tellable(const Settings& settings) const {
   const double least = settings.indistinguishable_below;
   return told_a < least || told_b < least;
 }
 
-bool CandidatePair::structural([[maybe_unused]] const Settings& settings) const {
-  return std::min(sine_a, sine_b) < kDev.structural_angle;
+bool CandidatePair::structural(const Settings& settings) const {
+  return std::min(sine_a, sine_b) < settings.structural_angle;
 }
 
 double sine_to_span(const Vector& slope, const Matrix& columns) {

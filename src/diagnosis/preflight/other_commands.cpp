@@ -6,7 +6,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "diagnosis/preflight/dev_settings.h"
 #include "jaculus/core/error.h"
 
 namespace jaculus::diagnosis {
@@ -31,20 +30,21 @@ Vector amplitudes(const InputScript& script) {
   return script.values.cwiseAbs().rowwise().maxCoeff();
 }
 
-NamedExperiment chirp(const Experiment& present, [[maybe_unused]] const Settings& settings) {
+NamedExperiment chirp(const Experiment& present, const Settings& settings) {
   InputScript script = *present.setup.script;
   const Vector amplitude = amplitudes(script);
   const double duration = simulation::command_duration(present.setup);
   const Eigen::Index steps = std::max(2L, std::lround(duration / kChirpStep));
   script.time = Vector::LinSpaced(steps + 1, 0.0, duration);
-  const Vector frequency = kDev.chirp_lowest + (kDev.chirp_highest - kDev.chirp_lowest) *
-                                                   script.time.array() / (2.0 * duration);
+  const Vector frequency =
+      settings.chirp_lowest +
+      (settings.chirp_highest - settings.chirp_lowest) * script.time.array() / (2.0 * duration);
   const Vector wave = (2.0 * std::numbers::pi * frequency.array() * script.time.array()).sin();
   script.values = amplitude * wave.transpose();
   script.values.col(steps).setZero();
-  return with_script(present,
-                     fmt::format("chirp from {} to {} Hz", kDev.chirp_lowest, kDev.chirp_highest),
-                     std::move(script));
+  return with_script(
+      present, fmt::format("chirp from {} to {} Hz", settings.chirp_lowest, settings.chirp_highest),
+      std::move(script));
 }
 
 NamedExperiment holds(const Experiment& present) {
@@ -56,30 +56,30 @@ NamedExperiment holds(const Experiment& present) {
   return with_script(present, "slow holds", std::move(script));
 }
 
-NamedExperiment stronger(const Experiment& present, [[maybe_unused]] const Settings& settings) {
+NamedExperiment stronger(const Experiment& present, const Settings& settings) {
   InputScript script = *present.setup.script;
-  script.values *= kDev.stronger_command;
-  return with_script(present, fmt::format("{} times the command", kDev.stronger_command),
+  script.values *= settings.stronger_command;
+  return with_script(present, fmt::format("{} times the command", settings.stronger_command),
                      std::move(script));
 }
 
 /// The same plan on a lower battery.
 NamedExperiment lower_voltage(const Experiment& present, const PlanarModel& model,
-                              [[maybe_unused]] const Settings& settings) {
+                              const Settings& settings) {
   if (model.motors.empty() || model.motors.front().ideal())
     throw InputError("this robot's motors have no voltage");
   NamedExperiment named{"", present};
   std::optional<double>& bus = named.experiment.setup.controller.bus_voltage;
-  bus = kDev.lower_voltage * bus.value_or(model.motors.front().voltage);
+  bus = settings.lower_voltage * bus.value_or(model.motors.front().voltage);
   named.name = fmt::format("{} on {:.3g} V", name_of(present.setup.experiment), *bus);
   return named;
 }
 
 NamedExperiment with_payload(const Experiment& present, const PlanarModel& model,
-                             [[maybe_unused]] const Settings& settings) {
+                             const Settings& settings) {
   const bool moves = model.base_free[0] || model.base_free[1] || model.base_free[2];
   const model::PlanarBody& body = moves ? model.bodies.front() : model.bodies.back();
-  const double payload = kDev.payload * body.mass;
+  const double payload = settings.payload * body.mass;
   NamedExperiment named{fmt::format("{} with {:.3g} kg more on {}",
                                     name_of(present.setup.experiment), payload, body.name),
                         present};
@@ -91,7 +91,7 @@ NamedExperiment with_payload(const Experiment& present, const PlanarModel& model
 }  // namespace
 
 std::vector<ExperimentMaker> other_commands(const Experiment& present, const PlanarModel& model,
-                                            [[maybe_unused]] const Settings& settings) {
+                                            const Settings& settings) {
   std::vector<ExperimentMaker> makers;
   if (present.setup.script) {
     makers.emplace_back([present, settings] { return chirp(present, settings); });

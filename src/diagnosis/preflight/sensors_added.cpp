@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "diagnosis/preflight/dev_settings.h"
-
 namespace jaculus::diagnosis {
 namespace {
 
@@ -40,13 +38,13 @@ SensorKind of_motors(const PlanarModel& model, const std::string& name, Quantity
 }
 
 std::vector<SensorKind> kinds_of(const Experiment& planned, const PlanarModel& model,
-                                 [[maybe_unused]] const Settings& s) {
+                                 const Settings& s) {
   std::vector<SensorKind> kinds = {
       of_motors(model, "encoders", Quantity::position, s.new_encoder_noise),
       of_motors(model, "joint rates", Quantity::velocity, s.new_rate_noise),
-      of_motors(model, "joint torques", Quantity::torque, kDev.new_torque_noise),
-      of_motors(model, "motor currents", Quantity::current, kDev.new_current_noise),
-      of_motors(model, "motor voltages", Quantity::voltage, kDev.new_voltage_noise)};
+      of_motors(model, "joint torques", Quantity::torque, s.new_torque_noise),
+      of_motors(model, "motor currents", Quantity::current, s.new_current_noise),
+      of_motors(model, "motor voltages", Quantity::voltage, s.new_voltage_noise)};
   const trajectory::StatedController& controller = planned.setup.controller;
   const Quantity commanded =
       planned.setup.script ? planned.setup.script->quantity : controller.quantity;
@@ -57,11 +55,11 @@ std::vector<SensorKind> kinds_of(const Experiment& planned, const PlanarModel& m
     });
 
   if (!model.motors.empty() && !model.motors.front().ideal())
-    kinds.push_back({"bus voltage", trajectory::kJointStream, {"bus_voltage"}, kDev.new_bus_noise});
+    kinds.push_back({"bus voltage", trajectory::kJointStream, {"bus_voltage"}, s.new_bus_noise});
   if (model.coordinate_index("pitch") >= 0) {
-    kinds.push_back({"IMU pitch", trajectory::kJointStream, {"imu_pitch"}, kDev.new_imu_noise});
+    kinds.push_back({"IMU pitch", trajectory::kJointStream, {"imu_pitch"}, s.new_imu_noise});
     kinds.push_back(
-        {"gyroscope", trajectory::kJointStream, {"imu_pitch_velocity"}, kDev.new_imu_rate_noise});
+        {"gyroscope", trajectory::kJointStream, {"imu_pitch_velocity"}, s.new_imu_rate_noise});
   }
   SensorKind mocap{"motion capture", trajectory::kMocapStream, {}, s.new_place_noise};
   for (const char* name : {"x", "z", "pitch"})
