@@ -71,6 +71,11 @@ struct Plan {
     for (const int c : which) same.effects.push_back(hypotheses().candidates[c].effect);
     return same;
   }
+  [[nodiscard]] DiagnoseOptions with_all_candidates() const {
+    std::vector<int> all;
+    for (int c = 0; c < count_of(curves); ++c) all.push_back(c);
+    return with_candidates(all);
+  }
 };
 
 std::vector<CandidatePair> not_told(const Plan& plan) {
@@ -141,9 +146,7 @@ void try_sensors(const Plan& plan, Preflight& out) {
 }
 
 void try_motions(const Plan& plan, Preflight& out) {
-  std::vector<int> all;
-  for (int c = 0; c < count_of(plan.curves); ++c) all.push_back(c);
-  const DiagnoseOptions options = plan.with_candidates(all);
+  const DiagnoseOptions options = plan.with_all_candidates();
   for (const ExperimentMaker& make : possible_experiments(plan.experiment, plan.settings())) {
     try {
       const NamedExperiment motion = make();
@@ -214,7 +217,10 @@ Preflight preflight(const Experiment& experiment, const PreflightOptions& option
   const Matrix factors = expected_log_bayes_factors(plan.space, plan.curves);
   plan.pairs = candidate_pairs(plan.curves, factors, plan.seen);
   add_pairs(plan, out);
-  out.information = information_of(factors, plan.curves, out.settings);
+  // By the coarser sizes that what may follow is judged by, or more data could seem to tell less.
+  const auto alone = changed({experiment}, plan.with_all_candidates(), out.size);
+  out.information = alone ? information_of(alone->factors, alone->curves, out.settings)
+                          : information_of(factors, plan.curves, out.settings);
   out.uncertainty = prior_uncertainty(n, out.settings);
   if (!options.alternatives) return out;
 

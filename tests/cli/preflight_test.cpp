@@ -26,7 +26,7 @@ TEST(PreflightCommand, SaysWhatAPendulumsSwingCouldTell) {
       {"preflight", kProblems + "pendulum_trials.yaml", "--planned-only", "--out", folder / "out"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_TRUE(holds(outcome.out, "would be named at some size within their bounds"));
-  EXPECT_TRUE(holds(outcome.out, "not told apart (first at work / second at work):"));
+  EXPECT_TRUE(holds(outcome.out, "not told apart (first at work / second at work"));
 
   std::ifstream stream(folder / "out/preflight.json");
   const json answer = json::parse(stream, nullptr, false);
@@ -50,13 +50,14 @@ TEST(PreflightCommand, SaysWhatAPendulumsSwingCouldTell) {
 
 TEST(PreflightCommand, TakesAnEffectOfTheUsersOwn) {
   const TemporaryFolder folder;
+  // Slopes are taken at a share of the scale, so that only of one scale they are the same.
   const std::string own =
       folder.write("catch.yaml",
                    "format: jaculus-effect/1\nname: my_catch\ncaption: constant pull\n"
                    "at: {joint: pendulum}\nexperiment: " +
                        kProblems +
                        "pendulum_trials.yaml\n"
-                       "parameters:\n  pull: {unit: N m, nominal: 0, bounds: [-1, 1], scale: 0.1}\n"
+                       "parameters:\n  pull: {unit: N m, nominal: 0, bounds: [-1, 1], scale: 0.3}\n"
                        "torque: \"pull\"\n");
   const Outcome outcome = run_program({"preflight", kProblems + "pendulum_trials.yaml",
                                        "--planned-only", "--effects", own, "--json"});

@@ -71,7 +71,7 @@ TEST(Preflight, CannotTellALinksMassFromItsMotorsTorqueConstant) {
   ASSERT_NE(other, nullptr);
   EXPECT_TRUE(other->tellable) << other->told_a << ' ' << other->told_b;
   ASSERT_EQ(p.sets.size(), 1u);
-  EXPECT_EQ(p.sets.front(), (std::vector<std::string>{"torque_constant", "link_mass"}));
+  EXPECT_EQ(p.sets.front(), (std::vector<std::string>{"link_mass", "torque_constant"}));
 }
 
 TEST(Preflight, IsNotPossibleOfOneTrial) {
