@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <string_view>
+#include <utility>
 
 namespace jaculus::diagnosis {
 namespace {
@@ -47,11 +48,14 @@ std::vector<Members> larger_sets(const Members& set, int candidates, int largest
   return out;
 }
 
+Members exchanged(Members set, int from, int to) {
+  return with_member(without_one(std::move(set), from), to);
+}
+
 std::vector<Members> exchanged_sets(const Members& set, int dropped, int candidates) {
   std::vector<Members> out;
   for (int c = 0; c < candidates; ++c)
-    if (!std::binary_search(set.begin(), set.end(), c))
-      out.push_back(with_member(without_one(set, dropped), c));
+    if (!std::binary_search(set.begin(), set.end(), c)) out.push_back(exchanged(set, dropped, c));
   return out;
 }
 

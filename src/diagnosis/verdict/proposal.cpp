@@ -5,18 +5,13 @@
 #include <algorithm>
 #include <numeric>
 
+#include "diagnosis/selection/neighbouring_sets.h"
+
 namespace jaculus::diagnosis {
 namespace {
 
 bool contains(const std::vector<int>& sorted, int value) {
   return std::binary_search(sorted.begin(), sorted.end(), value);
-}
-
-/// The set with one member exchanged, sorted.
-std::vector<int> exchanged(std::vector<int> members, int from, int to) {
-  std::erase(members, from);
-  members.insert(std::upper_bound(members.begin(), members.end(), to), to);
-  return members;
 }
 
 /// Two fitted sets that differ in one member.

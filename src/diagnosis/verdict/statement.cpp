@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "diagnosis/noise/quantiles.h"
+#include "diagnosis/selection/neighbouring_sets.h"
 #include "diagnosis/validation/shares.h"
 #include "diagnosis/verdict/calibration.h"
 #include "diagnosis/verdict/rules.h"
@@ -86,6 +87,26 @@ FoundEffect found_effect(const Problem& problem, const Whitening& whitening,
     found.parameters.push_back(shown(candidate, k, own[k].value, ci));
   }
   return found;
+}
+
+/// Widens the intervals of an effect by those it has where a rival stands in another member's place:
+/// which of the two it is can't be told, so that either value may be right.
+void widen_by_rivals(const Problem& problem, const Whitening& whitening, const Posterior& posterior,
+                     const ModelFit& chosen, const std::vector<Established>& named, int c,
+                     FoundEffect& effect) {
+  for (const Established& other : named) {
+    if (other.effect == c || index_of(chosen.candidates, c) < 0) continue;
+    for (const int rival : other.others) {
+      const ModelFit* model = posterior.find(exchanged(chosen.candidates, other.effect, rival));
+      if (model == nullptr || !model->fit.valid || index_of(model->candidates, c) < 0) continue;
+      const FoundEffect there = found_effect(problem, whitening, posterior, c, model, {});
+      for (std::size_t k = 0; k < effect.parameters.size(); ++k) {
+        Bounds& own = effect.parameters[k].ci95;
+        const Bounds& more = there.parameters[k].ci95;
+        own = {std::min(own.lower, more.lower), std::max(own.upper, more.upper)};
+      }
+    }
+  }
 }
 
 /// Values of a model's effects, as users read them.
@@ -290,8 +311,11 @@ Statement state_verdict(const Problem& problem, const Selection& selection, bool
   append(proposal.reasons, out.reasons);
   append(rule_reasons(problem, rule, out.verdict, told, chosen), out.reasons);
 
+  const Whitening& whitening = selection.comparison.whitening;
   const auto found = [&](int c, const std::vector<int>& others) {
-    return found_effect(problem, selection.comparison.whitening, posterior, c, &chosen, others);
+    FoundEffect effect = found_effect(problem, whitening, posterior, c, &chosen, others);
+    widen_by_rivals(problem, whitening, posterior, chosen, told.effects, c, effect);
+    return effect;
   };
   std::vector<FoundEffect> effects;
   if (names_effects(rule.verdict))
