@@ -15,6 +15,7 @@
 #include "jaculus/core/interrupt.h"
 #include "jaculus/core/journal.h"
 #include "jaculus/core/tasks.h"
+#include "jaculus/effects/select.h"
 #include "jaculus/effects/trials.h"
 #include "jaculus/report/dataset_report.h"
 #include "jaculus/simulation/experiment.h"
@@ -33,6 +34,7 @@ struct SimulateOptions {
   std::vector<std::string> effects;
   std::vector<std::string> effect_files;
   std::string augmented;  ///< file of a diagnosis
+  bool explain = false;
   int perturb = 0;
   bool resume = false;  ///< of replays on a cluster
 };
@@ -131,6 +133,15 @@ void check_executor(const SimulateOptions& options) {
 }
 
 int run_simulate(const SimulateOptions& options) {
+  if (options.explain) {
+    print(
+        "Effects: name, what it is, where it acts; each parameter with its unit, nominal value (no "
+        "effect), bounds\nand the standard deviation of its prior.\n" +
+        effects::catalogue_text());
+    return kDone;
+  }
+  if (options.target.empty())
+    throw InputError("simulate: target is required; allowed: see jaculus simulate --help");
   check_executor(options);
   const simulation::Experiment experiment = load_experiment(options);
   const model::PlanarModel model = simulation::dataset_robot(experiment.setup).planar;
@@ -177,9 +188,8 @@ void add_simulate(CLI::App& app, Action& chosen) {
       "Example:\n  jaculus simulate problems/leap_trials.yaml --trials 6 --seed 1 --effect "
       "tail_compliance:stiffness=98 "
       "--out out/trials\n  jaculus simulate out/leap/plan.csv --robot minitaur_tail");
-  command
-      ->add_option("target", options->target, "experiment (YAML), plan (CSV) or folder of a plan")
-      ->required();
+  command->add_option("target", options->target,
+                      "experiment (YAML), plan (CSV) or folder of a plan");
   add_common(*command, options->common, "folder for the dataset; nothing is written unless given");
   add_figures(*command, options->common);
   command->add_option("--robot", options->robot,
@@ -206,6 +216,8 @@ void add_simulate(CLI::App& app, Action& chosen) {
       ->add_option("--perturb", options->perturb,
                    "replays under the experiment's uncertainties, with their margins")
       ->check(whole_number(0, 100000));
+  command->add_flag("--explain", options->explain,
+                    "print every effect of the catalogue with its parameters");
   add_executor(*command, options->common);
   command->add_flag(
       "--resume", options->resume,

@@ -151,4 +151,27 @@ std::vector<ShownParameter> shown_parameters(const Effect& effect, const Vector&
   return shown;
 }
 
+std::string catalogue_text(const Catalogue& catalogue) {
+  std::string text;
+  for (const Effect& effect : catalogue) {
+    std::vector<std::string> where, shown_by;
+    for (const Component component : effect.where) where.emplace_back(component_name(component));
+    for (const trajectory::ExperimentKind kind : effect.excited_by)
+      shown_by.emplace_back(trajectory::name_of(kind));
+
+    text += fmt::format("\n{}: {}\n", effect.name, effect.caption);
+    text += fmt::format("  acts in {}; shown by {}{}\n", fmt::join(where, ", "),
+                        fmt::join(shown_by, ", "),
+                        effect.sized ? "; bounds and priors are made to the robot's size" : "");
+    for (const EffectParameter& p : effect.parameters) {
+      text += fmt::format(
+          "  {:<22} {:<12} {:.6g}, {:.6g} to {:.6g}, prior {:.6g}{}\n", p.name, p.unit, p.nominal,
+          p.bounds.lower, p.bounds.upper, p.scale,
+          p.reciprocal ? fmt::format("; read as {} [{}]", p.reciprocal->name, p.reciprocal->unit)
+                       : "");
+    }
+  }
+  return text;
+}
+
 }  // namespace jaculus::effects

@@ -6,6 +6,7 @@
 
 #include "cli/program.h"
 #include "jaculus/core/installation.h"
+#include "jaculus/effects/effect.h"
 #include "jaculus/solver/summary.h"
 #include "support/input_error.h"
 #include "support/temporary_folder.h"
@@ -53,6 +54,17 @@ TEST(Command, CheckExplainsEveryKey) {
   const Outcome outcome = run_program({"check", "--explain"});
   EXPECT_EQ(outcome.exit_code, 0);
   EXPECT_EQ(outcome.out.find(transcription::explain_problem()), 0u);
+}
+
+TEST(Command, SimulateExplainsEveryEffectWithItsParameters) {
+  const Outcome outcome = run_program({"simulate", "--explain"});
+  EXPECT_EQ(outcome.exit_code, 0);
+  for (const effects::Effect& effect : effects::effect_catalogue()) {
+    const std::size_t at = outcome.out.find("\n" + effect.name + ": " + effect.caption + "\n");
+    ASSERT_NE(at, std::string::npos) << effect.name;
+    for (const effects::EffectParameter& parameter : effect.parameters)
+      EXPECT_NE(outcome.out.find("\n  " + parameter.name, at), std::string::npos) << effect.name;
+  }
 }
 
 class ExportCommand : public ::testing::Test {

@@ -50,4 +50,8 @@ double own_value(const EffectParameter& parameter, double shown);
 /// Every parameter of an effect at `theta`.
 std::vector<ShownParameter> shown_parameters(const Effect& effect, const Vector& theta);
 
+/// Every effect of a catalogue with where it acts, the experiments that show it, and its parameters
+/// in its own terms, as `simulate --explain` prints it.
+std::string catalogue_text(const Catalogue& catalogue = effect_catalogue());
+
 }  // namespace jaculus::effects
