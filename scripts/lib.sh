@@ -44,6 +44,9 @@ libclang-rt-14-dev - libFuzzer and its sanitizers
 benchmark_packages='
 libbenchmark-dev - the benchmarks
 '
+site_packages='
+doxygen - the C++ reference of the site
+'
 python_packages='
 python3-dev - the Python module
 python3-venv - pip and its environments

@@ -14,6 +14,7 @@ is a status of its plan. Ctrl-C raises `Interrupted` (a `KeyboardInterrupt`), wh
 """
 from ._core import __version__
 from ._errors import InputError
+from ._exports import JointTrajectory
 from ._interrupts import Interrupted
 from .datasets import Dataset, Stream, Trial, load_dataset, simulate
 from .diagnoses import Diagnosis, diagnose
@@ -24,7 +25,7 @@ from .robots import Problem, Robot, load_problem, load_robot, shipped
 from .studies import Study, study
 
 __all__ = [
-    "Comparison", "Dataset", "Diagnosis", "InputError", "Interrupted", "Plan", "Problem", "Robot",
+    "Comparison", "Dataset", "Diagnosis", "InputError", "Interrupted", "JointTrajectory", "Plan", "Problem", "Robot",
     "Stream", "Study", "Trial", "__version__", "compare", "diagnose", "import_bag", "import_table",
     "load_dataset", "load_problem", "load_robot", "map", "shipped", "simulate", "solve", "study",
 ]

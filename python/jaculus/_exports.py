@@ -25,13 +25,17 @@ def _by_sample(rows: list[Any]) -> np.ndarray:
     return np.ascontiguousarray(np.vstack(rows).T)
 
 
-class Sampled:
-    """A plan resampled for a robot's joints. n samples, j joints of the robot's file, held ones last.
+class JointTrajectory:
+    """A plan resampled for a robot's joints, as `jaculus export` does. n samples, j joints of the robot's
+    file by the names, signs and zeros that they have there, left and right written out, held ones last.
 
     Attributes:
         names: j names.
-        nanoseconds: (n,) since the plan's start.
-        position, velocity, effort: (n, j) at the joint [rad, rad/s, N m; m, m/s, N where it slides].
+        time: (n,) [s].
+        position, velocity, effort: (n, j) at the joint [rad, rad/s, N m; m, m/s, N where it slides];
+            effort is the torque of one motor, zero where a joint is held.
+        planned: of the joints that move, by name: the plan's joint, and the sign between the two.
+            ``sign * plan[joint]`` is the angle of the file's joint at the plan's own samples.
     """
 
     def __init__(self, plan: _core.Plan, rate: float, even_unsolved: bool):
@@ -45,20 +49,30 @@ class Sampled:
         given = json.loads(plan.export_json(float(rate)))
         moving, held = given["joints"], given["held_joints"]
         self.names: list[str] = [joint["name"] for joint in moving + held]
-        time = np.array(given["time_s"])
-        self.nanoseconds = np.round(time * 1e9).astype(np.int64)
-        still = np.zeros((len(held), len(time)))
-        self.position = _by_sample(
+        self.planned: dict[str, tuple[str, float]] = {
+            joint["name"]: (joint["motor"], joint["sign"]) for joint in moving
+        }
+        self.time: np.ndarray = np.array(given["time_s"])
+        still = np.zeros((len(held), len(self.time)))
+        self.position: np.ndarray = _by_sample(
             [
                 [joint["position"] for joint in moving],
                 still + np.array([joint["position"] for joint in held]).reshape(-1, 1),
             ]
         )
-        self.velocity = _by_sample([[joint["velocity"] for joint in moving], still])
-        self.effort = _by_sample([[joint["torque"] for joint in moving], still])
+        self.velocity: np.ndarray = _by_sample([[joint["velocity"] for joint in moving], still])
+        self.effort: np.ndarray = _by_sample([[joint["torque"] for joint in moving], still])
+
+    @property
+    def nanoseconds(self) -> np.ndarray:
+        """(n,) since the plan's start."""
+        return np.round(self.time * 1e9).astype(np.int64)
+
+    def __repr__(self) -> str:
+        return f"<jaculus.JointTrajectory: {len(self.names)} joints, {len(self.time)} samples>"
 
 
-def _messages(sampled: Sampled, start: int, store: Any) -> Any:
+def _messages(sampled: JointTrajectory, start: int, store: Any) -> Any:
     """(topic, kind, message, time [ns]) of a bag."""
     types = store.types
     clock, duration = types["builtin_interfaces/msg/Time"], types["builtin_interfaces/msg/Duration"]
@@ -97,7 +111,7 @@ def _messages(sampled: Sampled, start: int, store: Any) -> Any:
 def write_bag(
     plan: _core.Plan, path: PathLike, rate: float, start: float, even_unsolved: bool
 ) -> Path:
-    sampled, library, target = Sampled(plan, rate, even_unsolved), rosbags(), Path(path)
+    sampled, library, target = JointTrajectory(plan, rate, even_unsolved), rosbags(), Path(path)
     if start < 0.0:
         raise InputError(f"start: {start} given; allowed: 0 or later, in seconds since the epoch")
     single = target.suffix == ".mcap"
@@ -127,7 +141,7 @@ def write_rerun(plan: Any, path: PathLike, rate: float, even_unsolved: bool) -> 
         import rerun
     except ImportError as missing:
         raise ImportError("to_rerun() needs Rerun: pip install rerun-sdk") from missing
-    sampled = Sampled(plan._core, rate, even_unsolved)
+    sampled = JointTrajectory(plan._core, rate, even_unsolved)
     recording = rerun.RecordingStream(f"jaculus_{plan.problem.name}")
     recording.save(os.fspath(path))
 

@@ -10,7 +10,7 @@ from typing import Any, Callable, Iterable, Mapping, Optional, Union
 import numpy as np
 
 from . import _core
-from ._exports import write_bag, write_rerun
+from ._exports import JointTrajectory, write_bag, write_rerun
 from ._inputs import Source
 from ._interrupts import Interrupted
 from ._tables import labelled, page, pandas, pyplot, xarray
@@ -134,6 +134,16 @@ class Plan:
         frame = xr.Dataset(data, {"time": time, "state": self.state_names, "input": self.input_names,
                                   "foot": self.foot_names, "axis": ["x", "z"]})
         return frame.assign_coords(state_units=("state", [self.units[name] for name in self.state_names]))
+
+    def to_joints(self, *, rate: float = 500.0, even_unsolved: bool = False) -> JointTrajectory:
+        """Positions, velocities and torques of the joints of the robot's own file, by their names, as
+        `jaculus export` writes them: for Pinocchio, Crocoddyl, MuJoCo or a controller.
+
+        Args:
+            rate: samples a second [Hz].
+            even_unsolved: take a plan whose solve did not converge.
+        """
+        return JointTrajectory(self._core, rate, even_unsolved)
 
     def to_bag(self, path: Union[str, "os.PathLike[str]"], *, rate: float = 500.0, start: float = 0.0,
                even_unsolved: bool = False) -> Path:
