@@ -10,6 +10,7 @@ import subprocess
 import sys
 
 import crocoddyl
+import matplotlib.pyplot as plt
 import numpy as np
 import pinocchio as pin
 
@@ -75,19 +76,26 @@ def torques_of(k):
 
 
 # %% Crocoddyl's contact dynamics beside the plan: forces of the floor at every sample
-worst = 0.0
+normal = {foot: np.zeros(len(plan.time)) for foot in feet}
 for k, phase in enumerate(plan.phase):
     dynamics = shooting_node(phase, 1e-3).differential
     data = dynamics.createData()
     dynamics.calc(data, state_of(k), torques_of(k))
     for foot, frames in feet.items():
-        found = sum(
-            data.multibody.contacts.contacts[model.frames[frame].name].f.linear[2]
-            for frame in (frames if foot == "rear_foot" or phase == "all_feet" else [])
-        )
-        worst = max(worst, abs(found - plan[f"{foot}_force_z"][k]))
-print(f"normal forces differ by at most {worst:.1e} N of {plan['rear_foot_force_z'].max():.0f} N")
+        if foot == "rear_foot" or phase == "all_feet":
+            contacts = [data.multibody.contacts.contacts[model.frames[f].name] for f in frames]
+            normal[foot][k] = sum(contact.f.linear[2] for contact in contacts)
+worst = max(np.abs(normal[foot] - plan[f"{foot}_force_z"]).max() for foot in feet)
+print(f"normal forces differ by at most {worst:.0e} N of {normal['rear_foot'].max():.0f} N")
 assert worst < 0.01
+
+figure, axis = plt.subplots(figsize=(7, 3.5), layout="constrained")
+for foot in feet:
+    axis.plot(plan.time, plan[f"{foot}_force_z"], label=foot)
+    axis.plot(plan.time[::2], normal[foot][::2], "k.", markersize=3)
+axis.set(xlabel="time [s]", ylabel="normal force [N]", title="plan, and Crocoddyl's as dots")
+axis.legend()
+figure.savefig("plan_in_crocoddyl.png")
 
 # %% As a shooting problem: what one step from each sample misses the next one by, torques held
 ahead = np.flatnonzero(np.diff(plan.time) > 0)  # the border of two phases stands twice

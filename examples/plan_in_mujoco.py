@@ -9,6 +9,7 @@ import math
 import subprocess
 import sys
 
+import matplotlib.pyplot as plt
 import mujoco
 import numpy as np
 
@@ -58,7 +59,9 @@ data.qpos[at] = joints.position[0]
 kp = np.abs(joints.effort).max(axis=0) / 0.2
 kd = 0.02 * kp
 steps = round(1e-3 / model.opt.timestep)
+played = []
 for k in range(len(joints.time)):
+    played.append([data.time, *data.qpos[[0, 2]], data.qvel[0]])
     for _ in range(steps):
         error = joints.position[k] - data.qpos[at]
         data.qfrc_applied[dof] = (
@@ -75,3 +78,17 @@ print(f"{1e3 * off:.1f} mm and {abs(turned):.2f} deg from the plan's end, after 
 print(f"forward speed {data.qvel[0]:.3f} m/s, planned {plan['x_velocity'][-1]:.3f}")
 # prints: deg from the plan's end
 assert off < 0.005 and abs(turned) < 1.0
+
+# %% Planned, and played as dots
+time, x, z, speed = np.array(played).T
+figure, axis = plt.subplots(figsize=(7, 3.5), layout="constrained")
+for planned, dots, label in (
+    (plan["x"], x, "x [m]"),
+    (plan["z"], z - RADIUS, "z [m]"),
+    (plan["x_velocity"], speed, "x velocity [m/s]"),
+):
+    axis.plot(plan.time, planned, label=label)
+    axis.plot(time[::3], dots[::3], "k.", markersize=3)
+axis.set(xlabel="time [s]", title="base: plan, and MuJoCo's as dots")
+axis.legend()
+figure.savefig("plan_in_mujoco.png")

@@ -11,8 +11,9 @@ import sys
 
 import jaculus
 
+given = [folder for folder in sys.argv[1:] if os.path.isdir(folder)]  # not a notebook's kernel's
 dataset = jaculus.load_dataset(
-    sys.argv[1] if len(sys.argv) > 1 else os.path.join(os.environ["JACULUS_DATA"], "pendulum/ak80")
+    given[0] if given else os.path.join(os.environ["JACULUS_DATA"], "pendulum/ak80")
 )
 print(dataset.summary)
 print(dataset.provenance)

@@ -6,13 +6,15 @@ Without a file it takes a 25 kg quadruped that comes with jaculus. Takes a minut
 """
 
 # %% The robot's file
-import pathlib
 import subprocess
 import sys
 
 import jaculus
 
-urdf = sys.argv[1] if len(sys.argv) > 1 else jaculus.load_robot("quadruped25").folder / "robot.urdf"
+urdf = jaculus.load_robot("quadruped25").folder / "robot.urdf"
+for given in sys.argv[1:]:
+    if given.endswith((".urdf", ".xml")):  # a notebook's kernel has arguments of its own
+        urdf = given
 
 # %% Make a robot of it, with a tail of a tenth of its mass; all that is assumed is printed
 done = subprocess.run(
@@ -27,6 +29,7 @@ done = subprocess.run(
         "10 %",
         "--out",
         "my_robot",
+        "--replace",
     ],
     capture_output=True,
     text=True,
@@ -37,10 +40,10 @@ robot = jaculus.load_robot("my_robot")
 print(f"{robot.mass:.1f} kg with its tail; coordinates: {', '.join(robot.coordinates)}")
 
 # %% Its first leap, proposed with it, with the tail as a drag tail, as a mass alone, and without
-leap = pathlib.Path("my_robot/leap.yaml")
+leap = {"format": "jaculus-problem/1", "extends": "my_robot/leap.yaml", "robot": "my_robot"}
 plans = []
 for kind in ("none", "inertial", "drag"):
-    plans.append(jaculus.solve(leap, override={"attach.tail.kind": kind}))
+    plans.append(jaculus.solve({**leap, "name": kind, "override": {"attach.tail.kind": kind}}))
     figures = plans[-1].figures
     print(f"{kind}: {plans[-1].status}, {figures['average_acceleration_m_s2']:.3f} m/s^2")
 # prints: none: optimal
@@ -49,5 +52,5 @@ for kind in ("none", "inertial", "drag"):
 
 # %% Side by side
 comparison = jaculus.compare(plans)
-comparison.plot("pitch").savefig("tail_for_my_robot.png")
+comparison.plot("x_velocity").savefig("tail_for_my_robot.png")
 print(comparison.to_pandas().T.to_string())

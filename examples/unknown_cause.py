@@ -38,3 +38,4 @@ found = jaculus.diagnose(trials, settings=quick, effect_files=["my_cogging.yaml"
 print(found.summary)
 # prints: verdict: effect
 assert found.effects[0]["name"] == "my_cogging"
+found.plot().savefig("unknown_cause.png")

@@ -65,7 +65,9 @@ def write(pages):
     rows += ["", "In C++, against the installed library:", ""]
     for path in sorted((ROOT / "examples").glob("*/main.cpp")):
         name = path.parent.name
-        (folder / f"cpp_{name}.md").write_text(f"# {name}/main.cpp\n\n```cpp\n{path.read_text()}```\n")
+        (folder / f"cpp_{name}.md").write_text(
+            f"# {name}/main.cpp\n\n```cpp\n{path.read_text()}```\n"
+        )
         rows.append(f"- [{name}](cpp_{name}.md)")
         navigation.append({f"{name} (C++)": f"examples/cpp_{name}.md"})
     (folder / "index.md").write_text("\n".join(rows) + "\n")

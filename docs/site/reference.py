@@ -37,7 +37,12 @@ def command_sections(program, words, level):
 
 def write_commands(program, folder):
     top = printed(program, "--help")
-    rows = ["# Command line", "", "Printed by the program; [commands and files](../commands.md)", ""]
+    rows = [
+        "# Command line",
+        "",
+        "Printed by the program; [commands and files](../commands.md)",
+        "",
+    ]
     rows[2] += " tells more.\n\n| command | what it does |\n|---|---|"
     rows.pop()
     navigation = ["reference/command_line.md"]
@@ -73,7 +78,9 @@ def write_explanations(program, folder):
     }
     for name, (title, command) in pages.items():
         text = explained(
-            title, f"What `jaculus {command} --explain` prints.", printed(program, command, "--explain")
+            title,
+            f"What `jaculus {command} --explain` prints.",
+            printed(program, command, "--explain"),
         )
         (folder / f"{name}.md").write_text(text)
     return [{title: f"reference/{name}.md"} for name, (title, _) in pages.items()]
@@ -136,11 +143,13 @@ def header_sentence(path):
 
 def write_cpp(folder):
     rows = ["# C++", "", "[Classes, functions and files](../cpp/index.html) by doxygen. The public"]
-    rows[2] += " headers, `#include \"jaculus/...\"`:"
+    rows[2] += ' headers, `#include "jaculus/..."`:'
     for module in sorted((ROOT / "include/jaculus").iterdir()):
         rows += ["", f"## {module.name}", "", "| header | holds |", "|---|---|"]
         for path in sorted(module.glob("*.h")):
-            rows.append(f"| {path.name} | {re.sub(r'([][|<*_])', BACKSLASHED, header_sentence(path))} |")
+            rows.append(
+                f"| {path.name} | {re.sub(r'([][|<*_])', BACKSLASHED, header_sentence(path))} |"
+            )
     (folder / "cpp.md").write_text("\n".join(rows) + "\n")
     return [{"C++": "reference/cpp.md"}]
 

@@ -55,7 +55,7 @@ def write_configuration(work, parts):
     configuration = yaml.safe_load((ROOT / "docs/site/mkdocs.yml").read_text())
 
     def filled(entry):
-        (title, place), = entry.items() if isinstance(entry, dict) else ((None, entry),)
+        ((title, place),) = entry.items() if isinstance(entry, dict) else ((None, entry),)
         return {title: parts.get(place, place) if isinstance(place, str) else place}
 
     configuration["nav"] = [filled(entry) for entry in configuration["nav"]]
