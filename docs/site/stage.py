@@ -1,6 +1,6 @@
 """Writes the pages of the site, and its configuration.
 
-    stage.py --program JACULUS --work build
+    stage.py --program JACULUS --worker SHIM.js --work build
 
 Pages of docs/ and the repository's own, examples and their notebooks, and the reference go into
 WORK/site_pages; WORK/mkdocs.yml is docs/site/mkdocs.yml with the whole navigation.
@@ -66,12 +66,15 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--program", type=pathlib.Path, required=True)
     parser.add_argument("--work", type=pathlib.Path, default=ROOT / "build")
+    parser.add_argument("--worker", type=pathlib.Path, required=True, help="iframe-worker's shim")
     options = parser.parse_args()
     work = options.work.resolve()
     pages = work / "site_pages"
     shutil.rmtree(pages, ignore_errors=True)
     pages.mkdir(parents=True)
     write_pages(pages)
+    (pages / "assets").mkdir()
+    shutil.copy(options.worker, pages / "assets/iframe-worker.js")
     parts = {
         "examples": examples.write(pages),
         "reference": reference.write(options.program.resolve(), pages),

@@ -133,7 +133,7 @@ class Dataset:
             for trial in trials:
                 if channel in trial[stream].units:
                     axis.plot(trial[stream].time, trial[stream][channel], linewidth=0.8, label=trial.name)
-            axis.set_ylabel(labelled(channel, first.units[channel]), fontsize="small")
+            axis.set_ylabel(labelled(channel, first.units[channel]).replace(" [", "\n["), fontsize="small")
         axes[-1, 0].set_xlabel("time [s]")
         return figure
 

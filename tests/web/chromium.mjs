@@ -49,8 +49,10 @@ export async function startChromium(program) {
   return { open: (address, options) => openPage(send, listeners, address, options), close };
 }
 
-/** Opens a page and waits until it says that it is ready; everything that it complained of or asked for stands in the result. */
-async function openPage(send, listeners, address, { width = 1300, height = 1000, dark = false } = {}) {
+const READY = "document.documentElement.classList.contains('ready')"; // reports say so
+
+/** Opens a page and waits until it says that it is ready, by the expression `ready`; everything that it complained of or asked for stands in the result. */
+async function openPage(send, listeners, address, { width = 1300, height = 1000, dark = false, ready = READY } = {}) {
   const { targetId } = await send('Target.createTarget', { url: 'about:blank' });
   const { sessionId } = await send('Target.attachToTarget', { targetId, flatten: true });
   const call = (method, params) => send(method, params, sessionId);
@@ -76,7 +78,7 @@ async function openPage(send, listeners, address, { width = 1300, height = 1000,
     return result.value;
   };
   const deadline = Date.now() + 60000;
-  while (!(await evaluate("document.documentElement.classList.contains('ready')").catch(() => false))) {
+  while (!(await evaluate(ready).catch(() => false))) {
     if (Date.now() > deadline) throw new Error(`${address} is not ready: ${errors.join('; ')}`);
     await new Promise((resolve) => setTimeout(resolve, 50));
   }
