@@ -74,6 +74,7 @@ def main():
     pages.mkdir(parents=True)
     write_pages(pages)
     (pages / "assets").mkdir()
+    shutil.copy(ROOT / "docs/site/extra.css", pages / "assets")
     shutil.copy(options.worker, pages / "assets/iframe-worker.js")
     parts = {
         "examples": examples.write(pages),

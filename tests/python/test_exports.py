@@ -232,3 +232,28 @@ def test_xarray_has_the_arrays_with_their_names(leap, pendulum_trials):
     stream = pendulum_trials.trials[0]["joints"]
     np.testing.assert_array_equal(stream.to_xarray()["pendulum"], stream["pendulum"])
     assert stream.to_xarray()["pendulum"].attrs["units"] == "rad"
+
+
+def test_joints_of_the_robots_file_have_what_the_program_exports(leap, exported):
+    joints = leap.to_joints(rate=RATE)
+    moving, held = exported["joints"], exported["held_joints"]
+    assert joints.names == [joint["name"] for joint in moving + held]
+    np.testing.assert_array_equal(joints.time, exported["time_s"])
+    for k, joint in enumerate(moving):
+        for values, key in (
+            (joints.position, "position"),
+            (joints.velocity, "velocity"),
+            (joints.effort, "torque"),
+        ):
+            np.testing.assert_allclose(values[:, k], joint[key], atol=1e-12)
+
+
+def test_joints_name_the_plans_joint_and_sign(leap):
+    joints = leap.to_joints(rate=RATE)
+    for k, name in enumerate(joints.names):
+        joint, sign = joints.planned[name]
+        column = joint if joint in leap.columns else None
+        if column:
+            assert joints.position[0, k] == pytest.approx(sign * leap[column][0], abs=1e-9)
+    with pytest.raises(jaculus.InputError, match="rate: 0 given"):
+        leap.to_joints(rate=0)
