@@ -2,8 +2,10 @@
 
 import ast
 import re
+import shutil
 
 import jupytext
+import nbformat
 from links import ROOT
 
 ORDER = [
@@ -36,17 +38,24 @@ def headline(path):
 
 
 def notebook(path):
-    """The program as a notebook; its docstring is the first cell."""
-    return jupytext.read(path, fmt="py:percent")
+    """The program as a notebook; its docstring and the titles of its cells are text."""
+    made = jupytext.read(path, fmt="py:percent")
+    first, rest = headline(path)
+    made.cells[0] = nbformat.v4.new_markdown_cell(f"# {first}\n\n{rest}", id="head")
+    for k in reversed(range(len(made.cells))):
+        if title := made.cells[k].metadata.get("title"):
+            made.cells.insert(k, nbformat.v4.new_markdown_cell(f"## {title}", id=f"title-{k}"))
+    made.metadata["kernelspec"] = {"name": "python3", "display_name": "Python 3"}
+    return made
 
 
 def example_page(path):
     first, rest = headline(path)
     code = path.read_text().split('"""', 2)[2].strip("\n")
-    rest = re.sub(r"^    (.*)$", r"    \1", rest, flags=re.M)
     return (
         f"# {path.stem}\n\n{first}\n\n{rest}\n\n"
-        f"[{path.stem}.ipynb]({path.stem}.ipynb): the same as a notebook\n\n```python\n{code}\n```\n"
+        f"To download: [{path.name}]({path.name}), [{path.stem}.ipynb]({path.stem}.ipynb)\n\n"
+        f"```python\n{code}\n```\n"
     )
 
 
@@ -59,6 +68,7 @@ def write(pages):
     navigation = ["examples/index.md"]
     for path in programs():
         jupytext.write(notebook(path), folder / f"{path.stem}.ipynb")
+        shutil.copy(path, folder)
         (folder / f"{path.stem}.md").write_text(example_page(path))
         rows.append(f"| [{path.stem}]({path.stem}.md) | {headline(path)[0]} |")
         navigation.append({path.stem: f"examples/{path.stem}.md"})

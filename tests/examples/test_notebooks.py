@@ -1,14 +1,18 @@
 """Runs examples as the notebooks that the site offers, where jupytext and nbclient are installed."""
 
 import re
+import sys
 
 import pytest
 
-jupytext = pytest.importorskip("jupytext", reason="notebooks need jupytext")
+pytest.importorskip("jupytext", reason="notebooks need jupytext")
 nbclient = pytest.importorskip("nbclient", reason="notebooks need nbclient and ipykernel")
 pytest.importorskip("ipykernel", reason="notebooks need nbclient and ipykernel")
 
-from test_examples import PROGRAMS, docs, pass_over, surroundings  # noqa: E402
+from test_examples import PROGRAMS, ROOT, docs, pass_over, surroundings  # noqa: E402
+
+sys.path.insert(0, str(ROOT / "docs/site"))
+import examples  # noqa: E402
 
 # Those of clusters start processes that import the program, which a notebook isn't.
 NOTEBOOKS = [program for program in PROGRAMS if not program.stem.startswith("cluster_")]
@@ -18,8 +22,9 @@ NOTEBOOKS = [program for program in PROGRAMS if not program.stem.startswith("clu
 def test_an_example_runs_as_a_notebook_and_prints_what_it_says(program, tmp_path, monkeypatch):
     text = program.read_text()
     pass_over(text)
-    notebook = jupytext.read(program, fmt="py:percent")
-    assert sum(cell.cell_type == "code" for cell in notebook.cells) >= 3
+    notebook = examples.notebook(program)
+    kinds = [cell.cell_type for cell in notebook.cells]
+    assert kinds[:3] == ["markdown", "markdown", "code"] and kinds.count("code") >= 2
     for name, value in surroundings().items():
         monkeypatch.setenv(name, value)
     monkeypatch.setenv("MPLBACKEND", "module://matplotlib_inline.backend_inline")
