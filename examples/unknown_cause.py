@@ -27,6 +27,7 @@ trials = jaculus.simulate(
     effects=["my_cogging:sine=0.25"],
     effect_files=["my_cogging.yaml"],
 )
+trials.plot("joints").savefig("unknown_cause_log.png")
 quick = {"largest_model": 1, "kept_singles": 3}  # one effect at a time, for the sake of speed
 without = jaculus.diagnose(trials, settings=quick)
 print(without.summary)
@@ -38,4 +39,3 @@ found = jaculus.diagnose(trials, settings=quick, effect_files=["my_cogging.yaml"
 print(found.summary)
 # prints: verdict: effect
 assert found.effects[0]["name"] == "my_cogging"
-found.plot().savefig("unknown_cause.png")

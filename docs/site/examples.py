@@ -1,7 +1,6 @@
 """examples/*.py as pages, and as notebooks by jupytext: one source."""
 
 import ast
-import re
 import shutil
 
 import jupytext
