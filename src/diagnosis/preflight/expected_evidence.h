@@ -11,11 +11,11 @@
 // up to a constant of the rows: E|e|^2 and what a fit takes of it are the same for all models but
 // for tr(I - A^-1), the number of parameters that data tell. The best point counts. So
 //   expected log Bayes factor of A against B = E log Z_A - E log Z_B,   data with A at work,
-// is the least Kullback-Leibler divergence between data of A and of B, less their prior's price: the
-// distinguishability of faults of E. Eriksson, E. Frisk, M. Krysander, Automatica 49, 2013. Models
-// with forces that they lack (noise/random_effects.h) count where an effect is told from none: B
-// with such forces can't come nearer to A than their prior odds (settings.prior_lacking), which are
-// as strong as `indistinguishable_below`.
+// is the least Kullback-Leibler divergence between data of A and of B, less their prior's price:
+// the distinguishability of faults of E. Eriksson, E. Frisk, M. Krysander, Automatica 49, 2013.
+// Models with forces that they lack (noise/random_effects.h) count where an effect is told from
+// none: B with such forces can't come nearer to A than their prior odds (settings.prior_lacking),
+// which are as strong as `indistinguishable_below`.
 
 #include "diagnosis/preflight/signatures.h"
 

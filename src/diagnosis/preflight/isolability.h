@@ -50,9 +50,9 @@ std::vector<std::vector<int>> connected_sets(const std::vector<CandidatePair>& n
 
 /// What data are expected to tell of which effect is at work [bits], each in turn at its stated
 /// size, none among them:
-///   I = H(prior) - sum_A pi_A log sum_B (pi_B/pi_A) exp(-D_AB),   D_AB: expected log Bayes factors,
-/// by Jensen's inequality from the posterior's entropy with A at work. `factors`: D, models x models,
-/// none first; `prior`: pi.
+///   I = H(prior) - sum_A pi_A log sum_B (pi_B/pi_A) exp(-D_AB),  D_AB: expected log Bayes factors,
+/// by Jensen's inequality from the posterior's entropy with A at work. `factors`: D, models x
+/// models, none first; `prior`: pi.
 double expected_information(const Vector& prior, const Matrix& factors);
 
 /// The entropy of the prior of none and `singles` effects of which one at most is at work [bit].

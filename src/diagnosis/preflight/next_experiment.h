@@ -1,6 +1,6 @@
 #pragma once
-// What to do next where effects can't be told apart: each experiment that could follow is simulated,
-// and what it would tell of the rivals is stated.
+// What to do next where effects can't be told apart: each experiment that could follow is
+// simulated, and what it would tell of the rivals is stated.
 //
 //   expected log Bayes factor of experiment E =
 //       mean over rivals r of  E log p(D_r | r) - E log p(D_r | the other)  (expected_evidence.h),

@@ -7,8 +7,8 @@
 //   holds   c times 1/2, 1, 1/2, 0, -1/2, -1, -1/2, 0, an eighth of the time each: slow, so that
 //           friction and weight show apart
 //   stronger  settings.stronger_command times its values
-// Of a plan: the same on a bus of settings.lower_voltage. Of either: settings.payload of the mass of
-// the base, or of the last body where the base is fixed, known and carried in its centre of mass.
+// Of a plan: the same on a bus of settings.lower_voltage. Of either: settings.payload of the mass
+// of the base, or of the last body where the base is fixed, known and at its centre of mass.
 
 #include "diagnosis/preflight/experiments.h"
 

@@ -89,8 +89,8 @@ FoundEffect found_effect(const Problem& problem, const Whitening& whitening,
   return found;
 }
 
-/// Widens the intervals of an effect by those it has where a rival stands in another member's place:
-/// which of the two it is can't be told, so that either value may be right.
+/// Widens the intervals of an effect by those it has where a rival stands in another member's
+/// place: which of the two it is can't be told, so that either value may be right.
 void widen_by_rivals(const Problem& problem, const Whitening& whitening, const Posterior& posterior,
                      const ModelFit& chosen, const std::vector<Established>& named, int c,
                      FoundEffect& effect) {
