@@ -77,6 +77,7 @@ void add_preflight(CLI::App& app, Action& chosen) {
       "Simulates; a minute for a pendulum, some for a leap. Exit code 1 where data of the "
       "experiment could not be diagnosed.\n"
       "Example:\n  jaculus preflight problems/pendulum_trials.yaml --out out/preflight");
+
   command->add_option("experiment", options->experiment, "experiment (YAML), as for simulate")
       ->required();
   command->add_option("--trials", options->trials, "number of trials, instead of the experiment's")
@@ -86,6 +87,7 @@ void add_preflight(CLI::App& app, Action& chosen) {
                    "of each effect at work, in its probing steps: a prior scale unless it states "
                    "another; default: 1")
       ->check(CLI::Range(1e-3, 1e3));
+
   command
       ->add_option("--effects", options->effect_files,
                    "file of an effect of your own, judged beside the others; may be given several "
@@ -96,6 +98,7 @@ void add_preflight(CLI::App& app, Action& chosen) {
       "YAML file of settings that replace defaults (diagnose --explain lists them)");
   command->add_flag("--planned-only", options->planned_only,
                     "without sensors and motions that would tell more");
+
   add_common(*command, options->common, "folder for preflight.json and report.html");
   add_figures(*command, options->common);
   command->callback([options, &chosen] { chosen = [options] { return run_preflight(*options); }; });

@@ -42,10 +42,15 @@ Section seen_section(const Preflight& p) {
 /// Expected log Bayes factors, rows at work, columns as rivals, of effects in sets.
 HeatMap factor_map(const Preflight& p) {
   HeatMap map{
-      "told_apart", "Expected log Bayes factors",
-      "at work",    "rival",
-      {},           {},
-      {},           "Below 3 two effects can't be told apart; above 20 all are shown alike."};
+      "told_apart",
+      "Expected log Bayes factors",
+      "at work",
+      "rival",
+      {},
+      {},
+      {},
+      fmt::format("Below {:g} two effects can't be told apart; above 20 all are shown alike.",
+                  p.settings.indistinguishable_below)};
   std::vector<std::string> names;
   for (const auto& set : p.sets) names.insert(names.end(), set.begin(), set.end());
   for (const std::string& name : names) map.rows.push_back(plain(name));

@@ -23,9 +23,8 @@ Vector Hypotheses::scaled(const std::vector<int>& free, const Vector& p) const {
   Vector u(count_of(free));
   for (std::size_t i = 0; i < free.size(); ++i) {
     const FreeParameter& own = parameters[free[i]];
-    u[i] = std::clamp((p[free[i]] - own.nominal) / own.scale,
-                      (own.bounds.lower - own.nominal) / own.scale,
-                      (own.bounds.upper - own.nominal) / own.scale);
+    const Bounds range = own.scaled_bounds();
+    u[i] = std::clamp((p[free[i]] - own.nominal) / own.scale, range.lower, range.upper);
   }
   return u;
 }

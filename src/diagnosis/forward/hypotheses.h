@@ -30,6 +30,10 @@ struct FreeParameter {
   double probe = kNaN;  ///< signed step from nominal whose influence is plain; NaN: one scale
 
   [[nodiscard]] double usual_step() const { return std::isnan(probe) ? scale : probe; }
+  /// Of u = (p - nominal)/scale.
+  [[nodiscard]] Bounds scaled_bounds() const {
+    return {(bounds.lower - nominal) / scale, (bounds.upper - nominal) / scale};
+  }
   /// Nominal is an end of the range, so that the prior is the half of a normal one.
   [[nodiscard]] bool one_sided() const {
     return nominal <= bounds.lower || nominal >= bounds.upper;

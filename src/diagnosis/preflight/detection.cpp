@@ -112,7 +112,7 @@ Sight sight_of(const SignatureSpace& space, const SignatureCurve& curve,
                const CurvePoint& at_work) {
   const Settings& settings = space.problem->settings;
   const std::size_t candidates = space.problem->hypotheses.candidates.size();
-  SignatureCurve own{curve.free, curve.lower, curve.upper, {at_work}, {}};
+  SignatureCurve own{curve.free, curve.bounds, {at_work}, {}};
   Sight sight;
   sight.log_odds = log_prior(1, candidates, settings) + std::log1p(-settings.prior_lacking) +
                    expected_log_evidence(at_work.signature, own) -

@@ -3,13 +3,11 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "diagnosis/noise/log_probability.h"
 
 namespace jaculus::diagnosis {
 namespace {
-
-/// Share of a signature's energy below which an imitation is near enough for slopes to lead it on.
-constexpr double kAlike = 0.25;
 
 /// How much of a step from `from` keeps every parameter within its bounds and its reach: from
 /// nominal to twice as far, or a prior scale where that is more.
@@ -18,19 +16,11 @@ double share_of_step(const Vector& from, const Vector& step, const SignatureCurv
   for (Eigen::Index i = 0; i < step.size(); ++i) {
     if (step[i] == 0.0) continue;
     const double reach = i == 0 ? std::abs(from[i]) : std::max(1.0, std::abs(from[i]));
-    const double room = step[i] > 0.0 ? curve.upper[i] - from[i] : from[i] - curve.lower[i];
+    const double room =
+        step[i] > 0.0 ? curve.bounds[i].upper - from[i] : from[i] - curve.bounds[i].lower;
     share = std::min(share, std::min(reach, std::max(0.0, room)) / std::abs(step[i]));
   }
   return share;
-}
-
-/// log of the mass of N(mean, deviation^2) within bounds over that of N(0, 1).
-double log_mass_ratio(double mean, double deviation, double lower, double upper) {
-  const auto mass = [&](double m, double s) {
-    const double root = std::numbers::sqrt2 * s;
-    return 0.5 * (std::erfc((lower - m) / root) - std::erfc((upper - m) / root));
-  };
-  return std::log(std::max(mass(mean, deviation), 1e-300)) - std::log(mass(0.0, 1.0));
 }
 
 /// A model's evidence by its slopes at one point.
@@ -57,8 +47,7 @@ PointEvidence evidence_at(const Vector& signature, const SignatureCurve& curve,
   const double log_det = 2.0 * factor.matrixLLT().diagonal().array().log().sum();
   const double told = static_cast<double>(A.rows()) - covariance.trace();
   const auto evidence = [&](const Vector& u, double missed) {
-    const double mass =
-        log_mass_ratio(u[0], std::sqrt(covariance(0, 0)), curve.lower[0], curve.upper[0]);
+    const double mass = log_mass_ratio(curve.bounds[0], u[0], std::sqrt(covariance(0, 0)));
     return -0.5 * (missed + u.squaredNorm() + log_det - told) + mass;
   };
   PointEvidence out;
@@ -80,11 +69,6 @@ PointEvidence best_of(const Vector& signature, const SignatureCurve& curve) {
 
 }  // namespace
 
-double log_of_sum(double a, double b) {
-  const double most = std::max(a, b);
-  return std::isinf(most) ? most : most + std::log1p(std::exp(std::min(a, b) - most));
-}
-
 double expected_log_evidence(const Vector& signature, const SignatureCurve& curve) {
   return best_of(signature, curve).expected;
 }
@@ -95,7 +79,7 @@ double expected_log_evidence(const SignatureSpace& space, const Vector& signatur
   const double energy = signature.squaredNorm();
   PointEvidence best = best_of(signature, curve);
   for (int i = 0; i < problem.settings.relinearisations; ++i) {
-    const bool alike = best.missed < kAlike * energy;
+    const bool alike = best.missed < problem.settings.imitation_followed * energy;
     if (!alike || energy < problem.settings.indistinguishable_below) break;
     const Vector p = problem.hypotheses.unscaled(curve.free, best.u, problem.hypotheses.nominal());
     const auto point = curve_point(space, curve.free, p);

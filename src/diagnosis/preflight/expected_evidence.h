@@ -39,7 +39,4 @@ double expected_log_weight_of_none(const SignatureSpace& space, const Vector& si
 double expected_log_bayes_factor(const SignatureSpace& space, const SignatureCurve& at_work,
                                  const SignatureCurve& other);
 
-/// log(e^a + e^b).
-double log_of_sum(double a, double b);
-
 }  // namespace jaculus::diagnosis

@@ -8,7 +8,7 @@
 #include <numbers>
 #include <numeric>
 
-#include "diagnosis/selection/posterior.h"
+#include "diagnosis/noise/log_probability.h"
 
 namespace jaculus::diagnosis {
 namespace {
@@ -52,14 +52,22 @@ Matrix expected_log_bayes_factors(const SignatureSpace& space,
                                   const std::vector<SignatureCurve>& curves) {
   const int n = count_of(curves);
   Matrix factors = Matrix::Constant(n, n + 1, kNaN);
+  Vector own = Vector::Constant(n, kNaN);  // evidence of each effect where it is at work
+  for (int a = 0; a < n; ++a) {
+    const CurvePoint* stated = curves[a].stated();
+    if (stated == nullptr) continue;
+    own[a] = expected_log_evidence(stated->signature, curves[a]);
+    factors(a, n) = own[a] - expected_log_evidence_of_none(stated->signature);
+  }
+
   tbb::parallel_for(0, n * n, [&](int i) {
     const int a = i / n, b = i % n;
-    factors(a, b) = a == b ? 0.0 : expected_log_bayes_factor(space, curves[a], curves[b]);
+    const CurvePoint* stated = curves[a].stated();
+    if (a == b)
+      factors(a, b) = 0.0;
+    else if (stated != nullptr && !curves[b].points.empty())
+      factors(a, b) = own[a] - expected_log_evidence(space, stated->signature, curves[b]);
   });
-  for (int a = 0; a < n; ++a)
-    if (const CurvePoint* stated = curves[a].stated())
-      factors(a, n) = expected_log_evidence(stated->signature, curves[a]) -
-                      expected_log_evidence_of_none(stated->signature);
   return factors;
 }
 

@@ -15,7 +15,7 @@ using model::PlanarModel;
 using simulation::Experiment;
 using trajectory::InputScript;
 
-constexpr double kChirpStep = 0.01;  // [s], a twentieth of the highest frequency's period
+constexpr double kChirpStep = 0.05;  // of the highest frequency's period
 constexpr std::array<double, 9> kHolds = {0.5, 1.0, 0.5, 0.0, -0.5, -1.0, -0.5, 0.0, 0.0};
 
 NamedExperiment with_script(const Experiment& present, const std::string& what,
@@ -34,7 +34,8 @@ NamedExperiment chirp(const Experiment& present, const Settings& settings) {
   InputScript script = *present.setup.script;
   const Vector amplitude = amplitudes(script);
   const double duration = simulation::command_duration(present.setup);
-  const Eigen::Index steps = std::max(2L, std::lround(duration / kChirpStep));
+  const double step = kChirpStep / settings.chirp_highest;
+  const Eigen::Index steps = std::max(2L, std::lround(duration / step));
   script.time = Vector::LinSpaced(steps + 1, 0.0, duration);
   const Vector frequency =
       settings.chirp_lowest +

@@ -153,12 +153,7 @@ SignatureCurve signature_curve(const SignatureSpace& space, const std::vector<in
   const Vector nominal = hypotheses.nominal();
   SignatureCurve curve;
   curve.free = hypotheses.parameters_of(candidates);
-  curve.lower = curve.upper = Vector(count_of(curve.free));
-  for (int k = 0; k < count_of(curve.free); ++k) {
-    const FreeParameter& own = hypotheses.parameters[curve.free[k]];
-    curve.lower[k] = (own.bounds.lower - own.nominal) / own.scale;
-    curve.upper[k] = (own.bounds.upper - own.nominal) / own.scale;
-  }
+  for (const int i : curve.free) curve.bounds.push_back(hypotheses.parameters[i].scaled_bounds());
   if (curve.free.empty()) {
     curve.points.push_back(
         {1.0, {}, Vector::Zero(space.whitening.rows), Matrix(space.whitening.rows, 0)});

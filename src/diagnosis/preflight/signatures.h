@@ -67,7 +67,7 @@ struct CurvePoint {
 /// it.
 struct SignatureCurve {
   std::vector<int> free;           ///< indices of the effects' parameters
-  Vector lower, upper;             ///< of u
+  std::vector<Bounds> bounds;      ///< of u
   std::vector<CurvePoint> points;  ///< empty: no point could be simulated
   Matrix plain;                    ///< T df/du at the least share, tolerances not marginalised
 

@@ -3,8 +3,8 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "diagnosis/noise/log_probability.h"
 #include "diagnosis/selection/minimise.h"
 
 namespace jaculus::diagnosis {
@@ -14,30 +14,13 @@ namespace {
 // of these, cut to two digits. Chosen, not tuned.
 constexpr double kAround[] = {0.75, 0.85, 0.92, 0.96, 1.04, 1.08, 1.17, 1.33};
 
-/// log Phi(x) of the standard normal, also far in its lower tail.
-double log_normal_cdf(double x) {
-  if (x > -8.0) return std::log(0.5 * std::erfc(-x / std::numbers::sqrt2));
-  return -0.5 * x * x - std::log(-x) - 0.5 * std::log(2.0 * std::numbers::pi);
-}
-
-/// log of the probability that a normal of this mean and deviation has within a range, also where
-/// that is far in a tail.
-double log_normal_mass(const Bounds& range, double mean, double deviation) {
-  double low = (range.lower - mean) / deviation, high = (range.upper - mean) / deviation;
-  if (low > 0.0)
-    std::swap(low = -low, high = -high);  // by the lower tail, where logarithms are exact
-  const double above = log_normal_cdf(low), all = log_normal_cdf(high);
-  return std::isinf(low) ? all : all + std::log1p(-std::exp(above - all));
-}
-
 /// By how much bounds change the evidence of a Gaussian posterior: the posterior's mass within
 /// them, less the prior's.
 double log_within_bounds(const Residual& residual, const LinearEvidence& linear) {
   double sum = 0.0;
   for (Eigen::Index i = 0; i < linear.mean.size(); ++i) {
-    const Bounds range = residual.range(i);
-    sum += log_normal_mass(range, linear.mean[i], std::sqrt(linear.covariance(i, i)));
-    sum -= log_normal_mass(range, 0.0, 1.0);
+    const double deviation = std::sqrt(linear.covariance(i, i));
+    sum += log_mass_ratio(residual.range(i), linear.mean[i], deviation);
   }
   return sum;
 }

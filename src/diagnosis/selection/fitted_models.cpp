@@ -140,8 +140,7 @@ void FittedModels::extend(const ModelFit& base, const std::vector<Probe>& probes
   for (const int c : which) {
     if (!probes[c].valid) continue;
     Job job;
-    job.members = base.candidates;
-    job.members.insert(std::upper_bound(job.members.begin(), job.members.end(), c), c);
+    job.members = with_member(base.candidates, c);
     if (find(job.members) != nullptr) continue;
 
     job.starts = fit_starts(problem_, base.fit.p, c, probes[c]);
@@ -157,9 +156,7 @@ void FittedModels::extend(const ModelFit& base, const std::vector<Probe>& probes
 const Fit& FittedModels::contained_in(const Members& members) const {
   const ModelFit* best = &none();
   for (const int dropped : members) {
-    Members rest = members;
-    std::erase(rest, dropped);
-    const ModelFit* fitted = find(rest);
+    const ModelFit* fitted = find(without_one(members, dropped));
     if (fitted != nullptr && fitted->fit.valid && value(*fitted) > value(*best)) best = fitted;
   }
   return best->fit;

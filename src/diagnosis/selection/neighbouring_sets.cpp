@@ -7,16 +7,6 @@
 namespace jaculus::diagnosis {
 namespace {
 
-Members with_member(Members set, int c) {
-  set.insert(std::upper_bound(set.begin(), set.end(), c), c);
-  return set;
-}
-
-Members without_one(Members set, int c) {
-  std::erase(set, c);
-  return set;
-}
-
 /// The effect of which a candidate is one joint's, its own name where it is no joint's.
 std::string_view shared_name(const Candidate& candidate) {
   return std::string_view(candidate.name).substr(0, candidate.name.find('@'));
@@ -46,6 +36,16 @@ std::vector<Members> larger_sets(const Members& set, int candidates, int largest
       if (!std::binary_search(set.begin(), set.end(), d)) out.push_back(with_member(one, d));
   }
   return out;
+}
+
+Members with_member(Members set, int c) {
+  set.insert(std::upper_bound(set.begin(), set.end(), c), c);
+  return set;
+}
+
+Members without_one(Members set, int c) {
+  std::erase(set, c);
+  return set;
 }
 
 Members exchanged(Members set, int from, int to) {

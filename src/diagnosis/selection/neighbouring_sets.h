@@ -13,6 +13,9 @@ using Members = std::vector<int>;  ///< candidates, rising
 std::vector<Members> larger_sets(const Members& set, int candidates, int largest);
 /// `set` with one member exchanged for each other candidate.
 std::vector<Members> exchanged_sets(const Members& set, int dropped, int candidates);
+/// The set with one member more, with one less.
+Members with_member(Members set, int c);
+Members without_one(Members set, int c);
 /// The set with one member exchanged.
 Members exchanged(Members set, int from, int to);
 /// Whether a set holds an effect of all joints and the same of one of them: what they can do

@@ -3,17 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnosis/noise/log_probability.h"
+
 namespace jaculus::diagnosis {
-namespace {
-
-/// log of e^a + e^b.
-double log_sum(double a, double b) {
-  const double most = std::max(a, b);
-  return std::isinf(most) ? most : most + std::log1p(std::exp(std::min(a, b) - most));
-}
-
-}  // namespace
-
 double ModelFit::log_weight() const {
   if (!fit.valid) return -kInfinity;
   return log_prior + std::max(fit.log_evidence, fit.log_complete);
@@ -57,7 +49,7 @@ Posterior posterior_of(const SearchResult& search, const Settings& settings) {
     const bool may_lack = valid && m.fit.scales.size() > 0;
     m.complete = valid ? m.log_prior + complete + m.fit.log_complete : -kInfinity;
     m.lacking = may_lack ? m.log_prior + lacking + m.fit.log_evidence : -kInfinity;
-    all = log_sum(all, log_sum(m.complete, m.lacking));
+    all = log_of_sum(all, log_of_sum(m.complete, m.lacking));
   }
 
   for (ModelFit& m : out.models) {

@@ -50,8 +50,7 @@ Vector Residual::simulated(const Vector& u) const {
 }
 
 Bounds Residual::range(Eigen::Index i) const {
-  const FreeParameter& p = problem_.hypotheses.parameters[free_[i]];
-  return {(p.bounds.lower - p.nominal) / p.scale, (p.bounds.upper - p.nominal) / p.scale};
+  return problem_.hypotheses.parameters[free_[i]].scaled_bounds();
 }
 
 bool Residual::value(const Vector& u, Vector& r) {

@@ -86,8 +86,7 @@ std::vector<Members> indistinguishable_sets(const RandomEffects& random, const F
 void exchange(FittedModels& models, const ModelFit& best, const std::set<Members>& extended,
               int kept) {
   for (const int dropped : best.candidates) {
-    Members rest = best.candidates;
-    std::erase(rest, dropped);
+    const Members rest = without_one(best.candidates, dropped);
     if (models.find(rest) == nullptr) {
       Members root = rest;
       root.pop_back();

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "diagnosis/selection/neighbouring_sets.h"
 #include "diagnosis/validation/shares.h"
 
 namespace jaculus::diagnosis {
@@ -11,9 +12,7 @@ namespace {
 
 /// The set without one member.
 const ModelFit& without_member(HeldOutGaps& gaps, const ModelFit& model, int dropped) {
-  std::vector<int> members = model.candidates;
-  std::erase(members, dropped);
-  return gaps.subset(model, members);
+  return gaps.subset(model, without_one(model.candidates, dropped));
 }
 
 /// Whether a set leaves so much less of the held-out gap than a smaller one that the difference is

@@ -94,11 +94,12 @@ FoundEffect found_effect(const Problem& problem, const Whitening& whitening,
 void widen_by_rivals(const Problem& problem, const Whitening& whitening, const Posterior& posterior,
                      const ModelFit& chosen, const std::vector<Established>& named, int c,
                      FoundEffect& effect) {
+  if (index_of(chosen.candidates, c) < 0) return;
   for (const Established& other : named) {
-    if (other.effect == c || index_of(chosen.candidates, c) < 0) continue;
+    if (other.effect == c) continue;
     for (const int rival : other.others) {
       const ModelFit* model = posterior.find(exchanged(chosen.candidates, other.effect, rival));
-      if (model == nullptr || !model->fit.valid || index_of(model->candidates, c) < 0) continue;
+      if (model == nullptr || !model->fit.valid) continue;
       const FoundEffect there = found_effect(problem, whitening, posterior, c, model, {});
       for (std::size_t k = 0; k < effect.parameters.size(); ++k) {
         Bounds& own = effect.parameters[k].ci95;
