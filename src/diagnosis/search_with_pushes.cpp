@@ -25,15 +25,11 @@ const ModelFit& leading(const SearchResult& search) {
       [](const ModelFit& a, const ModelFit& b) { return a.log_weight() < b.log_weight(); });
 }
 
-bool lacks_forces(const Fit& fit, const Settings& settings) {
-  return fit.log_evidence - fit.log_complete >= settings.remainder_left;
-}
-
 bool pushes_sought(const Prepared& prepared, const Selection& selection) {
   const Problem& problem = *prepared.built.problem;
   return prepared.built.forward && problem.settings.pushes_tried > 0 && !in_windows(problem) &&
          problem.observations.datasets.size() == 1 && !selection.search.models.empty() &&
-         lacks_forces(leading(selection.search).fit, problem.settings);
+         leaves_more(problem, leading(selection.search).fit);
 }
 
 /// Adds pushes, of each coordinate the one that gains more.

@@ -6,6 +6,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <numbers>
 #include <random>
 
@@ -118,14 +119,14 @@ TEST(Columns, SideBySideAndMovedHaveTheProductsOfTheWhole) {
   const Columns a = columns_of(effects, normal_matrix(24, 3, 21)),
                 b = columns_of(effects, normal_matrix(24, 2, 22)),
                 moved = columns_of(effects, normal_matrix(24, 1, 23));
-  for (const Columns& built : {side_by_side(a, b), first_moved(a, moved)}) {
+  for (const Columns& built : {side_by_side(effects, a, b), first_moved(effects, a, moved)}) {
     const Products whole = products_of(effects, built.X);
     EXPECT_LT((built.products.gram - whole.gram).norm(), 1e-10);
     for (std::size_t i = 0; i < whole.blocks.size(); ++i)
       EXPECT_LT((built.products.blocks[i] - whole.blocks[i]).norm(), 1e-10);
   }
-  EXPECT_EQ(side_by_side(a, b).X.rightCols(2), b.X);
-  EXPECT_EQ(first_moved(a, moved).X.col(0), a.X.col(0) + moved.X.col(0));
+  EXPECT_EQ(side_by_side(effects, a, b).X.rightCols(2), b.X);
+  EXPECT_EQ(first_moved(effects, a, moved).X.col(0), a.X.col(0) + moved.X.col(0));
 }
 
 TEST(RandomEffects, DeviationsThatWerePlantedComeBack) {

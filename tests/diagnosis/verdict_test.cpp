@@ -70,6 +70,23 @@ TEST(VerdictRules, NoneWhereTheGapIsWithinTheBuildersTolerances) {
   EXPECT_EQ(rule_of(e), "unknown structure");
 }
 
+TEST(VerdictRules, TolerancesDontStandInForEffectsThatAreFarMoreProbable) {
+  // A robot whose tolerances were fitted predicts as well, at a price that held-out data don't ask.
+  for (const double adjusted : {1.2, 3.0}) {
+    VerdictEvidence e = plain();
+    e.gap.adjusted = adjusted;
+    e.gap.after = 1.03 * adjusted;
+    const std::string weak = adjusted < 1.5 ? "small gap" : "no better prediction";
+    e.log_odds = 4.9;
+    EXPECT_EQ(rule_of(e), weak);
+    e.log_odds = 5.1;
+    EXPECT_EQ(rule_of(e), "one effect");
+    // What predicts worse is not stated however probable it is.
+    e.gap.after = 1.2 * adjusted;
+    EXPECT_EQ(rule_of(e), weak);
+  }
+}
+
 TEST(VerdictRules, UnexplainedWhereStructureIsUnknown) {
   VerdictEvidence e = plain();
   e.naming = Naming::nothing;

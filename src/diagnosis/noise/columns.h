@@ -14,9 +14,9 @@ struct Columns {
 Columns columns_of(const RandomEffects& effects, Matrix X);
 
 /// [A B].
-Columns side_by_side(const Columns& a, const Columns& b);
+Columns side_by_side(const RandomEffects& effects, const Columns& a, const Columns& b);
 
 /// A with the one column of `moved` added to its first.
-Columns first_moved(const Columns& a, const Columns& moved);
+Columns first_moved(const RandomEffects& effects, const Columns& a, const Columns& moved);
 
 }  // namespace jaculus::diagnosis

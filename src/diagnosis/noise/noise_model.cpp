@@ -1,5 +1,7 @@
 #include "diagnosis/noise/noise_model.h"
 
+#include <algorithm>
+
 #include "diagnosis/forward/sensitivities.h"
 #include "diagnosis/noise/alignment.h"
 #include "diagnosis/noise/start_curvature.h"
@@ -73,8 +75,12 @@ NoiseModel estimate_noise(const Problem& problem, const Vector& p,
 }
 
 NoiseModel with_random_effects(const Problem& problem, NoiseModel noise) {
-  noise.random =
-      random_columns(problem, noise.alignments, noise.p, rows_of(problem, noise, noise.at_p));
+  noise.may_lack = true;
+  const auto& datasets = problem.observations.datasets;
+  if (std::any_of(datasets.begin(), datasets.end(),
+                  [](const ObservedDataset& d) { return d.measured_input; }))
+    noise.random =
+        random_columns(problem, noise.alignments, noise.p, rows_of(problem, noise, noise.at_p));
   return noise;
 }
 

@@ -21,7 +21,8 @@ struct NoiseModel {
   PredictionSet at_p;                 ///< not valid: there is no noise model
   std::vector<Alignment> alignments;  ///< a dataset each
   std::vector<DatasetNoise> datasets;
-  RandomColumns random;  ///< empty: nothing is granted beyond sensors and nuisances
+  bool may_lack = false;  ///< whether anything is granted beyond sensors and nuisances
+  RandomColumns random;   ///< forces that it may be under a logged input; no columns elsewhere
 
   [[nodiscard]] bool valid() const { return at_p.valid; }
 };

@@ -69,6 +69,13 @@ double log_det(const Eigen::LLT<Matrix>& factor) {
   return 2.0 * factor.matrixLLT().diagonal().array().log().sum();
 }
 
+/// log det A of a factor of A, less that of what models share.
+double log_det_of_own(const Eigen::LLT<Matrix>& factor, const Matrix& A,
+                      const std::vector<Eigen::Index>& shared) {
+  if (shared.empty()) return log_det(factor);
+  return log_det(factor) - log_det(Matrix(A(shared, shared)).llt());
+}
+
 /// X^T V^-1 X and log det V, with the blocks that they were made of.
 struct WeighedBlocks {
   Matrix gram;
@@ -79,6 +86,12 @@ struct WeighedBlocks {
 WeighedBlocks weighed_blocks(const RandomEffects& effects, const Products& products,
                              const Vector& scales) {
   WeighedBlocks out{products.gram, 0.0, {}};
+  for (std::size_t c = 0; c < effects.misfits.size(); ++c) {
+    const Misfit& own = effects.misfits[c];
+    const double variance = own.variance(scales[own.group]), share = 1.0 - 1.0 / variance;
+    out.gram -= share * products.misfits[c];
+    out.log_det += own.values * std::log(variance) + (own.rows - own.values) * share;
+  }
   for (std::size_t b = 0; b < effects.blocks.size(); ++b) {
     out.blocks.push_back(weighed_block(effects.blocks[b], products.blocks[b], scales));
     const Matrix half = out.blocks.back().inner.matrixL().solve(out.blocks.back().products);
@@ -90,8 +103,9 @@ WeighedBlocks weighed_blocks(const RandomEffects& effects, const Products& produ
 
 /// What one fixed-point step needs to know of a group.
 struct GroupSums {
-  Vector energy;  ///< |w/s|^2
-  Vector told;    ///< number of w that the data tell
+  Vector energy;   ///< |w/s|^2
+  Vector told;     ///< number of w that the data tell
+  Vector squares;  ///< of a misfit the next s^2
 };
 
 struct FixedPoint {
@@ -99,20 +113,39 @@ struct FixedPoint {
   GroupSums sums;
 };
 
+/// -2 log density of r and u, up to constants, at u = `mean`, b = Y^T V^-1 r, A = Y^T V^-1 Y + I.
+double squares_at(const Matrix& gram, double log_det, const Vector& b, const Matrix& A,
+                  const Vector& mean) {
+  return gram(0, 0) - 2.0 * b.dot(mean) + mean.dot(A * mean) + log_det;
+}
+
 /// Evidence of X = [r Y] and the sums, all of u marginalised.
-FixedPoint fixed_point(const RandomEffects& effects, const Products& products,
-                       const Vector& scales) {
+FixedPoint fixed_point(const RandomEffects& effects, const Products& products, const Vector& scales,
+                       const Vector* at) {
   const WeighedBlocks weighed = weighed_blocks(effects, products, scales);
   const Eigen::Index n = weighed.gram.cols() - 1;
   Matrix A = weighed.gram.bottomRightCorner(n, n);
   A.diagonal().array() += 1.0;
   const Vector b = weighed.gram.col(0).tail(n);
   const Eigen::LLT<Matrix> factor(A);
-  const Vector mean = factor.solve(b);
+  const Vector mean = at != nullptr ? *at : Vector(factor.solve(b));
 
   FixedPoint out;
-  out.log_evidence = -0.5 * (weighed.gram(0, 0) - b.dot(mean) + weighed.log_det + log_det(factor));
-  out.sums = {Vector::Zero(effects.size()), Vector::Zero(effects.size())};
+  out.log_evidence = -0.5 * (squares_at(weighed.gram, weighed.log_det, b, A, mean) +
+                             log_det_of_own(factor, A, products.shared));
+  out.sums = {Vector::Zero(effects.size()), Vector::Zero(effects.size()),
+              Vector::Zero(effects.size())};
+  for (std::size_t c = 0; c < effects.misfits.size(); ++c) {
+    const Misfit& own = effects.misfits[c];
+    if (own.rows == 0) continue;
+    const Matrix& gram = products.misfits[c];
+    const Matrix by_u = gram.bottomRightCorner(n, n);
+    const double energy = gram(0, 0) - 2.0 * mean.dot(gram.col(0).tail(n)) + mean.dot(by_u * mean) +
+                          factor.solve(by_u).trace();
+    const double share = 1.0 - 1.0 / own.variance(scales[own.group]);
+    out.sums.told[own.group] = own.values * share * share;
+    out.sums.squares[own.group] = std::max(0.0, energy / own.rows - 1.0);
+  }
   for (std::size_t i = 0; i < effects.blocks.size(); ++i) {
     const WeighedBlock& own = weighed.blocks[i];
     const Eigen::Index k = own.scales.size();
@@ -139,9 +172,10 @@ Vector next_squares(const RandomEffects& effects, const GroupSums& sums, const V
     double energy = 0.0, told = 0.0;
     [[nodiscard]] double square() const { return energy / std::max(1e-12, told); }
   };
-  Vector squares(effects.size());
+  Vector squares = sums.squares;
   std::vector<Pool> pools;
   for (int g = 0; g < effects.size(); ++g) {
+    if (effects.groups[g].force < 0) continue;
     if (effects.groups[g].slower < 0) pools.clear();
     pools.push_back({{g}, sums.energy[g] * scales[g] * scales[g], sums.told[g]});
     while (pools.size() > 1 && pools.back().square() < pools[pools.size() - 2].square()) {
@@ -159,6 +193,8 @@ Vector next_squares(const RandomEffects& effects, const GroupSums& sums, const V
 }
 
 }  // namespace
+
+double Misfit::variance(double s) const { return values > 0.0 ? 1.0 + s * s * rows / values : 1.0; }
 
 void Shrinkage::apply(VectorRef x) const {
   if (shrink.size() == 0) return;
@@ -192,15 +228,34 @@ RandomColumns random_columns(const Problem& problem, const std::vector<Alignment
   return columns;
 }
 
+Vector complete_scales(const RandomEffects& effects) {
+  Vector scales = Vector::Zero(effects.size());
+  for (const Misfit& misfit : effects.misfits)
+    scales[misfit.group] = effects.groups[misfit.group].least;
+  return scales;
+}
+
 Vector first_scales(const RandomEffects& effects) {
-  return Vector::Constant(effects.size(), kFirstScale);
+  return complete_scales(effects).cwiseMax(kFirstScale);
 }
 
 Products products_of(const RandomEffects& effects, const Matrix& X) {
-  Products products{X.transpose() * X, {}};
-  for (const RandomBlock& block : effects.blocks)
-    products.blocks.emplace_back(block.columns.transpose() *
-                                 X.middleRows(block.first, block.count));
+  Products products{Matrix::Zero(X.cols(), X.cols()), {}, {}};
+  for (const Misfit& misfit : effects.misfits) {
+    products.misfits.emplace_back(Matrix::Zero(X.cols(), X.cols()));
+    Matrix& own = products.misfits.back();
+    for (const auto& [first, count] : misfit.spans)
+      own.selfadjointView<Eigen::Lower>().rankUpdate(X.middleRows(first, count).transpose());
+    own.triangularView<Eigen::StrictlyUpper>() = own.transpose();
+    products.gram += own;
+  }
+  // All rows belong to a block or a misfit, or there is nothing of both.
+  if (effects.misfits.empty()) products.gram = X.transpose() * X;
+  for (const RandomBlock& block : effects.blocks) {
+    const auto rows = X.middleRows(block.first, block.count);
+    if (!effects.misfits.empty()) products.gram.noalias() += rows.transpose() * rows;
+    products.blocks.emplace_back(block.columns.transpose() * rows);
+  }
   return products;
 }
 
@@ -210,7 +265,7 @@ Weighed weigh(const RandomEffects& effects, const Products& products, const Vect
 }
 
 LinearEvidence linear_evidence(const RandomEffects& effects, const Products& products,
-                               const Vector& scales) {
+                               const Vector& scales, const Vector* at) {
   const Weighed weighed = weigh(effects, products, scales);
   const Eigen::Index n = weighed.gram.cols() - 1;
   LinearEvidence out;
@@ -221,19 +276,20 @@ LinearEvidence linear_evidence(const RandomEffects& effects, const Products& pro
   A.diagonal().array() += 1.0;
   const Vector b = weighed.gram.col(0).tail(n);
   const Eigen::LLT<Matrix> factor(A);
-  out.mean = factor.solve(b);
+  out.mean = at != nullptr ? *at : Vector(factor.solve(b));
   out.covariance = factor.solve(Matrix::Identity(n, n));
-  out.log_evidence += 0.5 * (b.dot(out.mean) - log_det(factor));
+  out.log_evidence = -0.5 * (squares_at(weighed.gram, weighed.log_det, b, A, out.mean) +
+                             log_det_of_own(factor, A, products.shared));
   return out;
 }
 
 ScaleEstimate estimated_scales(const RandomEffects& effects, const Products& products,
-                               Vector scales, int steps, double spread) {
+                               Vector scales, int steps, double spread, const Vector* at) {
   if (effects.size() == 0) return {scales, 0.0};
   ScaleEstimate best{scales, 0.0};
   double most = -kInfinity;
   for (int step = 0; step <= steps; ++step) {
-    const FixedPoint point = fixed_point(effects, products, scales);
+    const FixedPoint point = fixed_point(effects, products, scales, at);
     const Vector& told = point.sums.told;
     const double cost = -0.5 * (1.0 + 2.0 * spread * spread * told.array()).log().sum();
     if (point.log_evidence + cost > most) {
@@ -244,10 +300,13 @@ ScaleEstimate estimated_scales(const RandomEffects& effects, const Products& pro
     const Vector squares = next_squares(effects, point.sums, scales);
     double moved = 0.0;
     for (int g = 0; g < effects.size(); ++g) {
+      const bool force = effects.groups[g].force >= 0;
       const double ratio = std::sqrt(squares[g]) / scales[g];
-      const double factor = std::clamp(ratio, 1.0 / kLargestFactor, kLargestFactor);
-      const double next = std::clamp(scales[g] * factor, kLeastScale, effects.groups[g].largest);
-      if (told[g] > kTold) moved = std::max(moved, std::abs(std::log(next / scales[g])));
+      const double factor = force ? std::clamp(ratio, 1.0 / kLargestFactor, kLargestFactor) : ratio;
+      const double next =
+          std::clamp(scales[g] * factor, std::max(kLeastScale, effects.groups[g].least),
+                     effects.groups[g].largest);
+      if (!force || told[g] > kTold) moved = std::max(moved, std::abs(std::log(next / scales[g])));
       scales[g] = next;
     }
     if (moved < kStays) break;
@@ -255,8 +314,20 @@ ScaleEstimate estimated_scales(const RandomEffects& effects, const Products& pro
   return best;
 }
 
+Vector misfits_of(const RandomEffects& effects, const Vector& r, const Vector& scales) {
+  Vector out = scales;
+  for (const Misfit& misfit : effects.misfits) {
+    double energy = 0.0;
+    for (const auto& [first, count] : misfit.spans) energy += r.segment(first, count).squaredNorm();
+    const double square = misfit.rows > 0 ? std::max(0.0, energy / misfit.rows - 1.0) : 0.0;
+    const RandomGroup& group = effects.groups[misfit.group];
+    out[misfit.group] = std::clamp(std::sqrt(square), group.least, group.largest);
+  }
+  return out;
+}
+
 Vector told_by(const RandomEffects& effects, const Products& products, const Vector& scales) {
-  return fixed_point(effects, products, scales).sums.told;
+  return fixed_point(effects, products, scales, nullptr).sums.told;
 }
 
 }  // namespace jaculus::diagnosis

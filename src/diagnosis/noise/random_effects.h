@@ -1,17 +1,35 @@
 #pragma once
-// What a model may leave though its sensors are good: forces that the plant lacks.
+// What a model may leave though its sensors are good.
 //
+// Under a logged input forces that the plant lacks:
 //   r = T (y - A m - f(p)) = G w + e,   w_k ~ N(0, s_g(k)^2),  e ~ N(0, I)
-//   G  slopes by generalised forces that are constant over boxes of time, a group a coordinate
-//      under a plan, a group a coordinate and band under a logged input (force_bands.h); and smooth
-//      modes of every channel under a plan, a group a channel (nuisances.h)
+//   G  slopes by generalised forces over a window's boxes of time, a group a coordinate and band
+//      (force_bands.h)
+//
+// Under a plan a misfit. All trials have it, and it may have any form: of the N rows of all
+// datasets n values may be off by it, which ones is not known (n: settings.discrepancy_modes
+// of each coordinate that is measured). With E = |r|^2 of these rows, s the misfit's root mean
+// square and 1 + m = 1 + s^2 N/n the variance of these values,
+//   -2 log density = (E - N + n)/(1 + m) + n log(1 + m) + N - n:
+// n values hold the misfit, the others noise alone. At the most likely m this is
+//   n log(1 + (E - N)/n) where E > N, else E,
+// and no misfit is less than settings.least_misfit noise floors, for below that thousands of rows
+// would decide by details of the noise. A model is thus worth the share that it takes off the
+// misfit. A model that is wrong in form is
+// thereby fitted by least squares, by which its held-out error is judged as well (L2 calibration:
+// Tuo and Wu 2015). Granted instead as forces that
+// act on the rows, V = I + G S^2 G^T, a misfit costs nothing along G, and a wrong model is fitted
+// to what is left there: fast details of impacts (Brynjarsdottir and O'Hagan 2014 and Plumlee 2017
+// on such discrepancies, which make parameters meaningless).
+//
 // The deviations s are unknown and belong to a model: a wrong model needs larger ones. They are
 // estimated for each by maximising its evidence (variance components; MacKay 1992, section 2;
 // process noise of grey-box models: Kristensen, Madsen and Jorgensen 2004). What a model lacks is
-// thus counted by independent boxes of time, not by samples, in every mode and on every robot: no
-// number of samples makes a wrong model certain.
+// thus counted by independent values, not by samples, in every mode and on every robot: no number
+// of samples makes a wrong model certain.
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "diagnosis/forward/problem.h"
@@ -36,7 +54,7 @@ struct RandomColumns {
 RandomColumns random_columns(const Problem& problem, const std::vector<Alignment>& alignments,
                              const Vector& p, const std::vector<Vector>& rows_at_p);
 
-/// Rows that share their w: a dataset under a plan, a window under a logged input.
+/// Rows that share their w: a window under a logged input.
 struct RandomBlock {
   int first = 0, count = 0;  ///< white rows
   Matrix columns;            ///< G, count x k
@@ -44,34 +62,56 @@ struct RandomBlock {
   Matrix gram;               ///< G^T G
 };
 
-/// Columns that share a deviation.
+/// The misfit of the datasets under a plan.
+struct Misfit {
+  int group = 0;
+  double values = 0.0;                     ///< n, that it counts as
+  int rows = 0;                            ///< N, of those that take part
+  std::vector<std::pair<int, int>> spans;  ///< of white rows: first, count
+
+  /// Variance of a value that is off, for a misfit of root mean square s.
+  [[nodiscard]] double variance(double s) const;
+};
+
+/// What shares a deviation.
 struct RandomGroup {
-  std::string name;      ///< "elbow", "channel x"
+  std::string name;      ///< "elbow", "misfit of leap_1"
   int force = -1;        ///< index in Hypotheses::forces; -1: no force
   double share = 1.0;    ///< of the force's mean square that the group's deviation squared is
   int slower = -1;       ///< the group before it, whose deviation its own is not below; -1: none
   double largest = 1e4;  ///< deviation at most; of a force settings.largest_force
+  double least = 0.0;    ///< of a misfit at least, settings.least_misfit
 };
 
 /// Of white rows.
 struct RandomEffects {
   std::vector<RandomGroup> groups;
   std::vector<RandomBlock> blocks;
+  std::vector<Misfit> misfits;
 
   [[nodiscard]] int size() const { return count_of(groups); }
 };
+
+/// Those of a model that lacks nothing: no force, the least misfits.
+Vector complete_scales(const RandomEffects& effects);
 
 /// Deviations to begin with: small beside what the groups may reach.
 Vector first_scales(const RandomEffects& effects);
 
 /// Products of white columns X with the random effects and one another: all that evidence needs.
 struct Products {
-  Matrix gram;                 ///< X^T X
-  std::vector<Matrix> blocks;  ///< G^T X, a block each
+  Matrix gram;                  ///< X^T X
+  std::vector<Matrix> blocks;   ///< G^T X, a block each
+  std::vector<Matrix> misfits;  ///< X^T X of the rows of a misfit, a misfit each
+  /// Of u, at their most probable and not marginalised: what all models share (tolerances, unknown
+  /// gains). How well these are told goes with the misfit, and would count against the model that
+  /// leaves less.
+  std::vector<Eigen::Index> shared{};
 };
 Products products_of(const RandomEffects& effects, const Matrix& X);
 
-/// X^T V^-1 X and log det V, V = I + G S^2 G^T.
+/// X^T V^-1 X and log det V: V = I + G S^2 G^T on the rows of a block, 1 + m on those of a misfit,
+/// whose part of the log det is n log(1 + m) + (N - n) m/(1 + m).
 struct Weighed {
   Matrix gram;
   double log_det = 0.0;
@@ -84,8 +124,10 @@ struct LinearEvidence {
   Vector mean;                ///< of u
   Matrix covariance;          ///< of u
 };
+/// `at`: where Laplace's method is applied, a fit's u; null: at the most probable of the linear
+/// model, which it is for forces.
 LinearEvidence linear_evidence(const RandomEffects& effects, const Products& products,
-                               const Vector& scales);
+                               const Vector& scales, const Vector* at = nullptr);
 
 /// Deviations that maximise the evidence, and what it costs that they could be chosen: Laplace's
 /// factor over log s_g, of prior deviation `spread`, -log(1 + 2 spread^2 told_g)/2, where told_g is
@@ -94,13 +136,19 @@ struct ScaleEstimate {
   Vector scales;
   double log_cost = 0.0;  ///< to be added to a log evidence by these scales; not positive
 };
-/// Of X = [r Y], from `scales` on: s^2 <- |w|^2/told, MacKay's fixed point; the best of at most
-/// `steps`. With no step: the cost of `scales`. A group that would fall below its slower one has
-/// its deviation in common with it, by pooled |w|^2 and told.
+/// Of X = [r Y], from `scales` on: s^2 <- |w|^2/told, MacKay's fixed point, and of a misfit
+/// s^2 N <- E - N with E expected over u; the best of at most `steps`. With no step: the cost of
+/// `scales`. A group that would fall below its slower one has its deviation in common with it, by
+/// pooled |w|^2 and told.
 ScaleEstimate estimated_scales(const RandomEffects& effects, const Products& products,
-                               Vector scales, int steps, double spread);
+                               Vector scales, int steps, double spread, const Vector* at = nullptr);
 
-/// Of each group, of how many of its w the data tell, X = [r Y].
+/// The same scales, but those of misfits at the most likely for a residual r, none below its
+/// least.
+Vector misfits_of(const RandomEffects& effects, const Vector& r, const Vector& scales);
+
+/// Of each group, of how many of its w the data tell, X = [r Y]; of a misfit's values n
+/// (m/(1 + m))^2.
 Vector told_by(const RandomEffects& effects, const Products& products, const Vector& scales);
 
 }  // namespace jaculus::diagnosis

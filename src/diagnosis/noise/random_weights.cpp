@@ -1,8 +1,17 @@
 #include "diagnosis/noise/random_weights.h"
 
+#include <cmath>
+
 namespace jaculus::diagnosis {
 
 RandomWeights::RandomWeights(const RandomEffects& effects, const Vector& scales) {
+  for (const Misfit& own : effects.misfits) {
+    const double variance = own.variance(scales[own.group]);
+    if (variance == 1.0) continue;
+    for (const auto& [first, count] : own.spans)
+      rows_.push_back({first, count, 1.0 / std::sqrt(variance)});
+    log_det_ += own.values * std::log(variance) + (own.rows - own.values) * (1.0 - 1.0 / variance);
+  }
   for (const RandomBlock& own : effects.blocks) {
     std::vector<Eigen::Index> kept;
     for (Eigen::Index k = 0; k < own.columns.cols(); ++k)
@@ -21,6 +30,7 @@ RandomWeights::RandomWeights(const RandomEffects& effects, const Vector& scales)
 Matrix RandomWeights::stacked(const Matrix& X) const {
   Matrix out(X.rows() + forces_, X.cols());
   out.topRows(X.rows()) = X;
+  for (const Rows& own : rows_) out.middleRows(own.first, own.count) *= own.root;
   Eigen::Index next = X.rows();
   for (const Block& block : blocks_) {
     const Matrix w =
@@ -29,6 +39,12 @@ Matrix RandomWeights::stacked(const Matrix& X) const {
     out.middleRows(next, w.rows()) = w;
     next += w.rows();
   }
+  return out;
+}
+
+Matrix RandomWeights::inverse(const Matrix& X) const {
+  Matrix out = stacked(X).topRows(X.rows());
+  for (const Rows& own : rows_) out.middleRows(own.first, own.count) *= own.root;
   return out;
 }
 

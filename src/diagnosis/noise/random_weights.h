@@ -1,5 +1,6 @@
 #pragma once
-// V^-1 on white rows, V = I + G S^2 G^T (random_effects.h), without a root of V.
+// V^-1 on white rows, V = I + G S^2 G^T on blocks and 1 + m on misfits (random_effects.h), without
+// a root of V. Rows of a misfit are divided by the root of 1 + m. In blocks
 //
 // The most probable forces behind a vector x,
 //   w = argmin |x - G w|^2 + |S^-1 w|^2,
@@ -24,7 +25,9 @@ class RandomWeights {
   /// M X, a column each.
   [[nodiscard]] Matrix stacked(const Matrix& X) const;
   /// V^-1 X, a column each.
-  [[nodiscard]] Matrix inverse(const Matrix& X) const { return stacked(X).topRows(X.rows()); }
+  [[nodiscard]] Matrix inverse(const Matrix& X) const;
+  /// log det V (random_effects.h), the blocks' part left out: that of misfits alone.
+  [[nodiscard]] double misfits_log_det() const { return log_det_; }
 
  private:
   struct Block {
@@ -33,8 +36,15 @@ class RandomWeights {
     Eigen::LLT<Matrix> inner;  ///< of I + S G^T G S
   };
 
+  struct Rows {
+    int first = 0, count = 0;  ///< white rows
+    double root = 1.0;         ///< 1/sqrt(1 + m)
+  };
+
   std::vector<Block> blocks_;
+  std::vector<Rows> rows_;
   Eigen::Index forces_ = 0;
+  double log_det_ = 0.0;
 };
 
 }  // namespace jaculus::diagnosis

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
+#include <string>
 
 #include "diagnosis/noise/force_bands.h"
 #include "diagnosis/noise/row_deviations.h"
@@ -56,49 +58,15 @@ DatasetWhitening row_whitening(const Problem& problem, const NoiseModel& noise, 
   return out;
 }
 
-/// Smooth modes of every channel, white, each as large as the channel's noise floor; and the
-/// channel of each.
-struct ChannelModes {
-  Matrix columns;
-  std::vector<int> channel;
-};
-
-ChannelModes channel_modes(const ObservedDataset& observed, const DatasetNoise& noise,
-                           const DatasetWhitening& whitening, int modes) {
-  Matrix raw = Matrix::Zero(observed.rows(), count_of(observed.channels) * modes);
-  for (const RowSpan& span : whitening.spans) {
-    const Vector& time = observed.segments[span.segment].time[span.channel];
-    raw.block(span.first, span.channel * modes, span.count, modes) =
-        noise.channels[span.channel].noise_floor / std::sqrt(double(modes)) *
-        fault_modes(observed, observed.channels[span.channel], time, modes);
-  }
-
-  ChannelModes out{Matrix(whitening.rows, raw.cols()), {}};
-  for (Eigen::Index k = 0; k < raw.cols(); ++k) {
-    out.columns.col(k) = whitening.apply(raw.col(k));
-    out.channel.push_back(static_cast<int>(k) / modes);
-  }
-  return out;
-}
-
-/// The group of a channel, which is added where it is new.
-int channel_group(const std::string& name, std::vector<RandomGroup>& groups) {
-  const auto known = std::find_if(groups.begin(), groups.end(),
-                                  [&](const RandomGroup& group) { return group.name == name; });
-  if (known != groups.end()) return static_cast<int>(known - groups.begin());
-  groups.push_back({name});
-  return count_of(groups) - 1;
-}
-
-/// Groups of the forces: each as a whole, then each one's bands.
-std::vector<RandomGroup> force_groups(const std::vector<ForceGroup>& forces) {
+/// Groups of the forces, one a band of each.
+std::vector<RandomGroup> force_groups(const Problem& problem) {
   std::vector<RandomGroup> groups;
-  for (int g = 0; g < count_of(forces); ++g) groups.push_back({forces[g].name, g});
+  const std::vector<ForceGroup>& forces = problem.hypotheses.forces;
   for (int g = 0; g < count_of(forces); ++g) {
     const int boxes = count_of(forces[g].boxes);
     for (int b = 0; b < bands_of(boxes); ++b)
-      groups.push_back(
-          {forces[g].name, g, share_of_band(b, boxes), b > 0 ? count_of(groups) - 1 : -1});
+      groups.push_back({forces[g].name, g, share_of_band(b, boxes),
+                        b > 0 ? count_of(groups) - 1 : -1, problem.settings.largest_force});
   }
   return groups;
 }
@@ -107,7 +75,7 @@ std::vector<RandomGroup> force_groups(const std::vector<ForceGroup>& forces) {
 Matrix in_bands(const Matrix& slopes, const std::vector<ForceGroup>& forces,
                 std::vector<int>& group) {
   Matrix out(slopes.rows(), slopes.cols());
-  int column = 0, first_band = count_of(forces);
+  int column = 0, first_band = 0;
   for (const ForceGroup& force : forces) {
     const int boxes = count_of(force.boxes);
     out.middleCols(column, boxes) = slopes.middleCols(column, boxes) * cosines(boxes);
@@ -131,44 +99,59 @@ RandomBlock force_block(const DatasetWhitening& whitening, const SegmentBlock& s
   return block;
 }
 
-/// Blocks of a dataset: each window by itself under a logged input, else all segments together,
-/// with the channels' modes.
-void add_blocks(const Problem& problem, const NoiseModel& noise, int dataset, int first,
-                const DatasetWhitening& whitening, RandomEffects& out) {
-  const ObservedDataset& observed = problem.observations.datasets[dataset];
-  const DatasetNoise& own = noise.datasets[dataset];
-  const Matrix& raw = noise.random.forces[dataset];
-  if (observed.measured_input) {
-    for (const SegmentBlock& segment : whitening.blocks)
-      out.blocks.push_back(
-          force_block(whitening, segment, own, raw, problem.hypotheses.forces, first));
-    return;
-  }
+/// What a channel measures the motion of: "front_a" of the joint's angle, rate and current.
+std::string coordinate_of(const ObservedDataset& observed, const std::string& channel) {
+  for (const model::PlanarMotor& motor : observed.model.motors)
+    if (channel == motor.joint || channel.starts_with(motor.joint + "_")) return motor.joint;
+  return channel;
+}
 
-  const ChannelModes modes =
-      channel_modes(observed, own, whitening, problem.settings.discrepancy_modes);
-  RandomBlock block{first, whitening.rows, Matrix(whitening.rows, raw.cols()), {}, {}};
-  block.group = noise.random.group;
-  for (Eigen::Index k = 0; k < raw.cols(); ++k) block.columns.col(k) = whitening.apply(raw.col(k));
-  block.columns.conservativeResize(whitening.rows, raw.cols() + modes.columns.cols());
-  block.columns.rightCols(modes.columns.cols()) = modes.columns;
-  for (const int channel : modes.channel)
-    block.group.push_back(channel_group("channel " + observed.channels[channel].name, out.groups));
-  out.blocks.push_back(std::move(block));
+/// How many coordinates a dataset measures. Channels of one tell of the same motion.
+int coordinates_of(const ObservedDataset& observed) {
+  std::set<std::string> coordinates;
+  for (const Channel& channel : observed.channels)
+    coordinates.insert(coordinate_of(observed, channel.name));
+  return count_of(coordinates);
+}
+
+/// The misfit of the datasets under a plan.
+void add_misfit(const Problem& problem, const std::vector<DatasetWhitening>& datasets,
+                RandomEffects& out) {
+  Misfit misfit{out.size(), 0.0, 0, {}};
+  int first = 0;
+  for (int d = 0; d < count_of(datasets); ++d) {
+    const ObservedDataset& observed = problem.observations.datasets[d];
+    const int rows = datasets[d].rows;
+    if (!observed.measured_input && rows > 0) {
+      misfit.spans.emplace_back(first, rows);
+      misfit.rows += rows;
+      misfit.values += std::min(
+          double(problem.settings.discrepancy_modes * coordinates_of(observed)), double(rows));
+    }
+    first += rows;
+  }
+  out.misfits = {misfit};
+  out.groups.push_back({"misfit"});
+  out.groups.back().least = problem.settings.least_misfit;
 }
 
 RandomEffects random_effects(const Problem& problem, const NoiseModel& noise,
                              const std::vector<DatasetWhitening>& datasets) {
   RandomEffects out;
-  if (noise.random.forces.empty()) return out;
-  out.groups = force_groups(problem.hypotheses.forces);
-  for (RandomGroup& group : out.groups) group.largest = problem.settings.largest_force;
+  if (!noise.may_lack) return out;
+  if (!noise.random.forces.empty()) out.groups = force_groups(problem);
 
   int first = 0;
+  bool under_plan = false;
   for (int d = 0; d < count_of(datasets); ++d) {
-    add_blocks(problem, noise, d, first, datasets[d], out);
+    under_plan = under_plan || !problem.observations.datasets[d].measured_input;
+    if (problem.observations.datasets[d].measured_input)
+      for (const SegmentBlock& segment : datasets[d].blocks)
+        out.blocks.push_back(force_block(datasets[d], segment, noise.datasets[d],
+                                         noise.random.forces[d], problem.hypotheses.forces, first));
     first += datasets[d].rows;
   }
+  if (under_plan) add_misfit(problem, datasets, out);
   for (RandomBlock& block : out.blocks) block.gram = block.columns.transpose() * block.columns;
   return out;
 }

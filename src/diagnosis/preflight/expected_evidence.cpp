@@ -104,13 +104,23 @@ double expected_log_weight_of_none(const SignatureSpace& space, const Vector& si
       std::log1p(-settings.prior_lacking) + expected_log_evidence_of_none(signature);
   if (space.random.size() == 0) return complete;
 
-  const Products products = products_of(space.random, signature);
+  // Rows of a misfit hold their noise as well, N in the mean; in blocks it adds half of what is told.
+  Products products = products_of(space.random, signature);
+  double noise = 0.0;
+  for (std::size_t c = 0; c < space.random.misfits.size(); ++c) {
+    products.misfits[c](0, 0) += space.random.misfits[c].rows;
+    noise += space.random.misfits[c].rows;
+  }
+  products.gram(0, 0) += noise;
   const ScaleEstimate estimate =
       estimated_scales(space.random, products, first_scales(space.random), settings.scale_steps,
                        settings.scale_spread);
-  const double told = told_by(space.random, products, estimate.scales).sum();
+  const Vector told = told_by(space.random, products, estimate.scales);
+  double of_forces = 0.0;
+  for (int g = 0; g < space.random.size(); ++g)
+    if (space.random.groups[g].force >= 0) of_forces += told[g];
   const double lacking = linear_evidence(space.random, products, estimate.scales).log_evidence +
-                         estimate.log_cost + 0.5 * told;
+                         estimate.log_cost + 0.5 * (of_forces + noise);
   return log_of_sum(complete, std::log(settings.prior_lacking) + lacking);
 }
 

@@ -17,9 +17,10 @@ RandomEffects without_tolerances(const RandomEffects& random, const Shrinkage& t
                                  int rows) {
   RandomEffects out;
   out.groups = random.groups;
+  out.misfits = random.misfits;
   Eigen::Index columns = 0;
   for (const RandomBlock& block : random.blocks) columns += block.columns.cols();
-  if (columns == 0) return {};
+  if (columns == 0) return out;
 
   RandomBlock all{0, rows, Matrix::Zero(rows, columns), {}, {}};
   Eigen::Index next = 0;

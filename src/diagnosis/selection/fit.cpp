@@ -30,8 +30,10 @@ double log_within_bounds(const Residual& residual, const LinearEvidence& linear)
 void complete(const Problem& problem, const RandomEffects& random, const Residual& residual,
               const Products& products, const ScaleEstimate& estimate, Fit& fit) {
   fit.scales = estimate.scales;
-  const LinearEvidence linear = linear_evidence(random, products, fit.scales);
-  const LinearEvidence without = linear_evidence(random, products, Vector::Zero(random.size()));
+  const Vector u = problem.hypotheses.scaled(fit.free, fit.p);
+  const Vector* at = random.blocks.empty() ? &u : nullptr;
+  const LinearEvidence linear = linear_evidence(random, products, fit.scales, at);
+  const LinearEvidence without = linear_evidence(random, products, complete_scales(random), at);
   fit.chi2 = fit.residual.squaredNorm();
   fit.log_evidence = linear.log_evidence + estimate.log_cost + log_within_bounds(residual, linear);
   fit.log_complete = without.log_evidence + log_within_bounds(residual, without);
@@ -39,7 +41,7 @@ void complete(const Problem& problem, const RandomEffects& random, const Residua
   // The residual is X [1; -u] of the linear model's columns X.
   fit.covariance = linear.covariance;
   Vector along(1 + fit.jacobian.cols());
-  along << 1.0, -problem.hypotheses.scaled(fit.free, fit.p);
+  along << 1.0, -u;
   const Matrix gram = weigh(random, products, fit.scales).gram;
   fit.cost = 0.5 * (along.dot(gram * along) + along.tail(along.size() - 1).squaredNorm());
 }
@@ -55,8 +57,13 @@ int iterations_of(const Problem& problem, const FitOptions& options, int round) 
                                             : std::min(first, problem.settings.profile_iterations);
 }
 
-bool by_least_squares(const FitOptions& options) {
-  return !options.hold_scales && !options.with_forces;
+/// Whether a fit begins without any force.
+bool without_forces(const FitOptions& options, const RandomEffects& random) {
+  return !options.hold_scales && (!options.with_forces || random.blocks.empty());
+}
+
+Misfits misfits_of(const FitOptions& options) {
+  return options.hold_scales ? Misfits::held : Misfits::follow;
 }
 
 /// Minimises and estimates the deviations in turn, from u on: where least squares ended, the
@@ -65,7 +72,7 @@ Fit fit_from(const Problem& problem, const Whitening& whitening, const std::vect
              const FitOptions& options, Residual& residual, Vector u) {
   const Settings& settings = problem.settings;
   const RandomEffects& random = whitening.random;
-  const bool squares = by_least_squares(options);
+  const bool squares = without_forces(options, random);
   const int steps = options.scale_steps.value_or(options.hold_scales ? 0 : settings.scale_steps);
   Fit fit;
   fit.free = free;
@@ -73,9 +80,10 @@ Fit fit_from(const Problem& problem, const Whitening& whitening, const std::vect
 
   for (int round = 0;; ++round) {
     double fell = kInfinity;
-    if (!free.empty() && (round > 0 || !squares)) {
-      const RandomWeights weights(random, fit.scales);
-      fell = minimise(residual, weights, iterations_of(problem, options, round), u).value_or(kNaN);
+    if (!free.empty() && (round > 0 || !squares || !random.misfits.empty())) {
+      fell = minimise(residual, random, fit.scales, misfits_of(options),
+                      iterations_of(problem, options, round), u)
+                 .value_or(kNaN);
     }
     fit.valid = !std::isnan(fell) && residual.value(u, fit.residual) &&
                 residual.renewed_slopes(u, fit.jacobian);
@@ -84,16 +92,19 @@ Fit fit_from(const Problem& problem, const Whitening& whitening, const std::vect
     fit.p = residual.full(u);
     fit.simulated = residual.simulated(u);
     fit.rows = residual.predicted();
-    const Products products = products_of(random, linear_model(problem, fit));
+    Products products = products_of(random, linear_model(problem, fit));
+    products.shared = shared_columns(problem, random, fit);
     const double before = linear_evidence(random, products, fit.scales).log_evidence;
-    const Vector& from = round == 0 && squares ? scales_of(options, random) : fit.scales;
+    const Vector from = round == 0 && squares ? scales_of(options, random) : fit.scales;
+    const Vector* at = random.blocks.empty() ? &u : nullptr;
     const ScaleEstimate estimate =
-        estimated_scales(random, products, from, steps, settings.scale_spread);
+        estimated_scales(random, products, from, steps, settings.scale_spread, at);
     complete(problem, random, residual, products, estimate, fit);
 
     const double gained = linear_evidence(random, products, fit.scales).log_evidence - before;
     const bool settled = gained + fell < settings.scales_settled || options.hold_scales ||
-                         round >= options.rounds.value_or(settings.scale_rounds);
+                         round >= options.rounds.value_or(settings.scale_rounds) ||
+                         random.blocks.empty();
     if (free.empty() || settled) return fit;
   }
 }
@@ -117,18 +128,16 @@ std::vector<Vector> best_first(const Problem& problem, const Whitening& whitenin
                                const std::vector<int>& free, const std::vector<Vector>& starts,
                                const FitOptions& options) {
   if (starts.size() < 2) return starts;
-  const Vector scales = by_least_squares(options) ? Vector(Vector::Zero(whitening.random.size()))
-                                                  : scales_of(options, whitening.random);
+  const Vector scales = without_forces(options, whitening.random)
+                            ? Vector(Vector::Zero(whitening.random.size()))
+                            : scales_of(options, whitening.random);
   std::vector<std::pair<double, int>> order;
   for (int i = 0; i < count_of(starts); ++i) {
     Residual residual = residual_of(problem, whitening, free, starts[i], options);
     const Vector u = residual.reduced(starts[i]);
     Vector r;
     double cost = kInfinity;
-    if (residual.value(u, r)) {
-      const Products products = products_of(whitening.random, r);
-      cost = 0.5 * (weigh(whitening.random, products, scales).gram(0, 0) + u.squaredNorm());
-    }
+    if (residual.value(u, r)) cost = cost_of(whitening.random, scales, misfits_of(options), r, u);
     order.emplace_back(cost, i);
   }
 
@@ -150,6 +159,29 @@ Matrix linear_model(const Problem& problem, const Fit& fit) {
   return X;
 }
 
+std::vector<Eigen::Index> shared_columns(const Problem& problem, const RandomEffects& random,
+                                         const Fit& fit) {
+  std::vector<Eigen::Index> columns;
+  if (!random.blocks.empty()) return columns;
+  for (const int i : problem.hypotheses.nuisances())
+    if (const int place = index_of(fit.free, i); place >= 0) columns.push_back(place);
+  return columns;
+}
+
+bool leaves_more(const Problem& problem, const Fit& fit) {
+  const double least = problem.settings.remainder_left;
+  if (fit.log_evidence - fit.log_complete >= least) return true;
+  if (in_windows(problem)) return false;
+  double beyond = 0.0;
+  for (const int i : problem.hypotheses.tolerances) {
+    const int place = index_of(fit.free, i);
+    if (place < 0) continue;
+    const double t = fit.p[i] / problem.hypotheses.parameters[i].scale;
+    beyond += t * t - (1.0 - fit.covariance(place, place));
+  }
+  return 0.5 * beyond >= least;
+}
+
 Fit evaluate_model(const Problem& problem, const Whitening& whitening, const Vector& p,
                    const FitOptions& options) {
   Residual residual(problem, whitening, {}, p);
@@ -166,15 +198,16 @@ Fit fit_model(const Problem& problem, const Whitening& whitening, const std::vec
   Fit best;
 
   long predictions = starts.size() > 1 ? count_of(starts) : 0;
-  const RandomWeights no_forces(whitening.random, Vector::Zero(whitening.random.size()));
+  const Vector no_forces = Vector::Zero(whitening.random.size());
   std::vector<Vector> ends;  // of least squares
   for (const Vector& start : best_first(problem, whitening, free, starts, options)) {
     Residual residual = residual_of(problem, whitening, free, start, options);
     Vector u = residual.reduced(start);
     Fit fit;
-    if (!by_least_squares(options)) {
+    if (!without_forces(options, whitening.random)) {
       fit = fit_from(problem, whitening, free, options, residual, u);
-    } else if (minimise(residual, no_forces, iterations_of(problem, options, 0), u) &&
+    } else if (minimise(residual, whitening.random, no_forces, Misfits::held,
+                        iterations_of(problem, options, 0), u) &&
                !reached(ends, u, problem.settings)) {
       // Forces that are granted at once may take what a parameter has to explain.
       ends.push_back(u);
@@ -195,9 +228,12 @@ Fit fit_around(const Problem& problem, const Whitening& whitening, Fit fit,
   if (!fit.valid || fit.free.empty()) return fit;
   const int first = fit.free.front();
   const FreeParameter& own = problem.hypotheses.parameters[first];
-  const RandomWeights weights(whitening.random, fit.scales);
+  const auto cost_at = [&](const Vector& p, const Vector& r) {
+    return cost_of(whitening.random, fit.scales, misfits_of(options), r,
+                   problem.hypotheses.scaled(fit.free, p));
+  };
   Vector best;
-  double least = fit.cost - problem.settings.lower_valley;
+  double least = cost_at(fit.p, fit.residual) - problem.settings.lower_valley;
   for (const double factor : kAround) {
     Vector p = fit.p;
     p[first] = std::clamp(own.nominal + factor * (fit.p[first] - own.nominal), own.bounds.lower,
@@ -207,8 +243,7 @@ Fit fit_around(const Problem& problem, const Whitening& whitening, Fit fit,
     Vector r;
     ++fit.predictions;
     if (!residual.value(residual.reduced(p), r)) continue;
-    const double cost = 0.5 * (weights.stacked(r).squaredNorm() +
-                               problem.hypotheses.scaled(fit.free, p).squaredNorm());
+    const double cost = cost_at(p, r);
     if (cost >= least) continue;
     least = cost;
     best = p;

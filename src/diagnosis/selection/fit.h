@@ -77,6 +77,17 @@ Fit evaluate_model(const Problem& problem, const Whitening& whitening, const Vec
 /// X = [r0 -J] of a fit: what is left of the data at u = 0, and its columns.
 Matrix linear_model(const Problem& problem, const Fit& fit);
 
+/// Of a fit's free parameters those that all models share (Products::shared), by their places; none
+/// where forces may be missing.
+std::vector<Eigen::Index> shared_columns(const Problem& problem, const RandomEffects& random,
+                                         const Fit& fit);
+
+/// Whether a model leaves what another effect, or a push, may explain: a misfit or forces, by the
+/// evidence for them; or, under a plan, tolerances that are strained to explain it themselves, by
+/// the log density that |t|^2 costs beyond the number of them that the data tell. At least
+/// settings.remainder_left.
+bool leaves_more(const Problem& problem, const Fit& fit);
+
 /// The same fit, or the one that starts where the first free parameter's departure from nominal is
 /// somewhat smaller or larger (`kAround`), the others as they are, if the cost there is less by
 /// more than `lower_valley`: where a prediction jumps, an impact that crosses a row makes valleys

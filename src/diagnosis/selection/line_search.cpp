@@ -74,7 +74,7 @@ struct Line {
     std::vector<Vector> rows = rows_of(problem, whitening.alignments, set);
     for (std::size_t d = 0; d < rows.size(); ++d) rows[d] -= base.rows[d];
     const Columns moved = columns_of(random, -whitening.apply(rows));
-    const Columns there = first_moved(standing.model, moved);
+    const Columns there = first_moved(random, standing.model, moved);
     const Followed followed = followed_by(problem, random, there.products, base.scales,
                                           problem.settings.screening_scale_steps);
     const double evidence = followed.linear.log_evidence - 0.5 * u * u;
@@ -140,6 +140,7 @@ Followed followed_by(const Problem& problem, const RandomEffects& random, const 
 Standing standing_of(const Problem& problem, const Whitening& whitening, const Fit& base) {
   const RandomEffects& random = whitening.random;
   Columns model = columns_of(random, linear_model(problem, base));
+  model.products.shared = shared_columns(problem, random, base);
   const double evidence = followed_by(problem, random, model.products, base.scales,
                                       problem.settings.screening_scale_steps)
                               .linear.log_evidence;

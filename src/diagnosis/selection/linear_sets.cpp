@@ -53,7 +53,8 @@ SetProducts set_products(const Problem& problem, const Whitening& whitening, con
 
 /// Those of some columns of X.
 Products picked(const Products& all, const SetColumns& columns) {
-  Products out{all.gram(columns, columns), {}};
+  Products out{all.gram(columns, columns), {}, {}};
+  for (const Matrix& own : all.misfits) out.misfits.emplace_back(own(columns, columns));
   for (const Matrix& block : all.blocks) out.blocks.emplace_back(block(Eigen::all, columns));
   return out;
 }
@@ -82,7 +83,10 @@ LinearSet evaluated(const Problem& problem, const Whitening& whitening, const Fi
   const auto parameters = static_cast<Eigen::Index>(columns.size()) - 1;
   columns.insert(columns.end(), table.nuisances.begin(), table.nuisances.end());
 
-  const Products products = picked(table.products, columns);
+  Products products = picked(table.products, columns);
+  if (whitening.random.blocks.empty())
+    for (std::size_t k = 0; k < table.nuisances.size(); ++k)
+      products.shared.push_back(parameters + static_cast<Eigen::Index>(k));
   const Followed followed = followed_by(problem, whitening.random, products, fit.scales,
                                         problem.settings.set_scale_steps);
   set.mean = followed.linear.mean.head(parameters);

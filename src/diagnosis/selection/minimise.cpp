@@ -8,64 +8,133 @@
 #include <cmath>
 #include <cstddef>
 
+#include "diagnosis/noise/random_weights.h"
+
 namespace jaculus::diagnosis {
 namespace {
 
-/// W = M J of a residual's slopes on the way, and W^T W. Where slopes follow secants, J + d s^T
-/// with s zero but for those that follow, so do both: W + w s^T with w = M d, and with v = W^T w
+/// Rows that a misfit weighs alike: spans of first and count.
+using Part = std::vector<std::pair<int, int>>;
+
+/// W = M J of a residual's slopes on the way, and W^T W of every part of the rows. Where slopes
+/// follow secants, J + d s^T with s zero but for those that follow, so do both: W + w s^T with
+/// w = M d, and with v = W^T w of a part
 ///   W^T W + v s^T + s v^T + w^T w s s^T,
-/// passes over one column in place of all.
+/// passes over one column in place of all. Misfits that follow change the parts' shares in H alone.
 class WeighedSlopes {
  public:
-  explicit WeighedSlopes(const RandomWeights& weights) : weights_(weights) {}
+  WeighedSlopes(RandomWeights weights, std::vector<Part> parts)
+      : weights_(std::move(weights)), parts_(std::move(parts)), grams_(parts_.size()) {}
 
   void follow(const Residual& residual, const Matrix& J) {
-    const Eigen::Index before = residual.before_nuisances(), n = J.cols() - before;
+    const Eigen::Index before = residual.before_nuisances();
     const std::vector<Residual::Secant>& secants = residual.secants();
     if (W_.size() == 0 || renewed_ != residual.times_renewed()) {
       W_ = weights_.stacked(J);
-      gram_ = Matrix::Zero(J.cols(), J.cols());
-      gram_.selfadjointView<Eigen::Lower>().rankUpdate(W_.transpose());
-      gram_.triangularView<Eigen::StrictlyUpper>() = gram_.transpose();
+      for (std::size_t k = 0; k < parts_.size(); ++k) grams_[k] = gram_of(parts_[k]);
     } else {
       for (; followed_ < secants.size(); ++followed_) add(secants[followed_], before);
-      if (before > 0) {
-        W_.leftCols(before) = weights_.stacked(J.leftCols(before));
-        gram_.leftCols(before) = W_.transpose() * W_.leftCols(before);
-        gram_.topRightCorner(before, n) = gram_.bottomLeftCorner(n, before).transpose();
-      }
+      if (before > 0) renew(J.leftCols(before));
     }
     renewed_ = residual.times_renewed();
     followed_ = secants.size();
   }
 
-  [[nodiscard]] const Matrix& weighed() const { return W_; }
-  [[nodiscard]] const Matrix& gram() const { return gram_; }
+  [[nodiscard]] const RandomWeights& weights() const { return weights_; }
+  /// W^T W and W^T x, a share of each part's rows.
+  [[nodiscard]] Matrix gram(const Vector& shares) const {
+    Matrix sum = Matrix::Zero(W_.cols(), W_.cols());
+    for (std::size_t k = 0; k < parts_.size(); ++k)
+      sum += shares[static_cast<Eigen::Index>(k)] * grams_[k];
+    return sum;
+  }
+  [[nodiscard]] Vector along(const Vector& shares, const Vector& x) const {
+    Vector sum = Vector::Zero(W_.cols());
+    for (std::size_t k = 0; k < parts_.size(); ++k)
+      for (const auto& [first, count] : parts_[k])
+        sum.noalias() += shares[static_cast<Eigen::Index>(k)] *
+                         (W_.middleRows(first, count).transpose() * x.segment(first, count));
+    return sum;
+  }
 
  private:
+  [[nodiscard]] Matrix gram_of(const Part& part) const {
+    Matrix gram = Matrix::Zero(W_.cols(), W_.cols());
+    for (const auto& [first, count] : part)
+      gram.selfadjointView<Eigen::Lower>().rankUpdate(W_.middleRows(first, count).transpose());
+    gram.triangularView<Eigen::StrictlyUpper>() = gram.transpose();
+    return gram;
+  }
+
+  /// The first columns by new slopes.
+  void renew(const Matrix& J) {
+    const Eigen::Index before = J.cols(), n = W_.cols() - before;
+    W_.leftCols(before) = weights_.stacked(J);
+    for (std::size_t k = 0; k < parts_.size(); ++k) {
+      grams_[k].leftCols(before).setZero();
+      for (const auto& [first, count] : parts_[k])
+        grams_[k].leftCols(before).noalias() +=
+            W_.middleRows(first, count).transpose() * W_.middleRows(first, count).leftCols(before);
+      grams_[k].topRightCorner(before, n) = grams_[k].bottomLeftCorner(n, before).transpose();
+    }
+  }
+
   /// Of the columns from the first nuisance's on; those before are made anew.
   void add(const Residual::Secant& secant, Eigen::Index before) {
     const Vector w = weights_.stacked(secant.missed);
     const Eigen::Index n = W_.cols() - before, moved = secant.along.size();
-    const Vector v = W_.rightCols(n).transpose() * w;
     Vector s = Vector::Zero(n);
     s.head(moved) = secant.along;
+    for (std::size_t k = 0; k < parts_.size(); ++k) {
+      Vector v = Vector::Zero(n);
+      double square = 0.0;
+      for (const auto& [first, count] : parts_[k]) {
+        const auto own = w.segment(first, count);
+        v.noalias() += W_.rightCols(n).middleRows(first, count).transpose() * own;
+        square += own.squaredNorm();
+      }
+      grams_[k].bottomRightCorner(n, n) +=
+          v * s.transpose() + s * v.transpose() + square * (s * s.transpose());
+    }
     W_.middleCols(before, moved).noalias() += w * secant.along.transpose();
-    auto nuisances = gram_.bottomRightCorner(n, n);
-    nuisances += v * s.transpose() + s * v.transpose() + w.squaredNorm() * (s * s.transpose());
   }
 
-  const RandomWeights& weights_;
-  Matrix W_, gram_;
+  RandomWeights weights_;
+  std::vector<Part> parts_;
+  std::vector<Matrix> grams_;  ///< a part each
+  Matrix W_;
   int renewed_ = 0;
   std::size_t followed_ = 0;
 };
 
+/// Scales without those of misfits.
+Vector without_misfits(const RandomEffects& random, Vector scales) {
+  for (const Misfit& misfit : random.misfits) scales[misfit.group] = 0.0;
+  return scales;
+}
+
+/// Rows of the misfits that follow, then the other rows of M J.
+std::vector<Part> parts_of(const RandomEffects& random, bool follow, const RandomWeights& weights,
+                           Eigen::Index rows) {
+  const auto all = static_cast<int>(rows + weights.more_rows());
+  if (!follow) return {{{0, all}}};
+  std::vector<Part> parts;
+  for (const Misfit& misfit : random.misfits) parts.push_back(misfit.spans);
+  parts.emplace_back();
+  for (const RandomBlock& block : random.blocks)
+    parts.back().emplace_back(block.first, block.count);
+  if (weights.more_rows() > 0) parts.back().emplace_back(rows, all - static_cast<int>(rows));
+  return parts;
+}
+
 /// Ceres' view.
 class Cost : public ceres::CostFunction {
  public:
-  Cost(Residual& residual, const RandomWeights& weights)
-      : residual_(residual), weights_(weights), slopes_(weights) {
+  Cost(Residual& residual, const RandomEffects& random, const Vector& scales, Misfits misfits)
+      : residual_(residual),
+        random_(random),
+        scales_(scales),
+        follow_(misfits == Misfits::follow && !random.misfits.empty()) {
     set_num_residuals(static_cast<int>(residual.size()) + 1);
     mutable_parameter_block_sizes()->push_back(static_cast<int>(residual.size()));
   }
@@ -75,8 +144,9 @@ class Cost : public ceres::CostFunction {
     const Vector u = Eigen::Map<const Vector>(parameters[0], n);
     Vector r;
     if (!residual_.value(u, r)) return false;
-    const Vector root = weights_.stacked(r);
-    const double squares = root.squaredNorm() + u.squaredNorm();
+    const Vector scales = follow_ ? misfits_of(random_, r, scales_) : scales_;
+    const double squares =
+        2.0 * cost_of(random_, scales_, follow_ ? Misfits::follow : Misfits::held, r, u);
     Eigen::Map<Vector> rows(residuals, n + 1);
     rows.setZero();
     rows[n] = std::sqrt(squares);
@@ -84,10 +154,13 @@ class Cost : public ceres::CostFunction {
 
     Matrix J;
     if (!residual_.slopes(u, J)) return false;
-    slopes_.follow(residual_, J);
-    Matrix H = slopes_.gram();
+    if (!slopes_) begin(r.size());
+    slopes_->follow(residual_, J);
+    const Vector shares = shares_at(scales);
+    Matrix H = slopes_->gram(shares);
     H.diagonal().array() += 1.0;
-    Vector gradient = slopes_.weighed().transpose() * root + u;
+    const Vector root = slopes_->weights().stacked(r);
+    Vector gradient = slopes_->along(shares, root) + u;
     hold_at_bounds(u, gradient, H);
     const Eigen::LLT<Matrix> factor(H);
     rows.head(n) = factor.matrixL().solve(gradient);
@@ -100,6 +173,21 @@ class Cost : public ceres::CostFunction {
   }
 
  private:
+  void begin(Eigen::Index rows) const {
+    const RandomWeights weights(random_, follow_ ? without_misfits(random_, scales_) : scales_);
+    slopes_.emplace(weights, parts_of(random_, follow_, weights, rows));
+  }
+  /// Of each part of the rows, what its misfit leaves of their weight.
+  [[nodiscard]] Vector shares_at(const Vector& scales) const {
+    if (!follow_) return Vector::Ones(1);
+    Vector shares = Vector::Ones(count_of(random_.misfits) + 1);
+    for (int c = 0; c < count_of(random_.misfits); ++c) {
+      const Misfit& own = random_.misfits[c];
+      shares[c] = 1.0 / own.variance(scales[own.group]);
+    }
+    return shares;
+  }
+
   /// A parameter at a bound beyond which the cost falls stays there, and the step of the others is
   /// that of the problem without it (Bertsekas 1982, projected Newton). Where a step was merely
   /// cut, it would be made for a place that no parameter may reach.
@@ -117,20 +205,30 @@ class Cost : public ceres::CostFunction {
   }
 
   Residual& residual_;
-  const RandomWeights& weights_;
-  mutable WeighedSlopes slopes_;  // Ceres evaluates through a constant
+  const RandomEffects& random_;
+  const Vector& scales_;
+  bool follow_;
+  mutable std::optional<WeighedSlopes> slopes_;  // Ceres evaluates through a constant
 };
 
 }  // namespace
 
-std::optional<double> minimise(Residual& residual, const RandomWeights& weights, int iterations,
-                               Vector& u) {
+double cost_of(const RandomEffects& random, const Vector& scales, Misfits misfits, const Vector& r,
+               const Vector& u) {
+  const bool follow = misfits == Misfits::follow;
+  const RandomWeights weights(random, follow ? misfits_of(random, r, scales) : scales);
+  const double log_det = follow ? weights.misfits_log_det() : 0.0;
+  return 0.5 * (weights.stacked(r).squaredNorm() + u.squaredNorm() + log_det);
+}
+
+std::optional<double> minimise(Residual& residual, const RandomEffects& random,
+                               const Vector& scales, Misfits misfits, int iterations, Vector& u) {
   const Settings& settings = residual.settings();
   FLAGS_minloglevel =
       google::GLOG_FATAL;  // a simulation that fails is a status here, no message of a library
   ceres::Problem::Options ownership;
   ownership.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-  Cost cost(residual, weights);
+  Cost cost(residual, random, scales, misfits);
   ceres::Problem problem(ownership);
   problem.AddResidualBlock(&cost, nullptr, u.data());
   for (Eigen::Index i = 0; i < u.size(); ++i) {

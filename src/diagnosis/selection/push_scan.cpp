@@ -94,18 +94,24 @@ ScanProducts scan_products(const Problem& problem, const Problem& narrow,
   X.leftCols(model.cols()) = model;
   for (Eigen::Index k = 0; k < raw.cols(); ++k)
     X.col(model.cols() + k) = comparison.whitening.apply({Vector(raw.col(k))});
-  return {products_of(comparison.whitening.random, X), model.cols()};
+  ScanProducts products{products_of(comparison.whitening.random, X), model.cols()};
+  products.all.shared = shared_columns(problem, comparison.whitening.random, about);
+  return products;
 }
 
 /// Products of [X F P].
 Products with_pushes(const ScanProducts& products, const Matrix& P) {
-  const Eigen::Index n = products.model, m = P.cols();
-  const Matrix& gram = products.all.gram;
-  const Eigen::Index boxes = gram.cols() - n;
-  const Matrix XP = gram.topRightCorner(n, boxes) * P;
-  Products out{Matrix(n + m, n + m), {}};
-  out.gram << gram.topLeftCorner(n, n), XP, XP.transpose(),
-      P.transpose() * gram.bottomRightCorner(boxes, boxes) * P;
+  const Eigen::Index n = products.model, m = P.cols(), boxes = products.all.gram.cols() - n;
+  const auto of_pushes = [&](const Matrix& gram) {
+    const Matrix XP = gram.topRightCorner(n, boxes) * P;
+    Matrix both(n + m, n + m);
+    both << gram.topLeftCorner(n, n), XP, XP.transpose(),
+        P.transpose() * gram.bottomRightCorner(boxes, boxes) * P;
+    return both;
+  };
+  Products out{of_pushes(products.all.gram), {}, {}};
+  out.shared = products.all.shared;
+  for (const Matrix& own : products.all.misfits) out.misfits.push_back(of_pushes(own));
   for (const Matrix& own : products.all.blocks) {
     out.blocks.emplace_back(own.rows(), n + m);
     out.blocks.back() << own.leftCols(n), own.rightCols(boxes) * P;

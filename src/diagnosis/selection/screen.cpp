@@ -56,7 +56,8 @@ struct Base {
 /// The posterior of one more candidate's columns beside the base model's own, which come first.
 LinearEvidence with_columns(const Base& base, const Matrix& own) {
   const RandomEffects& random = base.whitening.random;
-  const Products products = side_by_side(base.standing.model, columns_of(random, own)).products;
+  const Products products =
+      side_by_side(random, base.standing.model, columns_of(random, own)).products;
   return followed_by(base.problem, random, products, base.fit.scales,
                      base.problem.settings.screening_scale_steps)
       .linear;

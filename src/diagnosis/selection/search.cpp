@@ -34,13 +34,14 @@ Members indistinguishable_from(const RandomEffects& random, const ModelFit& none
                                const ModelFit& single, const ProbedColumns& probed, double below) {
   const Columns nuisances = columns_of(random, none.fit.jacobian);
   const Columns signature =
-      side_by_side(columns_of(random, none.fit.residual - single.fit.residual), nuisances);
+      side_by_side(random, columns_of(random, none.fit.residual - single.fit.residual), nuisances);
   std::vector<double> energy(probed.size(), kInfinity);
   tbb::parallel_for(0, count_of(probed), [&](int c) {
     for (const Columns& own : probed[c])
-      energy[c] = std::min(
-          energy[c], unexplained_energy(random, single.fit.scales,
-                                        side_by_side(signature, own).products, nuisances.X.cols()));
+      energy[c] =
+          std::min(energy[c], unexplained_energy(random, single.fit.scales,
+                                                 side_by_side(random, signature, own).products,
+                                                 nuisances.X.cols()));
   });
 
   Members found;
@@ -103,11 +104,6 @@ void exchange(FittedModels& models, const ModelFit& best, const std::set<Members
   }
 }
 
-/// Whether a model leaves forces that the plant lacks.
-bool leaves_more(const Settings& settings, const Fit& fit) {
-  return fit.log_evidence - fit.log_complete >= settings.remainder_left;
-}
-
 /// A fitted model and the candidates as they look from there.
 struct Surroundings {
   const Problem& problem;
@@ -138,7 +134,7 @@ struct Surroundings {
 /// then the others unless one of those leads clearly; whether one of them leads now.
 bool enlarge(const Surroundings& near, int largest, FittedModels& models) {
   const Settings& settings = near.problem.settings;
-  if (!near.about.candidates.empty() && !leaves_more(settings, near.about.fit)) return false;
+  if (!near.about.candidates.empty() && !leaves_more(near.problem, near.about.fit)) return false;
   const std::vector<Members> sets =
       larger_sets(near.about.candidates, count_of(near.probes), largest);
   std::vector<LinearSet> best = near.best_of(sets, models, settings.kept_pairs);
@@ -189,20 +185,19 @@ void search_from_leader(const Problem& problem, const Whitening& whitening,
   }
 }
 
-/// Whether models of `size` effects are worth seeking: the best smaller one gains, and leaves
-/// forces that the plant lacks.
-bool worth_enlarging(const Settings& settings, const FittedModels& models, int size) {
+/// Whether models of `size` effects are worth seeking: the best smaller one gains, and leaves more.
+bool worth_enlarging(const Problem& problem, const FittedModels& models, int size) {
   const ModelFit *base = models.best(size - 1), *before = models.best(size - 2);
   if (base == nullptr || before == nullptr) return false;
-  const double gain = size > 2 ? settings.larger_gain : 0.0;
-  return models.value(*base) >= models.value(*before) + gain && leaves_more(settings, base->fit);
+  const double gain = size > 2 ? problem.settings.larger_gain : 0.0;
+  return models.value(*base) >= models.value(*before) + gain && leaves_more(problem, base->fit);
 }
 
 void search_about_leaders(const Problem& problem, const SearchOptions& options,
                           FittedModels& models) {
   const Settings& settings = problem.settings;
   for (int size = 2; size <= options.largest; ++size) {
-    if (!worth_enlarging(settings, models, size)) return;
+    if (!worth_enlarging(problem, models, size)) return;
     if (options.progress) options.progress(size == 2 ? "pairs of effects" : "triples of effects");
 
     // What one effect stands in for, a second one may tell apart.
@@ -271,7 +266,7 @@ Comparison told_anew(const Problem& problem, const Comparison& comparison, const
                      const ModelFit* leader) {
   if (leader == nullptr) return relinearise(problem, comparison, none).comparison;
   Relinearised about = relinearise(problem, comparison, leader->fit);
-  if (problem.hypotheses.tolerances.empty() || !leaves_more(problem.settings, about.fit))
+  if (problem.hypotheses.tolerances.empty() || !leaves_more(problem, about.fit))
     return std::move(about.comparison);
   Relinearised about_none = relinearise(problem, comparison, none);
   const bool less = likelihood_by_size(about) > likelihood_by_size(about_none);

@@ -23,6 +23,21 @@ bool needed(const HeldOut& with, const HeldOut& without, const Settings& setting
          left(without) >= settings.named_beside * left(with);
 }
 
+/// Whether a set is so much more probable than the smaller one, which the search fitted too, that
+/// held-out data need not be predicted better with it, but no worse: tolerances may take the place
+/// of a member at a price that held-out data don't ask. Under a plan alone: under a logged input
+/// tolerances are few, and evidence asks for delays that move nothing.
+bool more_probable(HeldOutGaps& gaps, const ModelFit& model, const std::vector<int>& smaller) {
+  if (in_windows(gaps.problem())) return false;
+  const Settings& settings = gaps.settings();
+  const ModelFit* with = gaps.posterior().find(model.candidates);
+  const ModelFit* without = gaps.posterior().find(smaller);
+  if (with == nullptr || without == nullptr) return false;
+  return with->log_weight() - without->log_weight() >= settings.strong_odds &&
+         gaps.of(*with).after <=
+             (1.0 + settings.least_improvement_small_gap) * gaps.of(*without).after;
+}
+
 /// What a member explains at most, where too many are there for all of their orders.
 double largest_share(const EffectShare& share) {
   return std::isfinite(share.shapley) ? share.shapley : std::max(share.alone, share.last);
@@ -41,7 +56,9 @@ ModelFit without_idle_members(HeldOutGaps& gaps, ModelFit model) {
       if (!best || gaps.of(less).after < gaps.of(*best).after) best = less;
     }
 
-    if (!best || needed(all, gaps.of(*best), gaps.settings())) break;
+    if (!best || needed(all, gaps.of(*best), gaps.settings()) ||
+        more_probable(gaps, model, best->candidates))
+      break;
     model = std::move(*best);
   }
   return model;
@@ -60,7 +77,7 @@ ModelFit without_members_of_no_share(HeldOutGaps& gaps, ModelFit model) {
     if (least < 0) break;
 
     const ModelFit less = without_member(gaps, model, model.candidates[least]);
-    if (!less.fit.valid) break;
+    if (!less.fit.valid || more_probable(gaps, model, less.candidates)) break;
     model = less;
   }
   return model;

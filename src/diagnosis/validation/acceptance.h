@@ -9,13 +9,15 @@ namespace jaculus::diagnosis {
 /// all that are left out are idle together: a set is smaller than is good where the held-out error
 /// is larger by settings.least_improvement and its energy beyond noise settings.named_beside times
 /// as large as with all members. Evidence alone may ask for an effect (a few milliseconds of delay
-/// under a noisy input) that changes no motion that anybody would notice. Smaller sets that the
-/// search did not fit are fitted here.
+/// under a noisy input) that changes no motion that anybody would notice; but under a plan a member
+/// without which a fitted set is settings.strong_odds less probable stays, if held-out data are
+/// predicted no worse with it. Smaller sets that the search did not fit are fitted here.
 ModelFit without_idle_members(HeldOutGaps& gaps, ModelFit model);
 
 /// The model without those members that explain less than settings.remainder_share of the held-out
 /// gap's energy in the mean over the orders in which its members may join (shares.h), the least
-/// first: what would not be worth stating as a remainder is not worth a name. One always stays.
+/// first: what would not be worth stating as a remainder is not worth a name. One always stays, and
+/// so do members that the odds need, as above.
 ModelFit without_members_of_no_share(HeldOutGaps& gaps, ModelFit model);
 
 }  // namespace jaculus::diagnosis

@@ -19,9 +19,18 @@ bool none_probable(const VerdictEvidence& e, const Settings& s) {
   return !named(e) && e.none > s.likely;
 }
 
+/// Whether effects are so much more probable than none that held-out data need not be predicted
+/// better than by a robot whose tolerances were fitted, but no worse: tolerances that are all at
+/// their ends predict as well, and are as improbable as they are far out.
+bool strong(const VerdictEvidence& e, const Settings& s) {
+  return e.log_odds >= s.strong_odds &&
+         e.gap.after <= (1.0 + s.least_improvement_small_gap) * e.gap.adjusted;
+}
+
 bool small_gap(const VerdictEvidence& e, const Settings& s) {
   if (!e.gap.valid || !(e.gap.adjusted < s.plain_gap)) return false;
   if (!named(e)) return true;
+  if (strong(e, s)) return false;
   const double most = (1.0 - s.least_improvement_small_gap) * e.gap.adjusted;
   return e.gap.log_gain <= s.worth_small_gap || e.gap.after >= most;
 }
@@ -29,7 +38,7 @@ bool small_gap(const VerdictEvidence& e, const Settings& s) {
 bool unknown_structure(const VerdictEvidence& e, const Settings&) { return !named(e); }
 
 bool no_better_prediction(const VerdictEvidence& e, const Settings& s) {
-  if (!e.gap.valid || e.gap.adjusted < s.plain_gap) return false;
+  if (!e.gap.valid || e.gap.adjusted < s.plain_gap || strong(e, s)) return false;
   const double most = (1.0 - s.least_improvement) * e.gap.adjusted;
   return e.gap.log_gain <= s.worth || e.gap.after >= most;
 }
@@ -41,7 +50,8 @@ double share_left(double before, double after) {
 
 bool less_than_is_left(const VerdictEvidence& e, const Settings& s) {
   if (!e.gap.valid || e.gap.adjusted < s.plain_gap) return false;
-  return share_left(e.gap.adjusted, e.gap.after) * s.named_beside > 1.0;
+  const double before = strong(e, s) ? e.gap.before : e.gap.adjusted;
+  return share_left(before, e.gap.after) * s.named_beside > 1.0;
 }
 
 bool more_is_there(const VerdictEvidence& e, const Settings& s) {

@@ -15,9 +15,10 @@ struct VerdictEvidence {
   double none = 0.0;         ///< posterior probability
   double unexplained = 0.0;  ///< posterior probability of something unknown
   Naming naming = Naming::nothing;
-  int effects = 0;       ///< how many are proposed
-  double lacking = 0.0;  ///< probability that the proposed model lacks forces, given the model
-  HeldOut gap;           ///< of the chosen model against the nominal one
+  int effects = 0;        ///< how many are proposed
+  double lacking = 0.0;   ///< probability that the proposed model lacks forces, given the model
+  HeldOut gap;            ///< of the chosen model against the nominal one
+  double log_odds = 0.0;  ///< posterior, of effects against none; 0 under a logged input
 };
 
 struct VerdictRule {

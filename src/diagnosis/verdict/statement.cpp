@@ -9,6 +9,7 @@
 #include "diagnosis/selection/neighbouring_sets.h"
 #include "diagnosis/validation/shares.h"
 #include "diagnosis/verdict/calibration.h"
+#include "diagnosis/verdict/lacking_forces.h"
 #include "diagnosis/verdict/rules.h"
 #include "diagnosis/verdict/told_events.h"
 #include "jaculus/effects/select.h"
@@ -17,8 +18,7 @@ namespace jaculus::diagnosis {
 namespace {
 
 constexpr int kRivals = 2;
-/// Boxes of a force that the data must tell for it to be worth a row.
-constexpr double kToldAtLeast = 0.5;
+constexpr double kLeastProbability = 1e-300;
 
 std::vector<std::string> names_of(const Problem& problem, const std::vector<int>& candidates) {
   std::vector<std::string> names;
@@ -145,34 +145,10 @@ std::vector<Tolerated> tolerated_by(const Problem& problem, const Fit& fit) {
   return found;
 }
 
-/// What a model lacks, along every coordinate of which the data tell something.
-std::vector<LackingForce> lacking_forces(const Problem& problem, const Whitening& whitening,
-                                         const ModelFit& model) {
-  const RandomEffects& random = whitening.random;
-  const Products products = products_of(random, linear_model(problem, model.fit));
-  const Vector told = told_by(random, products, model.fit.scales);
-
-  // Bands of one force add up by their squares.
-  std::vector<LackingForce> forces;
-  for (int g = 0; g < random.size(); ++g) {
-    const RandomGroup& group = random.groups[g];
-    if (told[g] < kToldAtLeast) continue;
-    LackingForce own{group.name, model.fit.scales[g], "noise floors", told[g]};
-    if (group.force >= 0) {
-      const int box = problem.hypotheses.forces[group.force].boxes.front();
-      own.rms *= problem.hypotheses.parameters[box].scale * std::sqrt(group.share);
-      own.unit = problem.hypotheses.parameters[box].unit;
-    }
-    const auto same = std::find_if(forces.begin(), forces.end(),
-                                   [&](const LackingForce& f) { return f.name == own.name; });
-    if (same == forces.end()) {
-      forces.push_back(own);
-      continue;
-    }
-    same->rms = std::hypot(same->rms, own.rms);
-    same->boxes += own.boxes;
-  }
-  return forces;
+/// Of effects against none, complete or lacking.
+double log_odds_of_effects(const Posterior& posterior) {
+  const double none = posterior.none + posterior.unexplained;
+  return std::log1p(-std::min(none, 1.0)) - std::log(std::max(none, kLeastProbability));
 }
 
 /// Probability that a model lacks forces, given that its effects are at work.
@@ -295,10 +271,11 @@ Statement state_verdict(const Problem& problem, const Selection& selection, bool
   out.gap = gaps.of(chosen);
   const double lacking = lacking_probability(chosen, settings);
   out.lacking_probability = lacking;
-  out.lacking = lacking_forces(problem, selection.comparison.whitening, chosen);
-  const VerdictRule& rule = decide({one_trial, posterior.none, posterior.unexplained, told.naming,
-                                    count_of(proposal.effects), lacking, out.gap},
-                                   settings);
+  out.lacking = lacking_forces(problem, selection.comparison.whitening, chosen.fit);
+  const VerdictRule& rule = decide(
+      {one_trial, posterior.none, posterior.unexplained, told.naming, count_of(proposal.effects),
+       lacking, out.gap, in_windows(problem) ? 0.0 : log_odds_of_effects(posterior)},
+      settings);
   out.verdict = about_effects(rule.verdict, told);
   out.rule = rule.name;
   out.stated = {{}, stated.p};
