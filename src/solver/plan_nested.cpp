@@ -23,6 +23,9 @@ constexpr double kCoarseTolerance = 1e-3;
 // First barrier over the start's mean complementarity: measured on the leaps.
 constexpr double kAbove = 3.0;
 
+// A prolonged start that takes more iterations than a guess does is no good start.
+constexpr int kPatience = 100;
+
 int longest(const Problem& problem) {
   int intervals = 0;
   for (const transcription::PhaseSpec& phase : problem.phases)
@@ -43,6 +46,19 @@ Problem coarser(Problem problem) {
     phase.mesh = std::move(joined);
   }
   return problem;
+}
+
+/// From a prolonged start; where that leads nowhere soon, as from any guess with the same variables.
+NlpResult solve_prolonged(NonlinearProgram& program, const Start& start,
+                          const SolverOptions& solver) {
+  SolverOptions near = prolonged_options(solver, program, start, kAbove);
+  near.max_iterations = std::min(near.max_iterations, kPatience);
+  const NlpResult first = solve_nlp(program, start, near);
+  if (first.converged() || interrupt_requested()) return first;
+
+  NlpResult second = solve_nlp(program, {start.x}, solver);
+  add_earlier(first, second);
+  return second;
 }
 
 }  // namespace
@@ -76,9 +92,7 @@ NlpResult solve_nested(NonlinearProgram& program, const SolverOptions& solver,
     const bool last = problems.empty();
     auto finer = last ? nullptr : build(problems.back());
     NonlinearProgram& next = last ? program : *finer;
-    const Start start = prolong(*mesh, result, next);
-    NlpResult own =
-        solve_nlp(next, start, prolonged_options(last ? solver : loose, next, start, kAbove));
+    NlpResult own = solve_prolonged(next, prolong(*mesh, result, next), last ? solver : loose);
     add_earlier(result, own);
     if (last) return own;
 
