@@ -5,9 +5,11 @@
 
 #include <cmath>
 #include <optional>
+#include <string_view>
 
 #include "jaculus/core/interrupt.h"
 #include "solver/plan_solve.h"
+#include "solver/prolong.h"
 
 namespace jaculus::solver::detail {
 namespace {
@@ -99,20 +101,27 @@ bool in_worse_optimum(const NlpResult& coarse, const NlpResult& fine) {
   return fine.objective > coarse.objective + kWorse * std::abs(coarse.objective);
 }
 
-/// The plan on a finer mesh, from the plan before. First as from any guess, for which the plan
-/// before is a good one: on the leaps that takes a quarter of the iterations that a small first
-/// barrier takes. Where it ends worse or nowhere, tried again with ever smaller ones, which stay
-/// close; the best of those that converge.
-NlpResult solve_finer(const Plan& plan, transcription::NonlinearProgram& finer, const Vector& x,
+/// The plan on a finer mesh, from the plan before with its multipliers. Where that ends worse or
+/// nowhere, as from any guess, then with ever smaller first barriers, which stay close; the best of
+/// those that converge.
+NlpResult solve_finer(Plan& plan, transcription::NonlinearProgram& finer,
                       const PlanOptions& options) {
+  // A converged plan lies so near its limits that the mesh's others are hard to take up; a barrier
+  // above its own makes room. Measured on the leaps.
+  constexpr double kAbove = 10.0;
+  const SolverOptions plain = solver_options(finer.problem(), options);
+  const Start prolonged = prolong(*plan.program, plan.result, finer);
   NlpResult result;
   std::optional<NlpResult> best;  // that converged
   int before = 0;
-  for (const char* barrier : {"", "1e-4", "1e-6", "1e-8"}) {
-    const bool near = *barrier != '\0';
-    result = solve_nlp(finer, {x},
-                       near ? near_options(finer.problem(), options, barrier)
-                            : solver_options(finer.problem(), options));
+  for (const char* barrier : {"prolonged", "", "1e-4", "1e-6", "1e-8"}) {
+    const std::string_view way = barrier;
+    if (way == "prolonged")
+      result = solve_nlp(finer, prolonged, prolonged_options(plain, finer, prolonged, kAbove));
+    else if (way.empty())
+      result = solve_nlp(finer, {prolonged.x}, plain);
+    else
+      result = solve_nlp(finer, {prolonged.x}, near_options(finer.problem(), options, barrier));
     result.iterations += before;
     before = result.iterations;
     if (result.converged() && (!best || result.objective < best->objective)) best = result;
@@ -132,14 +141,8 @@ void refine_mesh(Plan& plan, transcription::Problem problem, const model::Planar
   plan.mesh_rounds.push_back(mesh_round(plan, plan.result.iterations));
   for (int number = 1; number <= problem.refinement.max_rounds; ++number) {
     if (!refine(problem, plan.program->layout(), too_long(plan, problem.refinement))) return;
-    const trajectory::Trajectory before =
-        transcription::to_trajectory(*plan.program, plan.result.x());
-
     auto finer = std::make_unique<transcription::NonlinearProgram>(problem, model);
-    transcription::GuessSpec spec = problem.guess;
-    spec.kind = "file";
-    NlpResult result =
-        solve_finer(plan, *finer, transcription::initial_guess(*finer, spec, 0, &before), options);
+    NlpResult result = solve_finer(plan, *finer, options);
 
     const bool astray =
         in_worse_optimum(plan.result, result) && holds_limits(plan, problem.refinement);

@@ -65,17 +65,15 @@ NlpResult try_again(transcription::NonlinearProgram& program, const Vector& x,
   NlpResult second = solve_nlp(program, {stage.x}, solver);
   if (!second.converged()) return first;
   add_stage(stage, second);
-  second.iterations += first.iterations;
+  add_earlier(first, second);
   second.feasibility_iterations += first.iterations;
-  second.wall_seconds.total += first.wall_seconds.total;
-  second.wall_seconds.functions += first.wall_seconds.functions;
-  second.wall_seconds.linear_solver += first.wall_seconds.linear_solver;
   return second;
 }
 
-NlpResult solve_start(transcription::NonlinearProgram& program,
-                      const std::optional<EarlierPlan>& earlier, int index, std::uint64_t seed,
-                      const SolverOptions& solver) {
+/// From start number `index` on the program's own mesh.
+NlpResult solve_directly(transcription::NonlinearProgram& program,
+                         const std::optional<EarlierPlan>& earlier, int index, std::uint64_t seed,
+                         const SolverOptions& solver) {
   const Start start = make_start(program, earlier, index, seed);
   if (index > 0 || program.problem().guess.kind == "random")
     return solve_after_stage(program, start.x, solver);
@@ -83,6 +81,24 @@ NlpResult solve_start(transcription::NonlinearProgram& program,
   const bool search_failed =
       result.status == Status::infeasible || result.status == Status::stalled;
   return search_failed ? try_again(program, start.x, solver, std::move(result)) : result;
+}
+
+/// By way of coarser meshes where the program's is fine, unless they lead nowhere or its very
+/// solution is at hand.
+NlpResult solve_start(transcription::NonlinearProgram& program,
+                      const std::optional<EarlierPlan>& earlier, int index, std::uint64_t seed,
+                      const SolverOptions& solver) {
+  const auto directly = [&](transcription::NonlinearProgram& mesh, const SolverOptions& options) {
+    return solve_directly(mesh, earlier, index, seed, options);
+  };
+  const bool at_hand = index == 0 && earlier && earlier->fits(program);
+  if (at_hand || !is_fine(program.problem())) return directly(program, solver);
+
+  NlpResult nested = solve_nested(program, solver, directly);
+  if (nested.converged() || interrupt_requested()) return nested;
+  NlpResult direct = directly(program, solver);
+  add_earlier(nested, direct);
+  return direct;
 }
 
 /// Where no start ran to its end: why.

@@ -1,6 +1,7 @@
 #pragma once
 // How make_plan comes to a result: starts, feasibility stages, finer meshes.
 
+#include <functional>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -25,6 +26,24 @@ struct SolvedStarts {
 /// where the solve from it ends with no feasible point nearby although the stage finds one.
 SolvedStarts solve_starts(transcription::NonlinearProgram& program,
                           const std::optional<EarlierPlan>& earlier, const PlanOptions& options);
+
+/// Solves a program, to the tolerance of the options.
+using SolveProgram =
+    std::function<NlpResult(transcription::NonlinearProgram&, const SolverOptions&)>;
+
+/// Whether a problem has so many intervals that coarser meshes are the faster way to its plan.
+bool is_fine(const transcription::Problem& problem);
+
+/// Solves a fine program by a sequence of meshes, each twice as fine as the one before: the
+/// coarsest by `first`, all but the last loosely, each from the one before with its multipliers
+/// (prolong.h). Takes as many iterations as the coarsest mesh and few on each that follows, where a
+/// fine mesh from a guess takes ever more. Iterations and times are those of all meshes. Not
+/// converged, with no iterate, where one of the coarser meshes does not converge.
+NlpResult solve_nested(transcription::NonlinearProgram& program, const SolverOptions& solver,
+                       const SolveProgram& first);
+
+/// Counts what came earlier as part of a result.
+void add_earlier(const NlpResult& earlier, NlpResult& result);
 
 /// Solves again on finer meshes, each time from the plan before, as long as that converges. A finer
 /// solve that does not converge leaves the coarser plan and is told in plan.refinement_failure.

@@ -31,11 +31,14 @@ struct Source {
     }
   }
 
+  /// An input that is held over an interval of the earlier plan does not change up to its end.
   void copy_input(double t, int column, Vector& x) const {
-    const int k = locate(t).first;
+    const auto [k, along] = locate(t);
+    const double f = plan.input_hold == "linear" ? along : 0.0;
+    const int next = std::min(k + 1, span.last);
     for (int m = 0; m < count_of(plan.motors); ++m) {
       const int i = model.motor_index(plan.motors[m]);
-      if (i >= 0) x[column + i] = plan.torque(m, k);
+      if (i >= 0) x[column + i] = (1.0 - f) * plan.torque(m, k) + f * plan.torque(m, next);
     }
   }
 };
