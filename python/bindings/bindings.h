@@ -6,6 +6,7 @@
 
 #include <exception>
 #include <functional>
+#include <memory>
 #include <mutex>
 
 #include "jaculus/core/interrupt.h"
@@ -21,11 +22,15 @@ void bind_tables(nb::module_& module);
 void bind_plans(nb::module_& module);
 void bind_datasets(nb::module_& module);
 void bind_imports(nb::module_& module);
+void bind_effects(nb::module_& module);
 void bind_diagnosis(nb::module_& module);
 void bind_studies(nb::module_& module);
 
 /// One computation at a time: MUMPS is not re-entrant, and SIGINT has one handler.
 std::mutex& computing();
+
+/// A Python object that threads without the GIL may copy and let go of.
+std::shared_ptr<const nb::object> held(nb::object object);
 
 /// Work without the GIL; Ctrl-C raises interrupt_requested() while it lasts.
 template <class Work>

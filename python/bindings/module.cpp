@@ -1,12 +1,20 @@
 // The module jaculus._core.
 
+#include <utility>
+
 #include "bindings.h"
 
 namespace jaculus::python {
-
 std::mutex& computing() {
   static std::mutex mutex;
   return mutex;
+}
+
+std::shared_ptr<const nb::object> held(nb::object object) {
+  return {new nb::object(std::move(object)), [](const nb::object* own) {
+            const nb::gil_scoped_acquire gil;
+            delete own;
+          }};
 }
 
 }  // namespace jaculus::python
@@ -20,6 +28,7 @@ NB_MODULE(_core, module) {
   jaculus::python::bind_plans(module);
   jaculus::python::bind_datasets(module);
   jaculus::python::bind_imports(module);
+  jaculus::python::bind_effects(module);
   jaculus::python::bind_diagnosis(module);
   jaculus::python::bind_studies(module);
 }

@@ -18,6 +18,7 @@ from ._exports import JointTrajectory
 from ._interrupts import Interrupted
 from .datasets import Dataset, Stream, Trial, load_dataset, simulate
 from .diagnoses import Diagnosis, diagnose
+from .effects import Effect, EffectChecks, check_effect
 from .executors import map
 from .logs import import_bag, import_table
 from .plans import Comparison, Plan, compare, solve
@@ -25,7 +26,8 @@ from .robots import Problem, Robot, load_problem, load_robot, shipped
 from .studies import Study, study
 
 __all__ = [
-    "Comparison", "Dataset", "Diagnosis", "InputError", "Interrupted", "JointTrajectory", "Plan", "Problem", "Robot",
-    "Stream", "Study", "Trial", "__version__", "compare", "diagnose", "import_bag", "import_table",
-    "load_dataset", "load_problem", "load_robot", "map", "shipped", "simulate", "solve", "study",
+    "Comparison", "Dataset", "Diagnosis", "Effect", "EffectChecks", "InputError", "Interrupted",
+    "JointTrajectory", "Plan", "Problem", "Robot", "Stream", "Study", "Trial", "__version__",
+    "check_effect", "compare", "diagnose", "import_bag", "import_table", "load_dataset", "load_problem",
+    "load_robot", "map", "shipped", "simulate", "solve", "study",
 ]
