@@ -110,6 +110,7 @@ PYTHON = [
     ("Trials and logs", ["simulate", "load_dataset", "import_bag", "import_table"]),
     ("", ["Dataset", "Trial", "Stream"]),
     ("Diagnoses", ["diagnose", "Diagnosis"]),
+    ("Preflights", ["preflight", "Preflight"]),
     ("Effects of your own", ["Effect", "check_effect", "EffectChecks"]),
     ("Studies", ["study", "Study"]),
     ("Many machines", ["map"]),

@@ -24,6 +24,7 @@ void bind_datasets(nb::module_& module);
 void bind_imports(nb::module_& module);
 void bind_effects(nb::module_& module);
 void bind_diagnosis(nb::module_& module);
+void bind_preflight(nb::module_& module);
 void bind_studies(nb::module_& module);
 
 /// One computation at a time: MUMPS is not re-entrant, and SIGINT has one handler.

@@ -30,5 +30,6 @@ NB_MODULE(_core, module) {
   jaculus::python::bind_imports(module);
   jaculus::python::bind_effects(module);
   jaculus::python::bind_diagnosis(module);
+  jaculus::python::bind_preflight(module);
   jaculus::python::bind_studies(module);
 }

@@ -22,12 +22,13 @@ from .effects import Effect, EffectChecks, check_effect
 from .executors import map
 from .logs import import_bag, import_table
 from .plans import Comparison, Plan, compare, solve
+from .preflights import Preflight, preflight
 from .robots import Problem, Robot, load_problem, load_robot, shipped
 from .studies import Study, study
 
 __all__ = [
     "Comparison", "Dataset", "Diagnosis", "Effect", "EffectChecks", "InputError", "Interrupted",
-    "JointTrajectory", "Plan", "Problem", "Robot", "Stream", "Study", "Trial", "__version__",
-    "check_effect", "compare", "diagnose", "import_bag", "import_table", "load_dataset", "load_problem",
-    "load_robot", "map", "shipped", "simulate", "solve", "study",
+    "JointTrajectory", "Plan", "Preflight", "Problem", "Robot", "Stream", "Study", "Trial",
+    "__version__", "check_effect", "compare", "diagnose", "import_bag", "import_table", "load_dataset",
+    "load_problem", "load_robot", "map", "preflight", "shipped", "simulate", "solve", "study",
 ]

@@ -16,8 +16,8 @@ _ACTIONS = {"torque": (1, False), "force": (1, False), "moment": (1, False),
 
 
 class Effect:
-    """An effect that the robot's model lacks, written in Python: `simulate` plays it, `diagnose`
-    judges it beside the catalogue's, `check_effect` tries it.
+    """An effect that the robot's model lacks, written in Python: `simulate` plays it, `diagnose` and
+    `preflight` judge it beside the catalogue's, `check_effect` tries it.
 
         >>> class Cable(jaculus.Effect):
         ...     name = "elbow_cable"
