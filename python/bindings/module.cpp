@@ -5,6 +5,15 @@
 #include "bindings.h"
 
 namespace jaculus::python {
+namespace {
+
+std::exception_ptr& fault_of_users() {
+  static std::exception_ptr fault;
+  return fault;
+}
+
+}  // namespace
+
 std::mutex& computing() {
   static std::mutex mutex;
   return mutex;
@@ -17,6 +26,13 @@ std::shared_ptr<const nb::object> held(nb::object object) {
           }};
 }
 
+void keep_fault(const std::exception_ptr& fault) {
+  if (!fault_of_users()) fault_of_users() = fault;
+  request_interrupt();
+}
+
+std::exception_ptr take_fault() { return std::exchange(fault_of_users(), nullptr); }
+
 }  // namespace jaculus::python
 
 NB_MODULE(_core, module) {
@@ -25,6 +41,7 @@ NB_MODULE(_core, module) {
   jaculus::python::bind_errors();
   jaculus::python::bind_tables(module);
   jaculus::python::bind_inputs(module);
+  jaculus::python::bind_terms(module);
   jaculus::python::bind_plans(module);
   jaculus::python::bind_datasets(module);
   jaculus::python::bind_imports(module);
