@@ -29,7 +29,8 @@ struct DiagnosisResult {
 DiagnosisResult run(const std::vector<const Dataset*>& given,
                     const std::optional<yaml::Node>& settings,
                     const std::vector<std::string>& tolerances, const std::string& horizon,
-                    const std::vector<std::string>& effect_files, int jobs,
+                    const std::vector<std::string>& effect_files,
+                    const std::vector<effects::UserEffect>& own, int jobs,
                     const Progress& progress) {
   std::vector<Dataset> datasets;
   for (const Dataset* dataset : given) datasets.push_back(*dataset);
@@ -41,8 +42,8 @@ DiagnosisResult run(const std::vector<const Dataset*>& given,
   if (!horizon.empty()) options.accuracy.horizon = diagnosis::read_horizon(horizon, "horizon");
   options.progress = progress;  // what it throws ends the diagnosis
 
-  options.catalogue =
-      std::make_shared<const effects::Catalogue>(effects::catalogue_for(effect_files, datasets));
+  options.catalogue = std::make_shared<const effects::Catalogue>(
+      effects::catalogue_for(effect_files, datasets, own));
 
   const std::string title = fs::weakly_canonical(datasets.front().folder).filename().string();
   const tbb::global_control workers(tbb::global_control::max_allowed_parallelism, jobs);
@@ -71,8 +72,8 @@ void bind_diagnosis(nb::module_& module) {
       .def("save", &save, nb::arg("folder"))
       .def("report_html", [](const Result& r) { return report::report_html(report_of(r)); });
   module.def("diagnose", &run, nb::arg("datasets"), nb::arg("settings") = nb::none(),
-             nb::arg("tolerances"), nb::arg("horizon"), nb::arg("effect_files"), nb::arg("jobs"),
-             nb::arg("progress") = nb::none());
+             nb::arg("tolerances"), nb::arg("horizon"), nb::arg("effect_files"), nb::arg("own"),
+             nb::arg("jobs"), nb::arg("progress") = nb::none());
 }
 
 }  // namespace jaculus::python

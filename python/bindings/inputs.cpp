@@ -76,9 +76,6 @@ void bind_inputs(nb::module_& module) {
       .def_prop_ro("json", [](const LoadedProblem& p) {
         return transcription::describe_problem(p.problem).dump();
       });
-  module.def(
-      "load_problem", [](const yaml::Node& node) { return transcription::load_problem(node); },
-      nb::arg("node"));
 }
 
 }  // namespace jaculus::python

@@ -18,14 +18,19 @@ from ._exports import JointTrajectory
 from ._interrupts import Interrupted
 from .datasets import Dataset, Stream, Trial, load_dataset, simulate
 from .diagnoses import Diagnosis, diagnose
+from .effects import Effect, EffectChecks, check_effect
 from .executors import map
 from .logs import import_bag, import_table
 from .plans import Comparison, Plan, compare, solve
-from .robots import Problem, Robot, load_problem, load_robot, shipped
+from .preflights import Preflight, preflight
+from .robots import Problem, Robot, check_derivatives, load_problem, load_robot, shipped
 from .studies import Study, study
+from .terms import DerivativeCheck, Point, Row, Term
 
 __all__ = [
-    "Comparison", "Dataset", "Diagnosis", "InputError", "Interrupted", "JointTrajectory", "Plan", "Problem", "Robot",
-    "Stream", "Study", "Trial", "__version__", "compare", "diagnose", "import_bag", "import_table",
-    "load_dataset", "load_problem", "load_robot", "map", "shipped", "simulate", "solve", "study",
+    "Comparison", "Dataset", "DerivativeCheck", "Diagnosis", "Effect", "EffectChecks", "InputError",
+    "Interrupted", "JointTrajectory", "Plan", "Point", "Preflight", "Problem", "Robot", "Row", "Stream",
+    "Study", "Term", "Trial", "__version__", "check_derivatives", "check_effect", "compare", "diagnose",
+    "import_bag", "import_table", "load_dataset", "load_problem", "load_robot", "map", "preflight",
+    "shipped", "simulate", "solve", "study",
 ]

@@ -12,6 +12,7 @@ from . import _core
 from ._inputs import Source, node_of
 from ._interrupts import Interrupted
 from ._tables import labelled, page, pandas, pyplot, xarray
+from .effects import Effect, compiled
 from .plans import Plan
 
 
@@ -195,6 +196,7 @@ def simulate(experiment: Source, *, robot: Optional[str] = None, controller: str
              trials: Optional[int] = None, seed: Optional[int] = None,
              effects: Union[Mapping[str, Mapping[str, float]], Iterable[str], str, None] = None,
              effect_files: Iterable[Union[str, "os.PathLike[str]"]] = (),
+             own_effects: Union[Effect, Iterable[Effect]] = (),
              augmented: Union[str, "os.PathLike[str]"] = "") -> Dataset:
     """Plays an experiment, or a plan, on a simulated robot with sensors and noise.
 
@@ -208,7 +210,8 @@ def simulate(experiment: Source, *, robot: Optional[str] = None, controller: str
         effects: of the plant that no model knows, SI: {"tail_compliance": {"stiffness": 98}}, or texts
             "tail_compliance:stiffness=98".
         effect_files: YAML files of effects of your own, for `effects`.
-        augmented: augmented.yaml of a diagnosis: its effects too.
+        own_effects: the same in Python; slow.
+        augmented: augmented.yaml of a diagnosis: its effects too. Those of Python must be given too.
 
     Raises:
         InputError: with file, line and key.
@@ -218,7 +221,7 @@ def simulate(experiment: Source, *, robot: Optional[str] = None, controller: str
         raise TypeError("simulate plays a plan from its files: plan.save(folder), then simulate(folder)")
     read = _experiment(experiment, robot, controller)
     done = _core.simulate(read, trials, seed, _effects(effects), [os.fspath(f) for f in effect_files],
-                          os.fspath(augmented))
+                          os.fspath(augmented), compiled(own_effects))
     dataset = Dataset(done.dataset, done)
     if done.interrupted:
         raise Interrupted(f"{read.name}: interrupted; result has the trials that are done", dataset)

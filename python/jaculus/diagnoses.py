@@ -11,6 +11,7 @@ from ._inputs import Source, node_of, quantity
 from ._progress import show_stage, shown
 from ._tables import page, pandas, pyplot
 from .datasets import Dataset, load_dataset
+from .effects import Effect, compiled
 
 
 class Diagnosis:
@@ -74,7 +75,8 @@ Given = Union[Dataset, str, "os.PathLike[str]"]
 def diagnose(datasets: Union[Given, Iterable[Given]], *, settings: Optional[Source] = None,
              tolerances: Optional[Mapping[str, Union[str, float]]] = None,
              horizon: Union[str, float, None] = None,
-             effect_files: Iterable[Union[str, "os.PathLike[str]"]] = (), jobs: int = 2,
+             effect_files: Iterable[Union[str, "os.PathLike[str]"]] = (),
+             own_effects: Union[Effect, Iterable[Effect]] = (), jobs: int = 2,
              progress: Union[bool, Callable[[str], None], None] = None) -> Diagnosis:
     """Finds where the gap between model and robot lies and which unmodelled effect causes it.
 
@@ -87,6 +89,7 @@ def diagnose(datasets: Union[Given, Iterable[Given]], *, settings: Optional[Sour
             plain numbers are SI.
         horizon: since the start, up to which errors are judged ("0.1 s" or [s]); None: the whole motion.
         effect_files: YAML files of effects of your own, judged beside the others.
+        own_effects: the same in Python; slow.
         jobs: threads at a time; the result does not depend on it.
         progress: called with the name of each stage as it begins. What it raises ends the diagnosis.
             True: a bar of tqdm.
@@ -105,4 +108,4 @@ def diagnose(datasets: Union[Given, Iterable[Given]], *, settings: Optional[Sour
             None if settings is None else node_of(settings),
             [f"{channel}={quantity(value)}" for channel, value in (tolerances or {}).items()],
             "" if horizon is None else quantity(horizon),
-            [os.fspath(file) for file in effect_files], jobs, call))
+            [os.fspath(file) for file in effect_files], compiled(own_effects), jobs, call))

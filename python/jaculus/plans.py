@@ -16,6 +16,7 @@ from ._interrupts import Interrupted
 from ._tables import labelled, page, pandas, pyplot, xarray
 from ._progress import show_iteration, shown
 from .robots import Problem, load_problem
+from .terms import Term
 
 Progress = Union[bool, Callable[[int, float, float], None]]
 
@@ -177,7 +178,8 @@ class Plan:
 
 def solve(problem: Union[Source, Problem], *, robot: Optional[str] = None,
           override: Optional[Mapping[str, Any]] = None, seed: Optional[int] = None,
-          starts: Optional[int] = None, jobs: int = 1, progress: Optional[Progress] = None) -> Plan:
+          starts: Optional[int] = None, jobs: int = 1, terms: Union[Term, Iterable[Term]] = (),
+          progress: Optional[Progress] = None) -> Plan:
     """Solves a problem by direct collocation (compressed Hermite-Simpson, Ipopt), refines its mesh
     where it asks for that, and verifies the plan by an independent integration.
 
@@ -186,6 +188,8 @@ def solve(problem: Union[Source, Problem], *, robot: Optional[str] = None,
         seed: of everything random, in place of the problem's.
         starts: number of starts, in place of the problem's: its guess, then smooth random ones.
         jobs: processes at a time where there are several starts.
+        terms: constraints and costs of your own, that the problem names by their `type`; slow, and with
+            one start alone, for several run in processes without Python.
         progress: called after every iteration with its number, the objective and the largest
             violation of a row; not from within several starts. What it raises ends the solve. True:
             a bar of tqdm.
@@ -200,7 +204,9 @@ def solve(problem: Union[Source, Problem], *, robot: Optional[str] = None,
     Source: Norby, Li, Selby, Patel and Johnson, Enabling Dynamic Behaviors with Aerodynamic Drag in
     Lightweight Tails, T-RO 2021.
     """
-    loaded = load_problem(problem, robot=robot, override=override)
+    loaded = load_problem(problem, robot=robot, override=override, terms=terms)
+    if loaded._has_own_terms and (starts or loaded.to_dict()["solver"]["starts"]) > 1:
+        raise ValueError("starts: more than one given; allowed: 1 with terms in Python")
     with shown(progress, loaded.name, show_iteration, "iteration") as call:
         plan = Plan(_core.solve(loaded._core, seed, starts, jobs, call))
     if plan.status == "interrupted":

@@ -4,10 +4,11 @@ from __future__ import annotations
 import json
 import os
 from pathlib import Path
-from typing import Any, Mapping, Optional, Union
+from typing import Any, Iterable, Mapping, Optional, Union
 
 from . import _core
 from ._inputs import Source, node_of
+from .terms import DerivativeCheck, Term, compiled
 
 
 class Robot:
@@ -55,8 +56,9 @@ class Problem:
         summary: what was understood, as text.
     """
 
-    def __init__(self, core: _core.Problem):
+    def __init__(self, core: _core.Problem, has_own_terms: bool = False):
         self._core = core
+        self._has_own_terms = has_own_terms
         self.name: str = core.name
         self.caption: str = core.caption
         self.robot = Robot(core.robot)
@@ -84,7 +86,8 @@ def load_robot(robot: Union[str, "os.PathLike[str]"]) -> Robot:
 
 
 def load_problem(problem: Union[Source, Problem], *, robot: Optional[str] = None,
-                 override: Optional[Mapping[str, Any]] = None) -> Problem:
+                 override: Optional[Mapping[str, Any]] = None,
+                 terms: Union[Term, Iterable[Term]] = ()) -> Problem:
     """Reads a problem and checks it against its robot, as `jaculus check` does.
 
     Args:
@@ -95,27 +98,47 @@ def load_problem(problem: Union[Source, Problem], *, robot: Optional[str] = None
         robot: a folder or name, in place of the problem's.
         override: model values over the problem's, by path: {"tail.drag.coefficient": 1.5}.
             `Robot.values` has the paths.
+        terms: constraints and costs of your own, that the problem names by their `type`.
 
     Raises:
         InputError: with file, line and key.
     """
+    own = compiled(terms)
     if isinstance(problem, Problem):
-        if robot is None and not override:
+        if robot is None and not override and not own:
             return problem
-        raise TypeError("robot and override change a file or a dict; a Problem is loaded already")
+        raise TypeError("robot, override and terms are for a file or a dict; a Problem is loaded already")
     if isinstance(problem, Mapping):
         changed = dict(problem)
     elif robot is None and not override:
-        return Problem(_core.load_problem(node_of(problem)))
+        return Problem(_core.load_problem(node_of(problem), own), bool(own))
     else:
         file = os.path.abspath(_core.find_problem_file(os.fspath(problem)))
-        name = _core.load_problem(_core.Node.load(file)).name
+        name = _core.load_problem(_core.Node.load(file), own).name
         changed = {"format": "jaculus-problem/1", "extends": file, "name": name}
     if robot is not None:
         changed["robot"] = os.fspath(robot)
     if override:
         changed["override"] = {**changed.get("override", {}), **override}
-    return Problem(_core.load_problem(node_of(changed)))
+    return Problem(_core.load_problem(node_of(changed), own), bool(own))
+
+
+def check_derivatives(problem: Union[Source, Problem], *, terms: Union[Term, Iterable[Term]] = (),
+                      seed: int = 1, spread: float = 0.05) -> DerivativeCheck:
+    """Compares a problem's gradient, Jacobian and Hessian with central differences, entry by entry, what
+    sparsity leaves out included, at a random point about the problem's guess.
+
+    Args:
+        problem, terms: see `load_problem`.
+        seed: of the point and of the multipliers that the Hessian is taken with.
+        spread: of the point about the guess [scales of the variables].
+
+    Raises:
+        InputError: with file, line and key.
+        ValueError: no value there.
+    """
+    loaded = load_problem(problem, terms=terms)
+    return DerivativeCheck(_core.check_derivatives(loaded._core, seed, spread))
 
 
 def shipped(kind: str = "problems") -> list[str]:

@@ -9,7 +9,6 @@
 #include "jaculus/core/installation.h"
 #include "jaculus/core/interrupt.h"
 #include "jaculus/core/json.h"
-#include "jaculus/effects/user_effect.h"
 
 namespace jaculus::effects {
 namespace {
@@ -103,7 +102,7 @@ std::vector<EffectValue> choose_effects(const EffectChoice& choice,
   }
   for (const std::string& text : choice.effects) texts.emplace_back(text, choice.effects_place);
 
-  const Catalogue catalogue = catalogue_with(files, {model});
+  const Catalogue catalogue = catalogue_with(files, {model}, choice.coded);
   std::vector<EffectValue> values;
   for (const auto& [text, place] : texts)
     values.push_back(read_effect(text, model, place, catalogue));
@@ -115,15 +114,25 @@ std::vector<EffectValue> choose_effects(const EffectChoice& choice,
                                  choice.files_place, choice.effects_place, own.name, own.file,
                                  own.name, own.parameters.front().name));
   }
+  for (const UserEffect& own : choice.coded) {
+    const std::string& name = own.effect.name;
+    const auto is_own = [&](const EffectValue& v) {
+      return v.effect->name == name || v.effect->name.starts_with(name + "@");
+    };
+    if (std::any_of(values.begin(), values.end(), is_own)) continue;
+    throw InputError(fmt::format("{}: none names '{}'; allowed: {}:{}=...", choice.effects_place,
+                                 name, name, own.effect.parameters.front().name));
+  }
   return values;
 }
 
 Catalogue catalogue_for(const std::vector<std::string>& files,
-                        const std::vector<trajectory::Dataset>& datasets) {
+                        const std::vector<trajectory::Dataset>& datasets,
+                        const std::vector<UserEffect>& coded) {
   std::vector<model::PlanarModel> robots;
   for (const trajectory::Dataset& dataset : datasets)
     robots.push_back(simulation::dataset_robot(dataset).planar);
-  return catalogue_with(files, robots);
+  return catalogue_with(files, robots, coded);
 }
 
 SimulatedTrials simulate_trials(const simulation::Experiment& experiment,

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "jaculus/effects/select.h"
+#include "jaculus/effects/user_effect.h"
 #include "jaculus/simulation/experiment.h"
 #include "jaculus/trajectory/dataset.h"
 
@@ -17,6 +18,7 @@ struct EffectChoice {
   std::vector<std::string> effects;  ///< each as read_effect() takes it
   std::vector<std::string> files;    ///< of effects of the user's own, for `effects`
   std::filesystem::path augmented;   ///< augmented.yaml of a diagnosis: its effects too; or empty
+  std::vector<UserEffect> coded{};   ///< effects of a program, for `effects`
   std::string effects_place = "effects";  ///< what messages call `effects`
   std::string files_place = "effect_files";
 };
@@ -28,7 +30,8 @@ std::vector<EffectValue> choose_effects(const EffectChoice& choice,
 
 /// catalogue_with() for the robots of datasets.
 Catalogue catalogue_for(const std::vector<std::string>& files,
-                        const std::vector<trajectory::Dataset>& datasets);
+                        const std::vector<trajectory::Dataset>& datasets,
+                        const std::vector<UserEffect>& coded = {});
 
 /// What the sensors saw, and what a simulation knows of it.
 struct SimulatedTrials {

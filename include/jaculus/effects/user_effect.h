@@ -25,9 +25,10 @@ struct UserEffect {
 /// formula, other units than a key has, bounds in the wrong order, an effect at nominal.
 UserEffect read_user_effect(const std::filesystem::path& file);
 
-/// The library's effects and those of files, which all of `robots` must be able to have. InputError
-/// as of read_user_effect, and where two have one name.
+/// The library's effects, those of files and `coded` ones (coded_effect.h), which all of `robots`
+/// must be able to have. InputError as of read_user_effect, and where two have one name.
 Catalogue catalogue_with(const std::vector<std::string>& files,
-                         const std::vector<model::PlanarModel>& robots);
+                         const std::vector<model::PlanarModel>& robots,
+                         const std::vector<UserEffect>& coded = {});
 
 }  // namespace jaculus::effects

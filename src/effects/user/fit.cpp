@@ -152,6 +152,7 @@ void require_robot(const EffectSpec& spec, const PlanarModel& model) {
 
 void require_units(const EffectSpec& spec, const PlanarModel& model) {
   require_robot(spec, model);
+  if (spec.code) return;  // what it computes is in SI
   EffectSpec own = spec;
   if (spec.place.kind == PlaceKind::sensor) {
     const std::string of = trajectory::parse_channel(spec.place.names.front()).of;

@@ -48,11 +48,6 @@ const Known* find(const Known (&list)[n], const std::string& name) {
   return found == std::end(list) ? nullptr : found;
 }
 
-bool of_motors(ReadingKind kind) {
-  return kind == ReadingKind::motor_torque || kind == ReadingKind::motor_current ||
-         kind == ReadingKind::motor_voltage || kind == ReadingKind::bus_voltage;
-}
-
 InputError at_column(const Formula& formula, int column, const std::string& what) {
   return formula.node.error(fmt::format("column {} of \"{}\": {}", column, formula.text, what));
 }
@@ -61,7 +56,7 @@ std::vector<const Formula*> formulas_of(const EffectSpec& spec) {
   std::vector<const Formula*> all;
   for (const SpecState& state : spec.states) {
     all.push_back(&state.initial);
-    all.push_back(&state.derivative);
+    if (!spec.code) all.push_back(&state.derivative);
   }
   for (const SpecValue& value : spec.values) all.push_back(&value.formula);
   for (const SpecAction& action : spec.actions)
@@ -72,6 +67,11 @@ std::vector<const Formula*> formulas_of(const EffectSpec& spec) {
 }
 
 }  // namespace
+
+bool of_motors(ReadingKind kind) {
+  return kind == ReadingKind::motor_torque || kind == ReadingKind::motor_current ||
+         kind == ReadingKind::motor_voltage || kind == ReadingKind::bus_voltage;
+}
 
 std::optional<ReadingName> reading_named(const std::string& name, const EffectPlace& place) {
   if (place.kind == PlaceKind::sensor && name != "t" && name != "value") return std::nullopt;
@@ -110,6 +110,11 @@ std::vector<std::string> reading_names(const EffectPlace& place) {
 
 std::vector<ReadingName> readings_of(const EffectSpec& spec) {
   std::vector<ReadingName> all;
+  if (spec.code) {
+    for (const std::string& name : spec.code->reads)
+      all.push_back(*reading_named(name, spec.place));
+    return all;
+  }
   const auto own = [&](const std::string& name) {
     const auto is = [&](const auto& item) { return item.name == name; };
     return std::any_of(spec.constants.begin(), spec.constants.end(), is) ||
@@ -148,6 +153,7 @@ Program::Program(const EffectSpec& spec) : spec_(spec), readings_(readings_of(sp
   for (const SpecState& s : spec_.states) initials_.push_back(compile(s.initial, constant));
   for (std::size_t i = 0; i < spec_.values.size(); ++i)
     values_.push_back(compile(spec_.values[i].formula, first_value_ + i));
+  if (spec_.code) return;  // it computes all that follows
   for (const SpecState& s : spec_.states)
     derivatives_.push_back(compile(s.derivative, slots_.size()));
   for (const SpecAction& action : spec_.actions) {
@@ -264,6 +270,20 @@ void Program::act(const double* readings, const double* states, double* actions,
     if (!acts_[a].before) actions[a] = compiled_[acts_[a].formula].expression.value();
   for (std::size_t s = 0; s < derivatives_.size(); ++s)
     rates[s] = compiled_[derivatives_[s]].expression.value();
+}
+
+simulation::LawFunctions law_functions(const EffectSpec& spec, const Vector& theta) {
+  if (spec.code) return spec.code->functions(theta);
+
+  const auto program = std::make_shared<Program>(spec);
+  program->set_parameters(theta);
+  simulation::LawFunctions functions;
+  functions.before = [program](const double* readings, const double* states, double* actions) {
+    program->before(readings, states, actions);
+  };
+  functions.act = [program](const double* readings, const double* states, double* actions,
+                            double* rates) { program->act(readings, states, actions, rates); };
+  return functions;
 }
 
 }  // namespace jaculus::effects

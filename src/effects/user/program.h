@@ -26,7 +26,9 @@ struct ReadingName {
 std::optional<ReadingName> reading_named(const std::string& name, const EffectPlace& place);
 /// Names of readings at such a place, for messages.
 std::vector<std::string> reading_names(const EffectPlace& place);
-/// Every reading that the formulas use, each once.
+/// Whether a reading is of motors or the battery, and so unknown before the motors.
+bool of_motors(simulation::ReadingKind kind);
+/// Every reading that the formulas use, each once; of a program's effect those that it names.
 std::vector<ReadingName> readings_of(const EffectSpec& spec);
 
 /// All numbers of a program, and what is computed of them.
@@ -84,5 +86,9 @@ class Program {
   std::vector<Act> acts_;  ///< one an action's value
   std::vector<bool> early_values_;
 };
+
+/// Functions of the effect's law at `theta`: its formulas', or those of its code. The spec is
+/// copied.
+simulation::LawFunctions law_functions(const EffectSpec& spec, const Vector& theta);
 
 }  // namespace jaculus::effects

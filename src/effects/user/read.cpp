@@ -1,6 +1,7 @@
 // Files of users' effects, as far as they can be judged without a robot.
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cctype>
@@ -185,9 +186,9 @@ std::string all_actions() {
   return text + "delay at the commands, reading at a sensor";
 }
 
-InputError misplaced(const yaml::Node& node) {
-  return node.error("doesn't act at this place; allowed: " + all_actions());
-}
+constexpr const char* kMisplaced = "doesn't act at this place; allowed: ";
+
+InputError misplaced(const yaml::Node& node) { return node.error(kMisplaced + all_actions()); }
 
 void add_action(const ActionKey& action, const yaml::Node& node, EffectSpec& spec) {
   if (action.kind != ActionKind::point_force) {
@@ -233,7 +234,10 @@ void read_states(const yaml::Node& root, EffectSpec& spec) {
   if (!states) return;
   for (const auto& [name, node] : states->entries()) {
     check_symbol(name, node, spec);
-    node.only({"unit", "initial", "derivative", "scale"});
+    if (spec.code)
+      node.only({"unit", "initial", "scale"});
+    else
+      node.only({"unit", "initial", "derivative", "scale"});
     SpecState state;
     state.name = name;
     state.dimension = dimension_of(node.at("unit"));
@@ -245,7 +249,7 @@ void read_states(const yaml::Node& root, EffectSpec& spec) {
     Dimension rate = state.dimension;
     rate.second -= 1;
     state.initial = formula_of(node.at("initial"), state.dimension);
-    state.derivative = formula_of(node.at("derivative"), rate);
+    if (!spec.code) state.derivative = formula_of(node.at("derivative"), rate);
     spec.states.push_back(state);
   }
 }
@@ -258,16 +262,13 @@ Dimension EffectPlace::channel_dimension() const {
   return unit_dimension(trajectory::unit_of(channel.quantity, metres));
 }
 
-EffectSpec read_spec(const std::filesystem::path& file) {
-  const yaml::Node root = yaml::Node::load(file);
-  yaml::refuse_other_kind(root, kFormat);
-  root.only({"format", "name", "caption", "at", "component", "experiment", "parameters",
-             "constants", "states", "values", "torque", "force", "moment", "torque_scale",
-             "bus_drop", "friction_scale", "delay", "reading"});
+namespace {
+
+/// Name, caption and place.
+void read_head(const yaml::Node& root, EffectSpec& spec) {
+  spec.node = root;
   if (const yaml::Node format = root.at("format"); format.text() != kFormat)
     throw format.error(fmt::format("'{}' given; allowed: {}", format.text(), kFormat));
-
-  EffectSpec spec;
   spec.name = root.at("name").text();
   check_name(spec.name, root.at("name"));
   if (find_effect(spec.name) != nullptr)
@@ -275,14 +276,63 @@ EffectSpec read_spec(const std::filesystem::path& file) {
         fmt::format("'{}' is an effect of jaculus; allowed: another name", spec.name));
   spec.caption = root.at("caption").text();
   spec.place = place_of(root.at("at"));
-  spec.place.slides = spec.place.at_joints() && root.has("force");
   if (const auto component = root.find("component")) {
     std::vector<std::string> names;
     for (int c = 0; c < kComponentCount; ++c)
       names.emplace_back(component_name(static_cast<Component>(c)));
     spec.component = static_cast<Component>(index_of(names, component->choice(names)));
   }
+}
 
+void read_parameters(const yaml::Node& root, EffectSpec& spec) {
+  for (const auto& [name, node] : root.at("parameters").entries()) {
+    check_symbol(name, node, spec);
+    spec.parameters.push_back(parameter_of(name, node));
+  }
+  if (spec.parameters.empty())
+    throw root.at("parameters").error("none given; allowed: one or more, the first switches it on");
+}
+
+/// The readings and actions of code, as far as they can be judged without a robot.
+void take_code(const yaml::Node& root, EffectSpec& spec) {
+  const EffectPlace& place = spec.place;
+  for (const std::string& key : spec.code->actions) {
+    const ActionKey* found = nullptr;
+    for (const ActionKey& action : kActions)
+      if (key == action.key && action.fits(place)) found = &action;
+    if (found == nullptr) throw root.error(fmt::format("{}: {}", key, kMisplaced + all_actions()));
+    spec.actions.push_back({found->kind, {}});
+  }
+  if (spec.actions.empty()) throw root.error("does nothing; allowed: " + all_actions());
+
+  const bool early = std::any_of(spec.actions.begin(), spec.actions.end(), [](const auto& action) {
+    return simulation::Action{action.kind}.before_motors();
+  });
+  for (const std::string& name : spec.code->reads) {
+    const auto reading = reading_named(name, place);
+    if (!reading)
+      throw root.error(
+          fmt::format("unknown name '{}'; allowed: parameters, states, {}, and "
+                      "JOINT.q or BODY.x of others",
+                      name, fmt::join(reading_names(place), ", ")));
+    if (early && of_motors(reading->kind))
+      throw root.error(fmt::format(
+          "'{}' follows from what this changes; allowed: what doesn't, or a state that follows it",
+          name));
+  }
+}
+
+}  // namespace
+
+EffectSpec read_spec(const std::filesystem::path& file) {
+  const yaml::Node root = yaml::Node::load(file);
+  yaml::refuse_other_kind(root, kFormat);
+  root.only({"format", "name", "caption", "at", "component", "experiment", "parameters",
+             "constants", "states", "values", "torque", "force", "moment", "torque_scale",
+             "bus_drop", "friction_scale", "delay", "reading"});
+  EffectSpec spec;
+  read_head(root, spec);
+  spec.place.slides = spec.place.at_joints() && root.has("force");
   if (const auto experiment = root.find("experiment")) {
     spec.experiment = file.parent_path() / experiment->text();
     if (!std::filesystem::is_regular_file(spec.experiment))
@@ -291,12 +341,7 @@ EffectSpec read_spec(const std::filesystem::path& file) {
           experiment->text()));
   }
 
-  for (const auto& [name, node] : root.at("parameters").entries()) {
-    check_symbol(name, node, spec);
-    spec.parameters.push_back(parameter_of(name, node));
-  }
-  if (spec.parameters.empty())
-    throw root.at("parameters").error("none given; allowed: one or more, the first switches it on");
+  read_parameters(root, spec);
   if (const auto constants = root.find("constants")) {
     for (const auto& [name, node] : constants->entries()) {
       check_symbol(name, node, spec);
@@ -314,6 +359,20 @@ EffectSpec read_spec(const std::filesystem::path& file) {
     }
   }
   read_actions(root, spec);
+  return spec;
+}
+
+EffectSpec read_spec(const yaml::Node& root, const EffectCode& code) {
+  root.only({"format", "name", "caption", "at", "component", "parameters", "states"});
+  EffectSpec spec;
+  spec.code = code;
+  read_head(root, spec);
+  const bool force =
+      std::find(code.actions.begin(), code.actions.end(), "force") != code.actions.end();
+  spec.place.slides = spec.place.at_joints() && force;
+  read_parameters(root, spec);
+  read_states(root, spec);
+  take_code(root, spec);
   return spec;
 }
 

@@ -7,6 +7,7 @@
 
 #include "jaculus/core/units.h"
 #include "jaculus/core/yaml.h"
+#include "jaculus/effects/coded_effect.h"
 #include "jaculus/effects/effect.h"
 
 namespace jaculus::effects {
@@ -76,10 +77,14 @@ struct EffectSpec {
   std::vector<SpecAction> actions;
   std::optional<Formula> delay;    ///< of the commands, of parameters alone [s]
   std::optional<Formula> reading;  ///< what the sensor's log has
+  yaml::Node node;                 ///< all of it
+  std::optional<EffectCode> code;  ///< in place of the formulas of actions and derivatives
 };
 
 /// Reads a file; InputError where it says what no file may. Formulas are read, their units aren't
 /// checked yet.
 EffectSpec read_spec(const std::filesystem::path& file);
+/// The same of a program's effect. Its actions have no formulas, its states no derivatives.
+EffectSpec read_spec(const yaml::Node& node, const EffectCode& code);
 
 }  // namespace jaculus::effects

@@ -86,6 +86,56 @@ void check_formula(const Program::Compiled& compiled, Program& program) {
                                        unit_name(formula.dimension)));
 }
 
+/// " (q = 0.7, qd = -1.2)": where a law was tried.
+std::string point_text(const EffectSpec& spec, const std::vector<double>& read,
+                       const std::vector<double>& states) {
+  const std::vector<ReadingName> readings = readings_of(spec);
+  std::string at;
+  const auto add = [&](const std::string& name, double value) {
+    at += fmt::format("{}{} = {:.3g}", at.empty() ? "" : ", ", name, value);
+  };
+  for (std::size_t i = 0; i < read.size(); ++i) add(readings[i].name, read[i]);
+  for (std::size_t i = 0; i < states.size(); ++i) add(spec.states[i].name, states[i]);
+  return at.empty() ? "" : " (" + at + ")";
+}
+
+/// That an action's value is another than that which does nothing.
+InputError does_something(const EffectSpec& spec, std::size_t action, std::size_t part,
+                          double value, double none, const std::string& at) {
+  const SpecAction& own = spec.actions[action];
+  const yaml::Node& node = spec.code ? spec.node : own.formulas[part].node;
+  return node.error(fmt::format(
+      "{} is {:.4g} at nominal parameters{}; allowed: {}, for at nominal an effect does nothing",
+      spec.code ? spec.code->actions[action] : '"' + own.formulas[part].text + '"', value, at,
+      none));
+}
+
+/// InputError where a law at nominal parameters does something at a random point.
+void check_law(const EffectSpec& spec, const simulation::LawFunctions& functions) {
+  std::mt19937 random(2);
+  int count = 0;
+  for (const SpecAction& action : spec.actions) count += simulation::Action{action.kind}.values();
+  std::vector<double> read(readings_of(spec).size()), states(spec.states.size()),
+      rates(states.size()), actions(count);
+
+  for (int trial = 0; trial < kTrials; ++trial) {
+    for (double& value : read) value = random_number(random);
+    for (double& value : states) value = random_number(random);
+    if (functions.before) functions.before(read.data(), states.data(), actions.data());
+    functions.act(read.data(), states.data(), actions.data(), rates.data());
+
+    const double* value = actions.data();
+    for (std::size_t a = 0; a < spec.actions.size(); ++a) {
+      const ActionKind kind = spec.actions[a].kind;
+      const bool factor = kind == ActionKind::torque_scale || kind == ActionKind::friction_scale;
+      const double none = factor ? 1.0 : 0.0;
+      for (int part = 0; part < simulation::Action{kind}.values(); ++part, ++value)
+        if (*value != none)
+          throw does_something(spec, a, part, *value, none, point_text(spec, read, states));
+    }
+  }
+}
+
 }  // namespace
 
 void check_units(Program& program) {
@@ -96,12 +146,6 @@ void check_units(Program& program) {
 
 void check_nominal(const EffectSpec& spec, Program& program) {
   std::mt19937 random(2);
-  int count = 0;
-  for (const SpecAction& action : spec.actions) count += count_of(action.formulas);
-  const std::vector<ReadingName> readings = readings_of(spec);
-  std::vector<double> read(readings.size()), states(spec.states.size()), rates(states.size()),
-      actions(count);
-
   if (spec.delay && program.delay() != 0.0)
     throw spec.delay->node.error(fmt::format(
         "\"{}\" is {:.4g} s at nominal parameters; allowed: 0, for at nominal an effect does "
@@ -118,35 +162,9 @@ void check_nominal(const EffectSpec& spec, Program& program) {
   }
   if (spec.reading) return;
 
-  for (int trial = 0; trial < kTrials; ++trial) {
-    for (double& value : read) value = random_number(random);
-    for (double& value : states) value = random_number(random);
-    program.before(read.data(), states.data(), actions.data());
-    program.act(read.data(), states.data(), actions.data(), rates.data());
-
-    const double* value = actions.data();
-    for (const SpecAction& action : spec.actions) {
-      const bool factor =
-          action.kind == ActionKind::torque_scale || action.kind == ActionKind::friction_scale;
-      const double none = factor ? 1.0 : 0.0;
-      for (const Formula& formula : action.formulas) {
-        if (*value == none) {
-          ++value;
-          continue;
-        }
-        std::string at;
-        for (std::size_t i = 0; i < read.size(); ++i)
-          at += fmt::format("{}{} = {:.3g}", at.empty() ? "" : ", ", readings[i].name, read[i]);
-        for (std::size_t i = 0; i < states.size(); ++i)
-          at +=
-              fmt::format("{}{} = {:.3g}", at.empty() ? "" : ", ", spec.states[i].name, states[i]);
-        throw formula.node.error(fmt::format(
-            "\"{}\" is {:.4g} at nominal parameters{}; allowed: {}, for at nominal an effect does "
-            "nothing",
-            formula.text, *value, at.empty() ? "" : " (" + at + ")", none));
-      }
-    }
-  }
+  Vector nominal(count_of(spec.parameters));
+  for (int i = 0; i < count_of(spec.parameters); ++i) nominal[i] = spec.parameters[i].own.nominal;
+  check_law(spec, law_functions(spec, nominal));
 }
 
 }  // namespace jaculus::effects

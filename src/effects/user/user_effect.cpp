@@ -69,20 +69,7 @@ Law law_of(const Spec& spec, const std::string& joint, const Vector& theta,
       law.states.push_back({initial[i], spec->states[i].scale});
   }
 
-  law.functions = [spec, theta] {
-    const auto own_program = std::make_shared<Program>(*spec);
-    own_program->set_parameters(theta);
-    simulation::LawFunctions functions;
-    functions.before = [own_program](const double* readings, const double* states,
-                                     double* actions) {
-      own_program->before(readings, states, actions);
-    };
-    functions.act = [own_program](const double* readings, const double* states, double* actions,
-                                  double* rates) {
-      own_program->act(readings, states, actions, rates);
-    };
-    return functions;
-  };
+  law.functions = [spec, theta] { return law_functions(*spec, theta); };
   return law;
 }
 
@@ -201,40 +188,53 @@ std::vector<Effect> entries_on(const Spec& spec, const PlanarModel& model,
   return all;
 }
 
-}  // namespace
-
-UserEffect read_user_effect(const std::filesystem::path& file) {
-  const auto spec = std::make_shared<const EffectSpec>(read_spec(file));
+/// `file`: as entries have it, empty where a program has the effect.
+UserEffect user_effect(const Spec& spec, const std::string& file) {
   Program program(*spec);
   const std::vector<ReadingName> readings = readings_of(*spec);
   // the units of other joints' readings are known with the robot
   const bool others = std::any_of(readings.begin(), readings.end(), [](const ReadingName& r) {
     return !r.of.empty() || r.kind == ReadingKind::sensor_value;
   });
-  if (!others) check_units(program);
+  if (!others && !spec->code) check_units(program);
   check_nominal(*spec, program);
 
   UserEffect user{
       entry(spec, [spec](const PlanarModel& model) { return joints_of(spec->place, model); }), file,
       spec->experiment, [spec](const PlanarModel& model) { require_units(*spec, model); }};
-  user.effect.file = std::filesystem::absolute(file).lexically_normal().string();
-  user.effect.sized = [spec, name = user.effect.file](const PlanarModel& model, const JointRates&) {
-    return entries_on(spec, model, name);
+  user.effect.file = file;
+  user.effect.sized = [spec, file](const PlanarModel& model, const JointRates&) {
+    return entries_on(spec, model, file);
   };
   return user;
 }
 
+}  // namespace
+
+UserEffect read_user_effect(const std::filesystem::path& file) {
+  UserEffect user = user_effect(std::make_shared<const EffectSpec>(read_spec(file)),
+                                std::filesystem::absolute(file).lexically_normal().string());
+  user.file = file;
+  return user;
+}
+
+UserEffect coded_effect(const yaml::Node& node, const EffectCode& code) {
+  return user_effect(std::make_shared<const EffectSpec>(read_spec(node, code)), "");
+}
+
 Catalogue catalogue_with(const std::vector<std::string>& files,
-                         const std::vector<PlanarModel>& robots) {
+                         const std::vector<PlanarModel>& robots,
+                         const std::vector<UserEffect>& coded) {
   Catalogue all = effect_catalogue();
-  for (const std::string& file : files) {
-    const UserEffect user = read_user_effect(file);
+  const auto add = [&](const UserEffect& user, const std::string& place) {
     if (find_effect(user.effect.name, all) != nullptr)
-      throw InputError(fmt::format("{}: name: another file has an effect '{}' too; allowed: once",
-                                   file, user.effect.name));
+      throw InputError(fmt::format("{}: name: another {} has an effect '{}' too; allowed: once",
+                                   place, user.file.empty() ? "one" : "file", user.effect.name));
     for (const PlanarModel& robot : robots) user.require(robot);
     all.push_back(user.effect);
-  }
+  };
+  for (const std::string& file : files) add(read_user_effect(file), file);
+  for (const UserEffect& user : coded) add(user, user.effect.name);
   return all;
 }
 
