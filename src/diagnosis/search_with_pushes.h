@@ -11,10 +11,11 @@ struct Searched {
   Selection selection;  ///< without models where prepared has reasons, or none can't be fitted
 };
 
-/// Effects first. Where the leading model leaves forces that the plant lacks, under a plan and with
-/// one dataset, the search is made again among the effects that it found worth a fit and likely
-/// pushes (push_scan.h). It counts if a model with a push leads it, one that every trial had and
-/// that is shorter than half of the motion.
+/// Effects first. Where the leading model leaves more (fit.h), under a plan and with one dataset,
+/// the search is made again among the effects that it found worth a fit and likely pushes
+/// (push_scan.h). It counts if a model with a push leads it, one that every trial had and that is
+/// shorter than half of the motion, and leaves no misfit: what lasts a moment has some half sine
+/// that is like it, but only of a push does nothing else remain.
 Searched search_with_pushes(Prepared prepared, const DiagnoseOptions& options);
 
 }  // namespace jaculus::diagnosis
