@@ -104,7 +104,7 @@ double expected_log_weight_of_none(const SignatureSpace& space, const Vector& si
       std::log1p(-settings.prior_lacking) + expected_log_evidence_of_none(signature);
   if (space.random.size() == 0) return complete;
 
-  // Rows of a misfit hold their noise as well, N in the mean; in blocks it adds half of what is told.
+  // Rows of a misfit hold their noise as well, N in the mean; in blocks it adds half of the told.
   Products products = products_of(space.random, signature);
   double noise = 0.0;
   for (std::size_t c = 0; c < space.random.misfits.size(); ++c) {
