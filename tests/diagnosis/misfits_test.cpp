@@ -15,10 +15,10 @@
 namespace jaculus::diagnosis {
 namespace {
 
-constexpr int kRows = 40;
-constexpr double kValues = 6.0;
+constexpr int kMisfitRows = 40;
+constexpr double kMisfitValues = 6.0;
 
-Matrix normal_matrix(Eigen::Index rows, Eigen::Index cols, unsigned seed) {
+Matrix noise_matrix(Eigen::Index rows, Eigen::Index cols, unsigned seed) {
   std::mt19937 generator(seed);
   std::normal_distribution<double> normal;
   return Matrix::NullaryExpr(rows, cols,
@@ -26,17 +26,17 @@ Matrix normal_matrix(Eigen::Index rows, Eigen::Index cols, unsigned seed) {
 }
 
 /// Two datasets whose rows take turns: two spans of each.
-RandomEffects two_datasets(int rows = kRows) {
+RandomEffects two_datasets(int rows = kMisfitRows) {
   RandomEffects effects;
   effects.groups = {{"misfit of a"}, {"misfit of b"}};
   const int half = rows / 2;
-  effects.misfits = {{0, kValues, rows, {{0, half}, {2 * half, half}}},
-                     {1, kValues, rows, {{half, half}, {3 * half, half}}}};
+  effects.misfits = {{0, kMisfitValues, rows, {{0, half}, {2 * half, half}}},
+                     {1, kMisfitValues, rows, {{half, half}, {3 * half, half}}}};
   return effects;
 }
 
 /// E of a misfit.
-double energy(const Misfit& own, const Vector& r) {
+double misfit_energy(const Misfit& own, const Vector& r) {
   double sum = 0.0;
   for (const auto& [first, count] : own.spans) sum += r.segment(first, count).squaredNorm();
   return sum;
@@ -44,14 +44,14 @@ double energy(const Misfit& own, const Vector& r) {
 
 TEST(Misfits, TheMostLikelyOnesCostTheLogarithmOfTheEnergyBeyondNoise) {
   const RandomEffects effects = two_datasets();
-  Vector r = normal_matrix(2 * kRows, 1, 1);
+  Vector r = noise_matrix(2 * kMisfitRows, 1, 1);
   for (const auto& [first, count] : effects.misfits[0].spans) r.segment(first, count) *= 5.0;
   for (const auto& [first, count] : effects.misfits[1].spans) r.segment(first, count) *= 0.5;
 
   // The first is far off; of the second less is left than noise makes.
-  const double beyond = energy(effects.misfits[0], r) - kRows;
-  const double expected =
-      kValues * std::log1p(beyond / kValues) + kRows + energy(effects.misfits[1], r);
+  const double beyond = misfit_energy(effects.misfits[0], r) - kMisfitRows;
+  const double expected = kMisfitValues * std::log1p(beyond / kMisfitValues) + kMisfitRows +
+                          misfit_energy(effects.misfits[1], r);
   const Vector none(0);
   EXPECT_NEAR(2.0 * cost_of(effects, Vector::Zero(2), Misfits::follow, r, none), expected, 1e-9);
 
@@ -67,7 +67,7 @@ TEST(Misfits, TheMostLikelyOnesCostTheLogarithmOfTheEnergyBeyondNoise) {
 TEST(Misfits, WeighRowsAsWeightsDo) {
   const RandomEffects effects = two_datasets();
   const Vector scales{{2.0, 0.3}};
-  const Matrix X = normal_matrix(2 * kRows, 3, 2);
+  const Matrix X = noise_matrix(2 * kMisfitRows, 3, 2);
   const RandomWeights weights(effects, scales);
   const Weighed weighed = weigh(effects, products_of(effects, X), scales);
   EXPECT_LT((X.transpose() * weights.inverse(X) - weighed.gram).norm(), 1e-10);
@@ -77,9 +77,9 @@ TEST(Misfits, WeighRowsAsWeightsDo) {
 
 TEST(Misfits, SidesAndMovesHaveTheProductsOfTheWhole) {
   const RandomEffects effects = two_datasets();
-  const Columns a = columns_of(effects, normal_matrix(2 * kRows, 3, 3)),
-                b = columns_of(effects, normal_matrix(2 * kRows, 2, 4)),
-                moved = columns_of(effects, normal_matrix(2 * kRows, 1, 5));
+  const Columns a = columns_of(effects, noise_matrix(2 * kMisfitRows, 3, 3)),
+                b = columns_of(effects, noise_matrix(2 * kMisfitRows, 2, 4)),
+                moved = columns_of(effects, noise_matrix(2 * kMisfitRows, 1, 5));
   for (const Columns& built : {side_by_side(effects, a, b), first_moved(effects, a, moved)}) {
     const Products whole = products_of(effects, built.X);
     EXPECT_LT((built.products.gram - whole.gram).norm(), 1e-10);
@@ -90,7 +90,7 @@ TEST(Misfits, SidesAndMovesHaveTheProductsOfTheWhole) {
 
 TEST(Misfits, ThatWerePlantedComeBack) {
   const RandomEffects effects = two_datasets(4000);
-  Vector r = normal_matrix(8000, 1, 6);
+  Vector r = noise_matrix(8000, 1, 6);
   // A misfit of 3 noise floors in the first, the same in both spans.
   for (const auto& [first, count] : effects.misfits[0].spans)
     r.segment(first, count).array() += 3.0;
@@ -104,7 +104,7 @@ TEST(Misfits, AreNotBelowTheirLeast) {
   // Two models that leave 80 and 90 % of the noise's energy, of 4,000 rows: told apart by 200 nats
   // of details of the noise, or by little where any model may be off by a part of it.
   RandomEffects effects = two_datasets(2000);
-  const Vector none(0), more = std::sqrt(0.9) * normal_matrix(4000, 1, 8),
+  const Vector none(0), more = std::sqrt(0.9) * noise_matrix(4000, 1, 8),
                         less = std::sqrt(0.8 / 0.9) * more;
   const auto gain = [&] {
     return cost_of(effects, Vector::Zero(2), Misfits::follow, more, none) -
@@ -114,14 +114,14 @@ TEST(Misfits, AreNotBelowTheirLeast) {
 
   for (RandomGroup& group : effects.groups) group.least = 0.3;
   const double variance = effects.misfits[0].variance(0.3);
-  EXPECT_DOUBLE_EQ(variance, 1.0 + 0.09 * 2000.0 / kValues);
+  EXPECT_DOUBLE_EQ(variance, 1.0 + 0.09 * 2000.0 / kMisfitValues);
   EXPECT_NEAR(gain(), 0.5 * 0.1 * 4000.0 / variance, 0.5);
   EXPECT_EQ(complete_scales(effects), Vector::Constant(2, 0.3));
 }
 
 TEST(Misfits, MoreSamplesOfTheSameMisfitAddLittleEvidence) {
   // A model that leaves a tenth of a misfit gains n log(10) whether 40 rows say so or 4,000.
-  for (const int rows : {kRows, 100 * kRows}) {
+  for (const int rows : {kMisfitRows, 100 * kMisfitRows}) {
     const RandomEffects effects = two_datasets(rows);
     const auto evidence = [&](double misfit) {
       const Products products = products_of(effects, Vector::Constant(2 * rows, misfit));
@@ -129,7 +129,7 @@ TEST(Misfits, MoreSamplesOfTheSameMisfitAddLittleEvidence) {
           estimated_scales(effects, products, first_scales(effects), 50, 2.3);
       return linear_evidence(effects, products, estimate.scales).log_evidence;
     };
-    EXPECT_NEAR(evidence(30.0) - evidence(300.0), 2.0 * kValues * std::log(10.0), 0.1);
+    EXPECT_NEAR(evidence(30.0) - evidence(300.0), 2.0 * kMisfitValues * std::log(10.0), 0.1);
   }
 }
 
@@ -137,7 +137,7 @@ TEST(Misfits, WhatModelsShareIsNotMarginalised) {
   // Two models of the same residual whose shared columns differ in size alone: how well data tell
   // these is no evidence.
   const RandomEffects effects = two_datasets();
-  Matrix X = normal_matrix(2 * kRows, 3, 7);
+  Matrix X = noise_matrix(2 * kMisfitRows, 3, 7);
   X.rightCols(2) *= 50.0;
   Products products = products_of(effects, X);
   products.shared = {0, 1};
