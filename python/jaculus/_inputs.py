@@ -28,6 +28,15 @@ def node_of(source: Source) -> _core.Node:
     return _core.Node.load(_core.find_problem_file(os.fspath(source)))
 
 
+def compiled_all(given: Any, kind: type) -> list[Any]:
+    """Users' objects of one class, or one alone, as the library takes them."""
+    many = [given] if isinstance(given, kind) else list(given)
+    for own in many:
+        if not isinstance(own, kind):
+            raise TypeError(f"{own!r} given; allowed: objects of a class that is a jaculus.{kind.__name__}")
+    return [own._compiled() for own in many]
+
+
 def quantity(value: Union[str, float]) -> str:
     """A number, in SI, or a text with its unit."""
     return value if isinstance(value, str) else repr(float(value))

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, Optional, Union
 
 from . import _core
-from ._inputs import Source, node_of
+from ._inputs import Source, compiled_all, node_of
 from ._tables import pandas
 
 # Values that an action has, and whether it comes before the motors.
@@ -146,11 +146,7 @@ def _joined(parts: list[Callable[..., list[float]]]) -> Callable[..., list[float
 
 def compiled(own_effects: Union[Effect, Iterable[Effect]]) -> list[_core.Effect]:
     """Users' effects as the library takes them."""
-    many = [own_effects] if isinstance(own_effects, Effect) else list(own_effects)
-    for effect in many:
-        if not isinstance(effect, Effect):
-            raise TypeError(f"{effect!r} given; allowed: objects of a class that is a jaculus.Effect")
-    return [effect._compiled() for effect in many]
+    return compiled_all(own_effects, Effect)
 
 
 class EffectChecks:

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple, Optional, Union
 import numpy as np
 
 from . import _core, _derivatives
-from ._inputs import quantity
+from ._inputs import compiled_all, quantity
 
 Place = tuple[str, str]  # ("velocity", "pitch")
 BLOCKS = ("position", "velocity", "input", "acceleration")
@@ -132,11 +132,7 @@ class Term:
 
 def compiled(terms: Union[Term, Iterable[Term]]) -> list[_core.Term]:
     """Users' terms as the library takes them."""
-    many = [terms] if isinstance(terms, Term) else list(terms)
-    for term in many:
-        if not isinstance(term, Term):
-            raise TypeError(f"{term!r} given; allowed: objects of a class that is a jaculus.Term")
-    return [term._compiled() for term in many]
+    return compiled_all(terms, Term)
 
 
 class DerivativeCheck:

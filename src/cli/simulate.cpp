@@ -146,8 +146,7 @@ int run_simulate(const SimulateOptions& options) {
   const simulation::Experiment experiment = load_experiment(options);
   const model::PlanarModel model = simulation::dataset_robot(experiment.setup).planar;
   const std::vector<effects::EffectValue> effects = effects::choose_effects(
-      {options.effects, options.effect_files, options.augmented, {}, "--effect", "--effects"},
-      model);
+      {options.effects, options.effect_files, options.augmented, "--effect", "--effects"}, model);
   if (options.perturb > 0 && experiment.uncertainties.empty())
     throw InputError(
         fmt::format("--perturb: {} states no uncertainties; allowed: an experiment with a block "

@@ -32,11 +32,6 @@ bool pushes_sought(const Prepared& prepared, const Selection& selection) {
          leaves_more(problem, leading(selection.search).fit);
 }
 
-/// Whether the evidence says that a model still has a misfit.
-bool lacks(const Fit& fit, const Settings& settings) {
-  return fit.log_evidence - fit.log_complete >= settings.remainder_left;
-}
-
 /// Adds pushes, of each coordinate the one that gains more.
 void add_pushes(const std::vector<LikelyPush>& more, std::vector<LikelyPush>& pushes) {
   for (const LikelyPush& push : more) {
@@ -151,7 +146,7 @@ Searched search_with_pushes(Prepared prepared, const DiagnoseOptions& options) {
   Selection again = selected(with, options);
   if (again.search.models.empty() ||
       !has_pushes(*with.built.problem, again.comparison.whitening, leading(again.search)) ||
-      lacks(leading(again.search).fit, with.built.problem->settings))
+      lacks(*with.built.problem, leading(again.search).fit))
     return {std::move(prepared), std::move(effects_alone)};
   return {std::move(with), std::move(again)};
 }

@@ -51,10 +51,10 @@ struct Ranked {
 
 /// What the model that is judged lacks along one coordinate.
 struct LackingForce {
-  std::string name;    ///< a coordinate, "elbow", "x"; or "channel x"
-  double rms = 0.0;    ///< of the force, or of the channel's smooth fault [unit]
-  std::string unit;    ///< "N m", "N"; of a channel "noise floors"
-  double boxes = 0.0;  ///< boxes of time, or modes, of which the data tell it
+  std::string name;    ///< a coordinate, "elbow", "x"; or "misfit"
+  double rms = 0.0;    ///< of the force or the misfit [unit]
+  std::string unit;    ///< "N m", "N"; of a misfit "noise floors"
+  double boxes = 0.0;  ///< boxes of time, or values, of which the data tell it
 };
 
 /// A force that acted once under a logged input, beyond what the model usually lacks.

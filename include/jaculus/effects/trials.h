@@ -18,9 +18,9 @@ struct EffectChoice {
   std::vector<std::string> effects;  ///< each as read_effect() takes it
   std::vector<std::string> files;    ///< of effects of the user's own, for `effects`
   std::filesystem::path augmented;   ///< augmented.yaml of a diagnosis: its effects too; or empty
-  std::vector<UserEffect> coded{};   ///< effects of a program, for `effects`
   std::string effects_place = "effects";  ///< what messages call `effects`
   std::string files_place = "effect_files";
+  std::vector<UserEffect> coded{};  ///< effects of a program, for `effects`
 };
 
 /// Those of `augmented`, then those of `effects`, as the robot has them. InputError as of

@@ -7,8 +7,7 @@
 // a window the force is therefore a sum of cosines,
 //   f_j = sum_k D_jk w_k,   D the orthonormal cosine transform (type II) of B points,
 // cosine k of k/(2 T) Hz over a window of T, and each band k = 2^b - 1 ... 2^(b+1) - 2 has a
-// deviation of its own, estimated over all windows. Under a plan there is one window, too few to
-// tell a spectrum: one deviation for all.
+// deviation of its own, estimated over all windows.
 //
 // No band's deviation is below that of the one before it. What a model's form gets wrong slowly
 // (a friction that is not quite proportional) it gets wrong quickly as well, where the motion

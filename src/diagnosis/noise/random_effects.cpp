@@ -88,9 +88,9 @@ WeighedBlocks weighed_blocks(const RandomEffects& effects, const Products& produ
   WeighedBlocks out{products.gram, 0.0, {}};
   for (std::size_t c = 0; c < effects.misfits.size(); ++c) {
     const Misfit& own = effects.misfits[c];
-    const double variance = own.variance(scales[own.group]), share = 1.0 - 1.0 / variance;
-    out.gram -= share * products.misfits[c];
-    out.log_det += own.values * std::log(variance) + (own.rows - own.values) * share;
+    const double s = scales[own.group];
+    out.gram -= (1.0 - 1.0 / own.variance(s)) * products.misfits[c];
+    out.log_det += own.log_det(s);
   }
   for (std::size_t b = 0; b < effects.blocks.size(); ++b) {
     out.blocks.push_back(weighed_block(effects.blocks[b], products.blocks[b], scales));
@@ -195,6 +195,11 @@ Vector next_squares(const RandomEffects& effects, const GroupSums& sums, const V
 }  // namespace
 
 double Misfit::variance(double s) const { return values > 0.0 ? 1.0 + s * s * rows / values : 1.0; }
+
+double Misfit::log_det(double s) const {
+  const double own = variance(s);
+  return values * std::log(own) + (rows - values) * (1.0 - 1.0 / own);
+}
 
 void Shrinkage::apply(VectorRef x) const {
   if (shrink.size() == 0) return;
@@ -324,6 +329,12 @@ Vector misfits_of(const RandomEffects& effects, const Vector& r, const Vector& s
     out[misfit.group] = std::clamp(std::sqrt(square), group.least, group.largest);
   }
   return out;
+}
+
+double misfits_log_det(const RandomEffects& effects, const Vector& scales) {
+  double sum = 0.0;
+  for (const Misfit& misfit : effects.misfits) sum += misfit.log_det(scales[misfit.group]);
+  return sum;
 }
 
 Vector told_by(const RandomEffects& effects, const Products& products, const Vector& scales) {

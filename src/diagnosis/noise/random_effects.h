@@ -7,20 +7,19 @@
 //      (force_bands.h)
 //
 // Under a plan a misfit. All trials have it, and it may have any form: of the N rows of all
-// datasets n values may be off by it, which ones is not known (n: settings.discrepancy_modes
-// of each coordinate that is measured). With E = |r|^2 of these rows, s the misfit's root mean
+// datasets n values may be off by it, which ones is not known (n: settings.discrepancy_modes of
+// each coordinate that a dataset measures). With E = |r|^2 of these rows, s the misfit's root mean
 // square and 1 + m = 1 + s^2 N/n the variance of these values,
 //   -2 log density = (E - N + n)/(1 + m) + n log(1 + m) + N - n:
 // n values hold the misfit, the others noise alone. At the most likely m this is
 //   n log(1 + (E - N)/n) where E > N, else E,
 // and no misfit is less than settings.least_misfit noise floors, for below that thousands of rows
 // would decide by details of the noise. A model is thus worth the share that it takes off the
-// misfit. A model that is wrong in form is
-// thereby fitted by least squares, by which its held-out error is judged as well (L2 calibration:
-// Tuo and Wu 2015). Granted instead as forces that
-// act on the rows, V = I + G S^2 G^T, a misfit costs nothing along G, and a wrong model is fitted
-// to what is left there: fast details of impacts (Brynjarsdottir and O'Hagan 2014 and Plumlee 2017
-// on such discrepancies, which make parameters meaningless).
+// misfit. One that is wrong in form is thereby fitted by least squares, by which its held-out error
+// is judged as well (L2 calibration: Tuo and Wu 2015). Granted instead as forces that act on the
+// rows, V = I + G S^2 G^T, a misfit costs nothing along G, and a wrong model is fitted to what is
+// left there: fast details of impacts (Brynjarsdottir and O'Hagan 2014 and Plumlee 2017 on such
+// discrepancies, which make parameters meaningless).
 //
 // The deviations s are unknown and belong to a model: a wrong model needs larger ones. They are
 // estimated for each by maximising its evidence (variance components; MacKay 1992, section 2;
@@ -69,13 +68,15 @@ struct Misfit {
   int rows = 0;                            ///< N, of those that take part
   std::vector<std::pair<int, int>> spans;  ///< of white rows: first, count
 
-  /// Variance of a value that is off, for a misfit of root mean square s.
+  /// 1 + m of a misfit of root mean square s.
   [[nodiscard]] double variance(double s) const;
+  /// Its part of log det V, n log(1 + m) + (N - n) m/(1 + m).
+  [[nodiscard]] double log_det(double s) const;
 };
 
 /// What shares a deviation.
 struct RandomGroup {
-  std::string name;      ///< "elbow", "misfit of leap_1"
+  std::string name;      ///< "elbow", "misfit"
   int force = -1;        ///< index in Hypotheses::forces; -1: no force
   double share = 1.0;    ///< of the force's mean square that the group's deviation squared is
   int slower = -1;       ///< the group before it, whose deviation its own is not below; -1: none
@@ -110,8 +111,7 @@ struct Products {
 };
 Products products_of(const RandomEffects& effects, const Matrix& X);
 
-/// X^T V^-1 X and log det V: V = I + G S^2 G^T on the rows of a block, 1 + m on those of a misfit,
-/// whose part of the log det is n log(1 + m) + (N - n) m/(1 + m).
+/// X^T V^-1 X and log det V: V = I + G S^2 G^T on the rows of a block, 1 + m on those of a misfit.
 struct Weighed {
   Matrix gram;
   double log_det = 0.0;
@@ -146,6 +146,9 @@ ScaleEstimate estimated_scales(const RandomEffects& effects, const Products& pro
 /// The same scales, but those of misfits at the most likely for a residual r, none below its
 /// least.
 Vector misfits_of(const RandomEffects& effects, const Vector& r, const Vector& scales);
+
+/// log det V of the misfits alone.
+double misfits_log_det(const RandomEffects& effects, const Vector& scales);
 
 /// Of each group, of how many of its w the data tell, X = [r Y]; of a misfit's values n
 /// (m/(1 + m))^2.

@@ -10,7 +10,6 @@ RandomWeights::RandomWeights(const RandomEffects& effects, const Vector& scales)
     if (variance == 1.0) continue;
     for (const auto& [first, count] : own.spans)
       rows_.push_back({first, count, 1.0 / std::sqrt(variance)});
-    log_det_ += own.values * std::log(variance) + (own.rows - own.values) * (1.0 - 1.0 / variance);
   }
   for (const RandomBlock& own : effects.blocks) {
     std::vector<Eigen::Index> kept;

@@ -26,8 +26,6 @@ class RandomWeights {
   [[nodiscard]] Matrix stacked(const Matrix& X) const;
   /// V^-1 X, a column each.
   [[nodiscard]] Matrix inverse(const Matrix& X) const;
-  /// log det V (random_effects.h), the blocks' part left out: that of misfits alone.
-  [[nodiscard]] double misfits_log_det() const { return log_det_; }
 
  private:
   struct Block {
@@ -44,7 +42,6 @@ class RandomWeights {
   std::vector<Block> blocks_;
   std::vector<Rows> rows_;
   Eigen::Index forces_ = 0;
-  double log_det_ = 0.0;
 };
 
 }  // namespace jaculus::diagnosis

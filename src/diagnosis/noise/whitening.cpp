@@ -142,16 +142,14 @@ RandomEffects random_effects(const Problem& problem, const NoiseModel& noise,
   if (!noise.random.forces.empty()) out.groups = force_groups(problem);
 
   int first = 0;
-  bool under_plan = false;
   for (int d = 0; d < count_of(datasets); ++d) {
-    under_plan = under_plan || !problem.observations.datasets[d].measured_input;
     if (problem.observations.datasets[d].measured_input)
       for (const SegmentBlock& segment : datasets[d].blocks)
         out.blocks.push_back(force_block(datasets[d], segment, noise.datasets[d],
                                          noise.random.forces[d], problem.hypotheses.forces, first));
     first += datasets[d].rows;
   }
-  if (under_plan) add_misfit(problem, datasets, out);
+  if (!in_windows(problem)) add_misfit(problem, datasets, out);
   for (RandomBlock& block : out.blocks) block.gram = block.columns.transpose() * block.columns;
   return out;
 }

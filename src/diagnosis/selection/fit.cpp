@@ -26,12 +26,10 @@ double log_within_bounds(const Residual& residual, const LinearEvidence& linear)
 }
 
 /// Evidence at the optimum by the fit's deviations, and without forces; r, J, p are there.
-/// `products`: of the fit's linear model.
-void complete(const Problem& problem, const RandomEffects& random, const Residual& residual,
-              const Products& products, const ScaleEstimate& estimate, Fit& fit) {
+/// `products`: of the fit's linear model. `at`: as linear_evidence() has it.
+void complete(const RandomEffects& random, const Residual& residual, const Products& products,
+              const ScaleEstimate& estimate, const Vector& u, const Vector* at, Fit& fit) {
   fit.scales = estimate.scales;
-  const Vector u = problem.hypotheses.scaled(fit.free, fit.p);
-  const Vector* at = random.blocks.empty() ? &u : nullptr;
   const LinearEvidence linear = linear_evidence(random, products, fit.scales, at);
   const LinearEvidence without = linear_evidence(random, products, complete_scales(random), at);
   fit.chi2 = fit.residual.squaredNorm();
@@ -94,18 +92,20 @@ Fit fit_from(const Problem& problem, const Whitening& whitening, const std::vect
     fit.rows = residual.predicted();
     Products products = products_of(random, linear_model(problem, fit));
     products.shared = shared_columns(problem, random, fit);
-    const double before = linear_evidence(random, products, fit.scales).log_evidence;
-    const Vector from = round == 0 && squares ? scales_of(options, random) : fit.scales;
+    const Vector before = fit.scales;
+    const Vector from = round == 0 && squares ? scales_of(options, random) : before;
     const Vector* at = random.blocks.empty() ? &u : nullptr;
     const ScaleEstimate estimate =
         estimated_scales(random, products, from, steps, settings.scale_spread, at);
-    complete(problem, random, residual, products, estimate, fit);
+    complete(random, residual, products, estimate, u, at, fit);
 
-    const double gained = linear_evidence(random, products, fit.scales).log_evidence - before;
-    const bool settled = gained + fell < settings.scales_settled || options.hold_scales ||
-                         round >= options.rounds.value_or(settings.scale_rounds) ||
-                         random.blocks.empty();
-    if (free.empty() || settled) return fit;
+    // Misfits have followed already; forces ask for another round.
+    const bool last = free.empty() || options.hold_scales || random.blocks.empty() ||
+                      round >= options.rounds.value_or(settings.scale_rounds);
+    if (last) return fit;
+    const double gained = linear_evidence(random, products, fit.scales).log_evidence -
+                          linear_evidence(random, products, before).log_evidence;
+    if (gained + fell < settings.scales_settled) return fit;
   }
 }
 
@@ -168,9 +168,12 @@ std::vector<Eigen::Index> shared_columns(const Problem& problem, const RandomEff
   return columns;
 }
 
+bool lacks(const Problem& problem, const Fit& fit) {
+  return fit.log_evidence - fit.log_complete >= problem.settings.remainder_left;
+}
+
 bool leaves_more(const Problem& problem, const Fit& fit) {
-  const double least = problem.settings.remainder_left;
-  if (fit.log_evidence - fit.log_complete >= least) return true;
+  if (lacks(problem, fit)) return true;
   if (in_windows(problem)) return false;
   double beyond = 0.0;
   for (const int i : problem.hypotheses.tolerances) {
@@ -179,7 +182,7 @@ bool leaves_more(const Problem& problem, const Fit& fit) {
     const double t = fit.p[i] / problem.hypotheses.parameters[i].scale;
     beyond += t * t - (1.0 - fit.covariance(place, place));
   }
-  return 0.5 * beyond >= least;
+  return 0.5 * beyond >= problem.settings.remainder_left;
 }
 
 Fit evaluate_model(const Problem& problem, const Whitening& whitening, const Vector& p,

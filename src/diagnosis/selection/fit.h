@@ -82,10 +82,12 @@ Matrix linear_model(const Problem& problem, const Fit& fit);
 std::vector<Eigen::Index> shared_columns(const Problem& problem, const RandomEffects& random,
                                          const Fit& fit);
 
-/// Whether a model leaves what another effect, or a push, may explain: a misfit or forces, by the
-/// evidence for them; or, under a plan, tolerances that are strained to explain it themselves, by
-/// the log density that |t|^2 costs beyond the number of them that the data tell. At least
-/// settings.remainder_left.
+/// Whether the evidence says that a model lacks forces or has a misfit, by settings.remainder_left.
+bool lacks(const Problem& problem, const Fit& fit);
+
+/// Whether a model leaves what another effect, or a push, may explain: what it lacks; or, under a
+/// plan, tolerances that are strained to explain it themselves, by the log density that |t|^2 costs
+/// beyond the number of them that the data tell, settings.remainder_left at least.
 bool leaves_more(const Problem& problem, const Fit& fit);
 
 /// The same fit, or the one that starts where the first free parameter's departure from nominal is

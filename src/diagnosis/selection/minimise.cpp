@@ -23,8 +23,8 @@ using Part = std::vector<std::pair<int, int>>;
 /// passes over one column in place of all. Misfits that follow change the parts' shares in H alone.
 class WeighedSlopes {
  public:
-  WeighedSlopes(RandomWeights weights, std::vector<Part> parts)
-      : weights_(std::move(weights)), parts_(std::move(parts)), grams_(parts_.size()) {}
+  WeighedSlopes(const RandomWeights& weights, std::vector<Part> parts)
+      : weights_(weights), parts_(std::move(parts)), grams_(parts_.size()) {}
 
   void follow(const Residual& residual, const Matrix& J) {
     const Eigen::Index before = residual.before_nuisances();
@@ -40,7 +40,6 @@ class WeighedSlopes {
     followed_ = secants.size();
   }
 
-  [[nodiscard]] const RandomWeights& weights() const { return weights_; }
   /// W^T W and W^T x, a share of each part's rows.
   [[nodiscard]] Matrix gram(const Vector& shares) const {
     Matrix sum = Matrix::Zero(W_.cols(), W_.cols());
@@ -99,7 +98,7 @@ class WeighedSlopes {
     W_.middleCols(before, moved).noalias() += w * secant.along.transpose();
   }
 
-  RandomWeights weights_;
+  const RandomWeights& weights_;
   std::vector<Part> parts_;
   std::vector<Matrix> grams_;  ///< a part each
   Matrix W_;
@@ -134,7 +133,8 @@ class Cost : public ceres::CostFunction {
       : residual_(residual),
         random_(random),
         scales_(scales),
-        follow_(misfits == Misfits::follow && !random.misfits.empty()) {
+        follow_(misfits == Misfits::follow && !random.misfits.empty()),
+        weights_(random, follow_ ? without_misfits(random, scales) : scales) {
     set_num_residuals(static_cast<int>(residual.size()) + 1);
     mutable_parameter_block_sizes()->push_back(static_cast<int>(residual.size()));
   }
@@ -145,8 +145,9 @@ class Cost : public ceres::CostFunction {
     Vector r;
     if (!residual_.value(u, r)) return false;
     const Vector scales = follow_ ? misfits_of(random_, r, scales_) : scales_;
-    const double squares =
-        2.0 * cost_of(random_, scales_, follow_ ? Misfits::follow : Misfits::held, r, u);
+    const Vector root = weights_.stacked(r);
+    const double log_det = follow_ ? misfits_log_det(random_, scales) : 0.0;
+    const double squares = weighed_square(root, scales) + u.squaredNorm() + log_det;
     Eigen::Map<Vector> rows(residuals, n + 1);
     rows.setZero();
     rows[n] = std::sqrt(squares);
@@ -154,12 +155,11 @@ class Cost : public ceres::CostFunction {
 
     Matrix J;
     if (!residual_.slopes(u, J)) return false;
-    if (!slopes_) begin(r.size());
+    if (!slopes_) slopes_.emplace(weights_, parts_of(random_, follow_, weights_, r.size()));
     slopes_->follow(residual_, J);
     const Vector shares = shares_at(scales);
     Matrix H = slopes_->gram(shares);
     H.diagonal().array() += 1.0;
-    const Vector root = slopes_->weights().stacked(r);
     Vector gradient = slopes_->along(shares, root) + u;
     hold_at_bounds(u, gradient, H);
     const Eigen::LLT<Matrix> factor(H);
@@ -173,9 +173,13 @@ class Cost : public ceres::CostFunction {
   }
 
  private:
-  void begin(Eigen::Index rows) const {
-    const RandomWeights weights(random_, follow_ ? without_misfits(random_, scales_) : scales_);
-    slopes_.emplace(weights, parts_of(random_, follow_, weights, rows));
+  /// |x|^2 of rows of M r, each part's by the root of its variance.
+  [[nodiscard]] double weighed_square(Vector x, const Vector& scales) const {
+    if (!follow_) return x.squaredNorm();
+    for (const Misfit& own : random_.misfits)
+      for (const auto& [first, count] : own.spans)
+        x.segment(first, count) *= 1.0 / std::sqrt(own.variance(scales[own.group]));
+    return x.squaredNorm();
   }
   /// Of each part of the rows, what its misfit leaves of their weight.
   [[nodiscard]] Vector shares_at(const Vector& scales) const {
@@ -208,6 +212,7 @@ class Cost : public ceres::CostFunction {
   const RandomEffects& random_;
   const Vector& scales_;
   bool follow_;
+  RandomWeights weights_;                        ///< without misfits where these follow
   mutable std::optional<WeighedSlopes> slopes_;  // Ceres evaluates through a constant
 };
 
@@ -216,8 +221,9 @@ class Cost : public ceres::CostFunction {
 double cost_of(const RandomEffects& random, const Vector& scales, Misfits misfits, const Vector& r,
                const Vector& u) {
   const bool follow = misfits == Misfits::follow;
-  const RandomWeights weights(random, follow ? misfits_of(random, r, scales) : scales);
-  const double log_det = follow ? weights.misfits_log_det() : 0.0;
+  const Vector own = follow ? misfits_of(random, r, scales) : scales;
+  const RandomWeights weights(random, own);
+  const double log_det = follow ? misfits_log_det(random, own) : 0.0;
   return 0.5 * (weights.stacked(r).squaredNorm() + u.squaredNorm() + log_det);
 }
 

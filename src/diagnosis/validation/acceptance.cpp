@@ -34,8 +34,7 @@ bool more_probable(HeldOutGaps& gaps, const ModelFit& model, const std::vector<i
   const ModelFit* without = gaps.posterior().find(smaller);
   if (with == nullptr || without == nullptr) return false;
   return with->log_weight() - without->log_weight() >= settings.strong_odds &&
-         gaps.of(*with).after <=
-             (1.0 + settings.least_improvement_small_gap) * gaps.of(*without).after;
+         no_worse(gaps.of(*with).after, gaps.of(*without).after, settings);
 }
 
 /// What a member explains at most, where too many are there for all of their orders.

@@ -199,6 +199,10 @@ Fit as_stated(const Problem& problem, const Whitening& whitening) {
   return fit.valid ? fit : evaluate_model(problem, whitening, nominal);
 }
 
+bool no_worse(double after, double before, const Settings& settings) {
+  return after <= (1.0 + settings.least_improvement_small_gap) * before;
+}
+
 HeldOutGaps::HeldOutGaps(const Problem& problem, const Comparison& comparison,
                          const Posterior& posterior, const Fit& stated, const Fit& none)
     : problem_(problem),

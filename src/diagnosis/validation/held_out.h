@@ -49,6 +49,9 @@ HeldOut held_out(const Problem& problem, const Folds& folds, const JudgedFit& st
 /// The model that the files state: unknown gains fitted, everything else at its nominal value.
 Fit as_stated(const Problem& problem, const Whitening& whitening);
 
+/// Whether a held-out error is no more than another, within settings.least_improvement_small_gap.
+bool no_worse(double after, double before, const Settings& settings);
+
 /// Held-out gaps of a search's models and of their subsets, each fitted and judged once.
 class HeldOutGaps {
  public:

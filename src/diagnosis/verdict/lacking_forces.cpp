@@ -6,16 +6,13 @@
 namespace jaculus::diagnosis {
 namespace {
 
-/// Values of a force or misfit that the data must tell for it to be worth a row.
-constexpr double kToldAtLeast = 0.5;
-
 /// Rows of the groups at some deviations. Bands of one force add up by their squares.
 std::vector<LackingForce> rows_of(const Problem& problem, const RandomEffects& random,
                                   const Vector& scales, const Vector& told) {
   std::vector<LackingForce> forces;
   for (int g = 0; g < random.size(); ++g) {
     const RandomGroup& group = random.groups[g];
-    if (told[g] < kToldAtLeast) continue;
+    if (told[g] < problem.settings.force_told) continue;
     LackingForce own{group.name, scales[g], "noise floors", told[g]};
     if (group.force >= 0) {
       const int box = problem.hypotheses.forces[group.force].boxes.front();

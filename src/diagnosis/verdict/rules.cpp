@@ -23,8 +23,7 @@ bool none_probable(const VerdictEvidence& e, const Settings& s) {
 /// better than by a robot whose tolerances were fitted, but no worse: tolerances that are all at
 /// their ends predict as well, and are as improbable as they are far out.
 bool strong(const VerdictEvidence& e, const Settings& s) {
-  return e.log_odds >= s.strong_odds &&
-         e.gap.after <= (1.0 + s.least_improvement_small_gap) * e.gap.adjusted;
+  return e.log_odds >= s.strong_odds && no_worse(e.gap.after, e.gap.adjusted, s);
 }
 
 bool small_gap(const VerdictEvidence& e, const Settings& s) {

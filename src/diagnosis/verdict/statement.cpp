@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "diagnosis/noise/quantiles.h"
 #include "diagnosis/selection/neighbouring_sets.h"
@@ -18,7 +19,6 @@ namespace jaculus::diagnosis {
 namespace {
 
 constexpr int kRivals = 2;
-constexpr double kLeastProbability = 1e-300;
 
 std::vector<std::string> names_of(const Problem& problem, const std::vector<int>& candidates) {
   std::vector<std::string> names;
@@ -148,7 +148,8 @@ std::vector<Tolerated> tolerated_by(const Problem& problem, const Fit& fit) {
 /// Of effects against none, complete or lacking.
 double log_odds_of_effects(const Posterior& posterior) {
   const double none = posterior.none + posterior.unexplained;
-  return std::log1p(-std::min(none, 1.0)) - std::log(std::max(none, kLeastProbability));
+  return std::log1p(-std::min(none, 1.0)) -
+         std::log(std::max(none, std::numeric_limits<double>::min()));
 }
 
 /// Probability that a model lacks forces, given that its effects are at work.
