@@ -13,6 +13,7 @@
 #include "core/text_file.h"
 #include "jaculus/core/error.h"
 #include "jaculus/model/mjcf.h"
+#include "model/mjcf_load.h"
 #include "model/urdf_check.h"
 
 namespace jaculus::test {
@@ -50,11 +51,11 @@ inline MujocoModel load_mujoco_text(const std::string& text) {
   return result;
 }
 
-/// Reads a URDF or MJCF file.
+/// Reads a URDF or MJCF file, of a newer MJCF what this MuJoCo knows. InputError with MuJoCo's own
+/// words where it refuses that too.
 inline MujocoModel load_mujoco(const std::filesystem::path& file) {
   if (!model::is_mjcf(file)) return load_mujoco_text(urdf_for_mujoco(file));
-  std::array<char, 1000> error{};
-  return {mj_loadXML(file.c_str(), nullptr, error.data(), 1000), mj_deleteModel};
+  return model::load_mjcf(file, model::Reading::lenient).model;
 }
 
 }  // namespace jaculus::test
