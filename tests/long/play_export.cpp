@@ -6,11 +6,13 @@
 // What is played is the export alone: a controller at its rate that holds, from sample to sample,
 //   torque + kp (position - measured) + kd (velocity - measured),
 // at every joint that it names; joints that are to be held are, by stiff springs. Of the plan only
-// the robot's first state and, to compare, its last one are taken; air acts as in its model.
-// played_robot.h has the robot. PATH=VALUE: overrides that the plan was solved with.
+// the robot's first state and, to compare, its last one are taken; air acts as in its model. Robot
+// and floor are as robot.yaml has them, not as the plan's limits (played_robot.h). PATH=VALUE:
+// overrides that the plan was solved with.
 //
 // Prints one line of JSON: distance of the base [m] and pitch [rad] from the plan's end, what left
-// the plane [m, rad], largest torque that PD added over the joint's largest planned torque [-].
+// the plane [m, rad], largest torque that PD added over the joint's largest planned torque [-], and
+// the floor's friction.
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
@@ -191,6 +193,7 @@ Json play(const PlanarModel& planar, const Ends& ends, const Json& exported, Pla
           {"lean_rad", lean},
           {"pd_share", added},
           {"joints", joints.size()},
+          {"friction", planar.friction},
           {"travelled_m", (ends.last_base - ends.first_base).head<2>().norm()}};
 }
 
@@ -208,7 +211,7 @@ Json run(const std::vector<std::string>& given) {
   transcription::Problem problem = transcription::read_problem(given[0]);
   for (std::size_t i = 3; i < given.size(); ++i) problem.overrides.push_back(override_of(given[i]));
   const model::Robot read = model::read_robot(problem.robot_folder, problem.overrides);
-  const PlanarModel planar = transcription::planning_model(problem, read.planar);
+  const PlanarModel planar = test::played_model(problem, read.planar);
   std::ifstream in(export_file);
   const Json exported = Json::parse(in);
   if (exported.at("format") != "jaculus-export/2" || exported.at("side") != "joint" ||

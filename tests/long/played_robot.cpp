@@ -45,6 +45,13 @@ std::string body_text(const model::SpatialTree& tree, int index) {
 
 }  // namespace
 
+model::PlanarModel played_model(const transcription::Problem& problem,
+                                const model::PlanarModel& model) {
+  transcription::Problem unlimited = problem;
+  unlimited.friction = unlimited.voltage = unlimited.torque = unlimited.current = std::nullopt;
+  return transcription::planning_model(unlimited, model);
+}
+
 PlayedRobot::PlayedRobot(const model::PlanarModel& planar, const fs::path& file,
                          const model::SpatialTree& tree, const Ends& ends)
     : planar_(planar), model_(load_mujoco(file)), data_(nullptr, mj_deleteData) {

@@ -14,9 +14,17 @@
 #include <vector>
 
 #include "jaculus/model/robot.h"
+#include "jaculus/transcription/problem.h"
 #include "long/mujoco_file.h"
 
 namespace jaculus::test {
+
+/// The robot that a plan of `problem` is played on: as its files have it, with the problem's locked
+/// joints. Its limits (friction, voltage, torque, current) say what the plan may use of that robot,
+/// not what robot and floor are: where the floor has no more friction than a plan asks for, a foot
+/// slips at the least thing that the plane leaves out.
+model::PlanarModel played_model(const transcription::Problem& problem,
+                                const model::PlanarModel& model);
 
 /// First state and last pose of the plan.
 struct Ends {

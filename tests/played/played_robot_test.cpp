@@ -113,6 +113,19 @@ TEST(PlayedRobot, PinsOfChainsSideBySideAreOneAxle) {
   }
 }
 
+TEST(PlayedRobot, StandsOnItsOwnFloorNotOnThePlansLimitOfFriction) {
+  const std::unique_ptr<Imported> m = imported(0.0);
+  const double own = m->robot.planar.friction;
+  transcription::Problem problem;
+  problem.friction = 0.5 * own;
+  problem.locks = {{"pitch", 0.1}};
+  ASSERT_LT(transcription::planning_model(problem, m->robot.planar).friction, own);
+
+  const model::PlanarModel played = played_model(problem, m->robot.planar);
+  EXPECT_EQ(played.friction, own);
+  EXPECT_FALSE(played.base_free[2]);  // what the plan locks is locked
+}
+
 TEST(PlayedRobot, FeetLieInThePlaneThatTheirLegTurnsInAsHighAsPlanned) {
   const double lean = 0.05;
   const std::unique_ptr<Imported> m = imported(lean);
