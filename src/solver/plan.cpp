@@ -53,32 +53,27 @@ Plan finish(std::unique_ptr<transcription::NonlinearProgram> program,
 Plan best_verified(std::unique_ptr<transcription::NonlinearProgram> program,
                    const std::optional<EarlierPlan>& earlier, const transcription::Problem& problem,
                    const model::PlanarModel& planned, const PlanOptions& options) {
-  constexpr double kBetter = 0.01;  // of the objective: less isn't worth another refinement
   detail::SolvedStarts solved = detail::solve_starts(*program, earlier, options);
   std::optional<Plan> taken;
-  bool held = false, fell = false;
+  std::optional<detail::RefinedStart> best;  // of `taken`, where that holds
   std::vector<int> passed_over;
 
   for (auto& [start, result] : solved.results) {
     if (taken && interrupt_requested()) break;
-    // The best come first, so none that follows is better, unless finer meshes led what is taken to
-    // another optimum: then they may do so with the others, for the better too.
-    const double least = taken ? taken->result.objective : 0.0;
     const double first = result.objective;
-    if (held && !fell && !(first < least - kBetter * std::abs(least))) break;
+    if (best && !detail::worth_refining(first, *best)) break;
 
     if (!program) program = std::make_unique<transcription::NonlinearProgram>(problem, planned);
     Plan plan = finish(std::move(program), problem, planned, std::move(result), options);
     const bool holds = plan.verification && plan.verification->passed;
-    const bool better = holds && (!held || plan.result.objective < least);
+    const bool better = holds && (!best || plan.result.objective < best->last);
     if (!holds) passed_over.push_back(start);
     if (!better && taken) continue;
     plan.starts = solved.figures;
     plan.starts.best = start;
     if (holds) plan.starts.passed_over = passed_over;
     taken = std::move(plan);
-    held = holds;
-    fell = taken->result.objective > first + kBetter * std::abs(first);
+    if (holds) best = {first, taken->result.objective};
   }
 
   return std::move(*taken);

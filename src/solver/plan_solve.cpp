@@ -131,6 +131,12 @@ SolverOptions solver_options(const transcription::Problem& problem, const PlanOp
   return solver;
 }
 
+bool worth_refining(double first, const RefinedStart& best) {
+  constexpr double kBetter = 0.01;  // of the objective: less isn't worth another refinement
+  const bool fell = best.last > best.first + kBetter * std::abs(best.first);
+  return fell || first < best.last - kBetter * std::abs(best.last);
+}
+
 SolvedStarts solve_starts(transcription::NonlinearProgram& program,
                           const std::optional<EarlierPlan>& earlier, const PlanOptions& options) {
   const transcription::SolverSpec& spec = program.problem().solver;

@@ -27,6 +27,18 @@ struct SolvedStarts {
 SolvedStarts solve_starts(transcription::NonlinearProgram& program,
                           const std::optional<EarlierPlan>& earlier, const PlanOptions& options);
 
+/// Objectives of one start, to be minimised: on the first mesh and on the last one.
+struct RefinedStart {
+  double first, last;
+};
+
+/// Whether an optimum of that objective on the first mesh may be better than the best plan so far
+/// once its mesh is refined. Optima come the best first, and a finer mesh keeps an optimum nearly
+/// as it is, so none that follows is better, unless it still beats what was taken by enough to pay
+/// for another refinement, or finer meshes led what was taken to another optimum: then the order of
+/// the first mesh says nothing of theirs.
+bool worth_refining(double first, const RefinedStart& best);
+
 /// Solves a program, to the tolerance of the options.
 using SolveProgram =
     std::function<NlpResult(transcription::NonlinearProgram&, const SolverOptions&)>;

@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "jaculus/solver/ipopt.h"
+#include "solver/plan_solve.h"
 #include "solver/small_nlps.h"
 
 namespace jaculus::solver {
@@ -188,6 +189,22 @@ TEST(MultiStart, ResumesFromItsJournalAndRefusesAnotherSeed) {
   options.seed = 6;
   EXPECT_ANY_THROW(multi_start(4, random_start, options));
   std::filesystem::remove_all(folder);
+}
+
+TEST(MultiStart, OrderOnTheFirstMeshCountsAsLongAsFinerMeshesKeepTheOptimum) {
+  using detail::worth_refining;
+  // maximised accelerations, so negative objectives; what was taken kept its optimum
+  EXPECT_FALSE(worth_refining(-18.59, {-18.6, -18.6}));
+  EXPECT_FALSE(worth_refining(-18.59, {-18.6, -18.9}));
+  EXPECT_TRUE(worth_refining(-18.59, {-18.2, -18.2}));
+}
+
+TEST(MultiStart, AnOptimumThatFinerMeshesLoseIsNoMeasureOfTheOthers) {
+  using detail::worth_refining;
+  EXPECT_TRUE(worth_refining(-18.59, {-18.6, -6.7}));
+  // worse on the first mesh than the plan that was lost there, and than what it fell to
+  EXPECT_TRUE(worth_refining(-6.4, {-18.6, -6.7}));
+  EXPECT_FALSE(worth_refining(-6.4, {-6.7, -6.7}));
 }
 
 }  // namespace
