@@ -159,6 +159,19 @@ def test_faults_are_told(term, keys, error, message):
         jaculus.solve(leap(keys), terms=[term])
 
 
+def test_after_its_exception_a_term_is_called_no_more():
+    calls = []
+
+    def counted(self, point, keys):
+        calls.append(point)
+        return fails(self, point, keys)
+
+    with pytest.raises(ZeroDivisionError):
+        jaculus.solve(leap(RATE), terms=[changed(value=counted)])
+    assert len(calls) == 1
+    assert jaculus.check_derivatives(leap(RATE), terms=[PitchRate()]).error < 1e-6  # is called again
+
+
 def test_several_starts_are_refused():
     with pytest.raises(ValueError, match="1 with terms in Python"):
         jaculus.solve(leap(RATE), terms=[PitchRate()], starts=3)
