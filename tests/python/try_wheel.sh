@@ -16,6 +16,12 @@ say "A fresh virtual environment: tests/python"
 cd "$root"
 "$work/venv/bin/python" -m pytest -q tests/python
 "$work/venv/bin/python" tests/python/overhead.py
+if [ -x build/test_cli ]; then
+  say "Its command: tests/cli"
+  JACULUS_PROGRAM=$work/venv/bin/jaculus build/test_cli --gtest_brief=1
+else
+  say "No build/test_cli: its command is not tested by tests/cli"
+fi
 
 # A folder tree with Python, what Python itself links, and the wheels; no other library, no compiler.
 if [ "$(id -u)" -ne 0 ]; then
