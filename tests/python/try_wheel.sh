@@ -12,7 +12,8 @@ say() { printf '%s\n' "$*" >&2; }
 
 say "A fresh virtual environment: tests/python"
 "$python" -m venv "$work/venv"
-"$work/venv/bin/pip" install -q "$wheel" pytest pandas matplotlib rosbags mcap-ros2-support pyarrow tqdm xarray
+"$work/venv/bin/pip" install -q "$wheel" pytest pandas matplotlib rosbags mcap-ros2-support pyarrow \
+  tqdm xarray casadi jax
 cd "$root"
 "$work/venv/bin/python" -m pytest -q tests/python
 "$work/venv/bin/python" tests/python/overhead.py
