@@ -105,8 +105,8 @@ void bind_datasets(nb::module_& module) {
         return simulate(experiment, trials, seed,
                         {.effects = effects, .files = files, .augmented = augmented, .coded = own});
       },
-      nb::arg("experiment"), nb::arg("trials") = nb::none(), nb::arg("seed") = nb::none(),
-      nb::arg("effects"), nb::arg("effect_files"), nb::arg("augmented"), nb::arg("own"));
+      nb::arg("experiment"), nb::arg("trials").none(), nb::arg("seed").none(), nb::arg("effects"),
+      nb::arg("effect_files"), nb::arg("augmented"), nb::arg("own"));
 }
 
 }  // namespace jaculus::python

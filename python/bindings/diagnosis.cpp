@@ -70,7 +70,7 @@ void bind_diagnosis(nb::module_& module) {
                    [](const Result& r) { return diagnosis::augmented_yaml(r.diagnosis); })
       .def("save", &save, nb::arg("folder"))
       .def("report_html", [](const Result& r) { return report::report_html(report_of(r)); });
-  module.def("diagnose", &run, nb::arg("datasets"), nb::arg("settings") = nb::none(),
+  module.def("diagnose", &run, nb::arg("datasets"), nb::arg("settings").none(),
              nb::arg("tolerances"), nb::arg("horizon"), nb::arg("effect_files"), nb::arg("own"),
              nb::arg("jobs"), nb::arg("progress") = nb::none());
 }

@@ -72,9 +72,9 @@ void bind_preflight(nb::module_& module) {
         return run(experiment, {trials, seed, size, alternatives}, settings, effect_files, own,
                    jobs, progress);
       },
-      nb::arg("experiment"), nb::arg("trials") = nb::none(), nb::arg("seed") = nb::none(),
-      nb::arg("size"), nb::arg("settings") = nb::none(), nb::arg("effect_files"), nb::arg("own"),
-      nb::arg("alternatives"), nb::arg("jobs"), nb::arg("progress") = nb::none());
+      nb::arg("experiment"), nb::arg("trials").none(), nb::arg("seed").none(), nb::arg("size"),
+      nb::arg("settings").none(), nb::arg("effect_files"), nb::arg("own"), nb::arg("alternatives"),
+      nb::arg("jobs"), nb::arg("progress") = nb::none());
 }
 
 }  // namespace jaculus::python
