@@ -64,6 +64,9 @@ std::exception_ptr take_fault() {
 }  // namespace jaculus::python
 
 NB_MODULE(_core, module) {
+  // A program that holds a plan with a term or an effect of its own refers to itself by way of C++,
+  // where Python's collector does not look: that is no fault, and users need not read of it.
+  nanobind::set_leak_warnings(false);
   module.doc() = "The C++ library behind the package jaculus.";
   module.attr("__version__") = JACULUS_VERSION;
   jaculus::python::bind_errors();
