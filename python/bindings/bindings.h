@@ -8,6 +8,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <string>
 #include <type_traits>
 
 #include "jaculus/core/interrupt.h"
@@ -35,11 +36,15 @@ std::mutex& computing();
 /// A Python object that threads without the GIL may copy and let go of.
 std::shared_ptr<const nb::object> held(nb::object object);
 
-/// An exception of the user's code within C++ that expects none, of any thread with the GIL: the
-/// first of a compute() is kept, asks the work to end as Ctrl-C does, and is thrown when it did.
-void keep_fault(const std::exception_ptr& fault);
-/// What was kept, which then isn't any more.
+/// Code of the user within C++ that expects no exceptions, called from any thread: the first of a
+/// compute() is kept, asks the work to end as Ctrl-C does, and is thrown when it did; until then
+/// nothing more is called. False where the code did not run to its end.
+bool call_user(const std::function<void()>& code);
+/// What call_user() kept, which then isn't any more.
 std::exception_ptr take_fault();
+
+/// Takes the name of each stage as it begins.
+using StageProgress = std::function<void(const std::string&)>;
 
 /// Work without the GIL; Ctrl-C raises interrupt_requested() while it lasts.
 template <class Work>
@@ -60,28 +65,5 @@ auto compute(Work&& work) {
     return result;
   }
 }
-
-/// A callback of the user within C++ that expects no exceptions: the first is kept, asks the work
-/// to end as Ctrl-C does, and is thrown again by rethrow().
-class Callback {
- public:
-  template <class Call>
-  void operator()(Call&& call) {
-    if (fault_) return;
-    try {
-      call();
-    } catch (...) {
-      fault_ = std::current_exception();
-      request_interrupt();
-    }
-  }
-
-  void rethrow() const {
-    if (fault_) std::rethrow_exception(fault_);
-  }
-
- private:
-  std::exception_ptr fault_;
-};
 
 }  // namespace jaculus::python

@@ -102,10 +102,11 @@ void bind_datasets(nb::module_& module) {
       [](const Experiment& experiment, std::optional<int> trials, std::optional<int> seed,
          const std::vector<std::string>& effects, const std::vector<std::string>& files,
          const fs::path& augmented, const std::vector<effects::UserEffect>& own) {
-        return simulate(experiment, trials, seed, {effects, files, augmented, own});
+        return simulate(experiment, trials, seed,
+                        {.effects = effects, .files = files, .augmented = augmented, .coded = own});
       },
-      nb::arg("experiment"), nb::arg("trials") = nb::none(), nb::arg("seed") = nb::none(),
-      nb::arg("effects"), nb::arg("effect_files"), nb::arg("augmented"), nb::arg("own"));
+      nb::arg("experiment"), nb::arg("trials").none(), nb::arg("seed").none(), nb::arg("effects"),
+      nb::arg("effect_files"), nb::arg("augmented"), nb::arg("own"));
 }
 
 }  // namespace jaculus::python

@@ -19,7 +19,6 @@ namespace {
 namespace fs = std::filesystem;
 using diagnosis::Diagnosis;
 using trajectory::Dataset;
-using Progress = std::function<void(const std::string&)>;
 
 struct DiagnosisResult {
   Diagnosis diagnosis;
@@ -31,7 +30,7 @@ DiagnosisResult run(const std::vector<const Dataset*>& given,
                     const std::vector<std::string>& tolerances, const std::string& horizon,
                     const std::vector<std::string>& effect_files,
                     const std::vector<effects::UserEffect>& own, int jobs,
-                    const Progress& progress) {
+                    const StageProgress& progress) {
   std::vector<Dataset> datasets;
   for (const Dataset* dataset : given) datasets.push_back(*dataset);
   if (datasets.empty()) throw InputError("diagnose: no dataset given; allowed: one or more");
@@ -71,7 +70,7 @@ void bind_diagnosis(nb::module_& module) {
                    [](const Result& r) { return diagnosis::augmented_yaml(r.diagnosis); })
       .def("save", &save, nb::arg("folder"))
       .def("report_html", [](const Result& r) { return report::report_html(report_of(r)); });
-  module.def("diagnose", &run, nb::arg("datasets"), nb::arg("settings") = nb::none(),
+  module.def("diagnose", &run, nb::arg("datasets"), nb::arg("settings").none(),
              nb::arg("tolerances"), nb::arg("horizon"), nb::arg("effect_files"), nb::arg("own"),
              nb::arg("jobs"), nb::arg("progress") = nb::none());
 }

@@ -7,9 +7,27 @@
 namespace jaculus::python {
 namespace {
 
-std::exception_ptr& fault_of_users() {
-  static std::exception_ptr fault;
+struct Fault {
+  std::mutex mutex;
+  std::exception_ptr kept;
+};
+
+Fault& fault_of_user() {
+  static Fault fault;
   return fault;
+}
+
+bool has_fault() {
+  Fault& fault = fault_of_user();
+  const std::lock_guard lock(fault.mutex);
+  return fault.kept != nullptr;
+}
+
+void keep_fault(const std::exception_ptr& thrown) {
+  Fault& fault = fault_of_user();
+  const std::lock_guard lock(fault.mutex);
+  if (!fault.kept) fault.kept = thrown;
+  request_interrupt();
 }
 
 }  // namespace
@@ -26,16 +44,29 @@ std::shared_ptr<const nb::object> held(nb::object object) {
           }};
 }
 
-void keep_fault(const std::exception_ptr& fault) {
-  if (!fault_of_users()) fault_of_users() = fault;
-  request_interrupt();
+bool call_user(const std::function<void()>& code) {
+  if (has_fault()) return false;
+  try {
+    code();
+    return true;
+  } catch (...) {
+    keep_fault(std::current_exception());
+    return false;
+  }
 }
 
-std::exception_ptr take_fault() { return std::exchange(fault_of_users(), nullptr); }
+std::exception_ptr take_fault() {
+  Fault& fault = fault_of_user();
+  const std::lock_guard lock(fault.mutex);
+  return std::exchange(fault.kept, nullptr);
+}
 
 }  // namespace jaculus::python
 
 NB_MODULE(_core, module) {
+  // A program that holds a plan with a term or an effect of its own refers to itself by way of C++,
+  // where Python's collector does not look: that is no fault, and users need not read of it.
+  nanobind::set_leak_warnings(false);
   module.doc() = "The C++ library behind the package jaculus.";
   module.attr("__version__") = JACULUS_VERSION;
   jaculus::python::bind_errors();

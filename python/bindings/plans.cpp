@@ -38,12 +38,11 @@ PlanResult solve(const LoadedProblem& given, std::optional<int> seed, std::optio
   if (seed) problem.solver.seed = *seed;
   if (starts) problem.solver.starts = *starts;
 
-  Callback callback;
   solver::PlanOptions options;
   options.jobs = jobs;
   if (progress) {
     options.progress = [&](const solver::IterationInfo& info) {
-      callback([&] { progress(info.iteration, info.objective, info.infeasibility); });
+      call_user([&] { progress(info.iteration, info.objective, info.infeasibility); });
     };
   }
 
@@ -51,7 +50,6 @@ PlanResult solve(const LoadedProblem& given, std::optional<int> seed, std::optio
     const solver::Plan plan = solver::make_plan(problem, result.loaded.robot.planar, options);
     result.solved = solver::solved_plan(plan, problem);
   });
-  callback.rethrow();
   return result;
 }
 

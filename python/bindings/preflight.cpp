@@ -22,7 +22,6 @@ namespace {
 namespace fs = std::filesystem;
 using diagnosis::Preflight;
 using simulation::Experiment;
-using Progress = std::function<void(const std::string&)>;
 
 struct PreflightChoice {
   std::optional<int> trials, seed;
@@ -33,7 +32,8 @@ struct PreflightChoice {
 Preflight run(Experiment experiment, const PreflightChoice& choice,
               const std::optional<yaml::Node>& settings,
               const std::vector<std::string>& effect_files,
-              const std::vector<effects::UserEffect>& own, int jobs, const Progress& progress) {
+              const std::vector<effects::UserEffect>& own, int jobs,
+              const StageProgress& progress) {
   if (choice.trials) experiment.trials = *choice.trials;
   if (choice.seed) experiment.seed = *choice.seed;
 
@@ -68,13 +68,13 @@ void bind_preflight(nb::module_& module) {
       [](const Experiment& experiment, std::optional<int> trials, std::optional<int> seed,
          double size, const std::optional<yaml::Node>& settings,
          const std::vector<std::string>& effect_files, const std::vector<effects::UserEffect>& own,
-         bool alternatives, int jobs, const Progress& progress) {
+         bool alternatives, int jobs, const StageProgress& progress) {
         return run(experiment, {trials, seed, size, alternatives}, settings, effect_files, own,
                    jobs, progress);
       },
-      nb::arg("experiment"), nb::arg("trials") = nb::none(), nb::arg("seed") = nb::none(),
-      nb::arg("size"), nb::arg("settings") = nb::none(), nb::arg("effect_files"), nb::arg("own"),
-      nb::arg("alternatives"), nb::arg("jobs"), nb::arg("progress") = nb::none());
+      nb::arg("experiment"), nb::arg("trials").none(), nb::arg("seed").none(), nb::arg("size"),
+      nb::arg("settings").none(), nb::arg("effect_files"), nb::arg("own"), nb::arg("alternatives"),
+      nb::arg("jobs"), nb::arg("progress") = nb::none());
 }
 
 }  // namespace jaculus::python

@@ -22,23 +22,22 @@ struct Study {
 
 Study run(const yaml::Node& node, const fs::path& folder, int jobs, bool resume,
           const Progress& progress) {
-  Callback callback;
   studies::StudyOptions options;
   options.jobs = jobs;
   options.resume = resume;
   if (progress) {
-    options.progress = [&](const TaskProgress& p) { callback([&] { progress(p.done, p.total); }); };
+    options.progress = [&](const TaskProgress& p) {
+      call_user([&] { progress(p.done, p.total); });
+    };
   }
 
   if (!folder.empty()) fs::create_directories(folder);
-  Study study = compute([&] {
+  return compute([&] {
     studies::StudyResult result = studies::run_study(node, folder, options);
     if (!folder.empty() && result.complete)
       report::write_report(report::study_report({result}), folder);
     return Study{std::move(result), interrupt_requested()};
   });
-  callback.rethrow();
-  return study;
 }
 
 }  // namespace

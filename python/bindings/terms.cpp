@@ -61,13 +61,11 @@ struct PythonRows {
 
   void operator()(const PointView& view, VectorRef values, Matrix* J,
                   const ConstVectorRef* multipliers, Matrix* H) const {
-    const nb::gil_scoped_acquire gil;
-    try {
+    const bool done = call_user([&] {  // Ipopt would swallow an exception
+      const nb::gil_scoped_acquire gil;
       compute_rows(view, values, J, H != nullptr ? multipliers : nullptr, H);
-    } catch (...) {  // Ipopt would swallow it
-      keep_fault(std::current_exception());
-      values.setConstant(kNaN);
-    }
+    });
+    if (!done) values.setConstant(kNaN);
   }
 
  private:

@@ -1,44 +1,38 @@
 """Diagnosis: where robot and model part, and which effect causes it."""
 from __future__ import annotations
 
-import json
 import os
-from pathlib import Path
 from typing import Any, Callable, Iterable, Mapping, Optional, Union
 
 from . import _core
 from ._inputs import Source, node_of, quantity
 from ._progress import show_stage, shown
-from ._tables import page, pandas, pyplot
+from ._results import Result
+from ._tables import pandas, pyplot
 from .datasets import Dataset, load_dataset
 from .effects import Effect, compiled
 
 
-class Diagnosis:
-    """What a diagnosis found.
+class Diagnosis(Result):
+    """What a diagnosis found. `save` writes diagnosis.json, augmented.yaml and report.html.
 
     Attributes:
         verdict: "none", "effect", "several", "partial", "ambiguous", "unexplained" or "insufficient".
-        figures: the content of diagnosis.json, see docs/commands.md.
         effects: what the verdict names, most probable first: name, probability, parameters with value,
             95 % interval and unit.
         gap: root-mean-square error on held-out trials before and after the effect is added [noise
             floors], and by how much of it the gap shrinks.
         reasons: why this verdict, or what to record next time.
         augmented: the model with the effect added, as YAML; `simulate` takes a file of it.
-        summary: what `jaculus diagnose` prints.
-        json: the text of diagnosis.json.
+        summary, json, figures: what `jaculus diagnose` prints; the text of diagnosis.json, its content.
     """
 
     def __init__(self, core: _core.Diagnosis):
-        self._core = core
-        self.json: str = core.json
-        self.figures: dict[str, Any] = json.loads(self.json)
+        super().__init__(core)
         self.verdict: str = self.figures["verdict"]
         self.effects: list[dict[str, Any]] = self.figures["effects"]
         self.gap: dict[str, Any] = self.figures["gap"]
         self.reasons: list[str] = self.figures["reasons"]
-        self.summary: str = core.summary
         self.augmented: str = core.augmented
 
     def to_pandas(self) -> Any:
@@ -56,17 +50,9 @@ class Diagnosis:
         axis.set_title(f"verdict: {self.verdict}")
         return figure
 
-    def save(self, folder: Union[str, "os.PathLike[str]"]) -> Path:
-        """Writes what `jaculus diagnose --out` does: diagnosis.json, augmented.yaml, report.html."""
-        self._core.save(os.fspath(folder))
-        return Path(folder)
-
     def __repr__(self) -> str:
         named = ", ".join(effect["name"] for effect in self.effects)
         return f"<jaculus.Diagnosis: {self.verdict}{': ' + named if named else ''}>"
-
-    def _repr_html_(self) -> str:
-        return page(self._core.report_html())
 
 
 Given = Union[Dataset, str, "os.PathLike[str]"]

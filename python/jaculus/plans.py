@@ -13,6 +13,7 @@ from . import _core
 from ._exports import JointTrajectory, write_bag, write_rerun
 from ._inputs import Source
 from ._interrupts import Interrupted
+from ._results import Result
 from ._tables import labelled, page, pandas, pyplot, xarray
 from ._progress import show_iteration, shown
 from .robots import Problem, load_problem
@@ -21,11 +22,12 @@ from .terms import Term
 Progress = Union[bool, Callable[[int, float, float], None]]
 
 
-class Plan:
+class Plan(Result):
     """A solved problem: a motion of the robot with its torques. n samples; at the border of two
     phases one instant stands twice.
 
-    Columns of plan.csv are items: ``plan["x"]``, ``plan["tail_torque"]``, shape (n,).
+    Columns of plan.csv are items: ``plan["x"]``, ``plan["tail_torque"]``, shape (n,). `save` writes
+    plan.csv, summary.json, solution.json and report.html.
 
     Attributes:
         status: "optimal", "acceptable", "infeasible", "iteration_limit", "interrupted", ...
@@ -39,10 +41,13 @@ class Plan:
             right summed [N].
         phase: n names of phases.
         columns, units: names of the columns of plan.csv, and their units by name.
+        summary: what `jaculus solve` prints: objective, durations, motors against their limits, what
+            holds the plan back, verification.
+        json, figures: the text of summary.json, its content.
     """
 
     def __init__(self, core: _core.Plan):
-        self._core = core
+        super().__init__(core)
         self.status: str = core.status
         self.converged: bool = core.converged
         self.time: np.ndarray = np.array(core.time)
@@ -63,17 +68,6 @@ class Plan:
     def problem(self) -> Problem:
         """The problem as it was solved."""
         return Problem(self._core.problem)
-
-    @property
-    def summary(self) -> str:
-        """What `jaculus solve` prints: objective, durations, motors against their limits, what holds
-        the plan back, verification."""
-        return self._core.summary
-
-    @property
-    def figures(self) -> dict[str, Any]:
-        """The content of summary.json, SI; None where a figure doesn't apply."""
-        return json.loads(self._core.json)
 
     @property
     def objective(self) -> float:
@@ -117,11 +111,6 @@ class Plan:
         axes[-1].set_xlabel("time [s]")
         axes[0].set_title(self._core.problem.name)
         return figure
-
-    def save(self, folder: Union[str, "os.PathLike[str]"]) -> Path:
-        """Writes what `jaculus solve --out` does: plan.csv, summary.json, solution.json, report.html."""
-        self._core.save(os.fspath(folder))
-        return Path(folder)
 
     def to_xarray(self) -> Any:
         """An xarray.Dataset: `states` (time, state), `inputs` (time, input), `forces` (time, foot, axis), and
@@ -171,9 +160,6 @@ class Plan:
 
     def __repr__(self) -> str:
         return f"<jaculus.Plan {self._core.problem.name}: {self.status}, objective {self.objective:.6g}>"
-
-    def _repr_html_(self) -> str:
-        return page(self._core.report_html())
 
 
 def solve(problem: Union[Source, Problem], *, robot: Optional[str] = None,

@@ -1,9 +1,7 @@
 """Preflight: what a planned experiment could tell, before it is done."""
 from __future__ import annotations
 
-import json
 import os
-from pathlib import Path
 from typing import Any, Callable, Iterable, Optional, Union
 
 import numpy as np
@@ -11,17 +9,18 @@ import numpy as np
 from . import _core
 from ._inputs import Source, node_of
 from ._progress import show_stage, shown
-from ._tables import page, pandas, pyplot
+from ._results import Result
+from ._tables import pandas, pyplot
 from .effects import Effect, compiled
 
 
-class Preflight:
-    """What a planned experiment would show, and what could not be told apart by it.
+class Preflight(Result):
+    """What a planned experiment would show, and what could not be told apart by it. `save` writes
+    preflight.json and report.html.
 
     Attributes:
         possible: whether data of the experiment could be diagnosed at all; `reasons` say why not.
         reasons, notes: a sentence each.
-        figures: the content of preflight.json, see docs/commands.md.
         effects: a dict each, in the order of the catalogue: name, caption, parameter, unit; visible
             (changes anything that is recorded); stated, the value at work [unit]; named (whether it
             would be), log_odds against no effect, gap [noise floors]; least, the value from which it
@@ -33,14 +32,11 @@ class Preflight:
             pairs_told.
         information, uncertainty: on which effect is at work, by this experiment, and at most [bit];
             NaN where there is none.
-        summary: what `jaculus preflight` prints.
-        json: the text of preflight.json.
+        summary, json, figures: what `jaculus preflight` prints; the text of preflight.json, its content.
     """
 
     def __init__(self, core: _core.Preflight):
-        self._core = core
-        self.json: str = core.json
-        self.figures: dict[str, Any] = json.loads(self.json)
+        super().__init__(core)
         self.possible: bool = self.figures["possible"]
         self.reasons: list[str] = self.figures["reasons"]
         self.notes: list[str] = self.figures["notes"]
@@ -50,7 +46,6 @@ class Preflight:
         self.next: list[dict[str, Any]] = self.figures["next"]
         self.information: float = _number(self.figures["information_bit"])
         self.uncertainty: float = _number(self.figures["uncertainty_bit"])
-        self.summary: str = core.summary
 
     @property
     def names(self) -> list[str]:
@@ -93,11 +88,6 @@ class Preflight:
         axis.set_title(self.figures["experiment"])
         return figure
 
-    def save(self, folder: Union[str, "os.PathLike[str]"]) -> Path:
-        """Writes what `jaculus preflight --out` does: preflight.json, report.html."""
-        self._core.save(os.fspath(folder))
-        return Path(folder)
-
     def __repr__(self) -> str:
         if not self.possible:
             return f"<jaculus.Preflight: {self.reasons[0]}>"
@@ -105,9 +95,6 @@ class Preflight:
         mixed = sum(not pair["tellable"] for pair in self.pairs)
         return (f"<jaculus.Preflight: {seen} of {len(self.effects)} effects could be named, {mixed} pairs "
                 "not told apart>")
-
-    def _repr_html_(self) -> str:
-        return page(self._core.report_html())
 
 
 def _number(value: Optional[float]) -> float:

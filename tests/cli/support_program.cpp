@@ -13,8 +13,14 @@ namespace jaculus::test {
 
 namespace {
 
+/// The built one, or that of the environment: a wheel's.
+const char* program() {
+  const char* given = std::getenv("JACULUS_PROGRAM");
+  return given != nullptr && *given != '\0' ? given : JACULUS_BINARY;
+}
+
 std::vector<char*> argument_vector(const std::vector<std::string>& arguments) {
-  std::vector<char*> argv = {const_cast<char*>(JACULUS_BINARY)};
+  std::vector<char*> argv = {const_cast<char*>(program())};
   for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
   argv.push_back(nullptr);
   return argv;
@@ -41,7 +47,7 @@ Outcome run_program(const std::vector<std::string>& arguments, const std::string
     ::dup2(out_file, STDOUT_FILENO);
     ::dup2(err_file, STDERR_FILENO);
     if (!folder.empty() && ::chdir(folder.c_str()) != 0) ::_exit(126);
-    ::execv(JACULUS_BINARY, argv.data());
+    ::execv(argv[0], argv.data());
     ::_exit(127);
   }
   const int code = exit_code_of(child);
@@ -59,7 +65,7 @@ Outcome run_on_terminal(const std::vector<std::string>& arguments) {
     ::close(ours);
     ::dup2(::open(out.c_str(), O_CREAT | O_WRONLY | O_TRUNC, 0600), STDOUT_FILENO);
     ::dup2(theirs, STDERR_FILENO);
-    ::execv(JACULUS_BINARY, argv.data());
+    ::execv(argv[0], argv.data());
     ::_exit(127);
   }
   ::close(theirs);

@@ -4,8 +4,6 @@ import importlib.util
 import io
 import pathlib
 
-import pytest
-
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 specification = importlib.util.spec_from_file_location("run_docs", ROOT / "tests/docs/run_docs.py")
 docs = importlib.util.module_from_spec(specification)

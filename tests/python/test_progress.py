@@ -37,3 +37,15 @@ def test_a_diagnosis_shows_its_stages(monkeypatch, pendulum_trials):
 def test_a_study_shows_how_many_points_are_done(monkeypatch):
     told = shown_by(monkeypatch, lambda: jaculus.study("drag_bench", progress=True))
     assert "study: 100%" in told
+
+
+def test_an_exception_of_the_progress_ends_a_study():
+    seen = []
+
+    def stop(done, points):
+        seen.append(done)
+        raise LookupError(f"{done} of {points}")
+
+    with pytest.raises(LookupError, match="1 of"):
+        jaculus.study("drag_bench", progress=stop)
+    assert seen == [1]

@@ -1,4 +1,8 @@
 """Terms in Python: derivatives by the user, by CasADi, by JAX, and what a plan makes of them."""
+import pathlib
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 
@@ -157,6 +161,38 @@ RATE = {"type": "own_pitch_rate", "limit": 3}
 def test_faults_are_told(term, keys, error, message):
     with pytest.raises(error, match=message):
         jaculus.solve(leap(keys), terms=[term])
+
+
+def test_after_its_exception_a_term_is_called_no_more():
+    calls = []
+
+    def counted(self, point, keys):
+        calls.append(point)
+        return fails(self, point, keys)
+
+    with pytest.raises(ZeroDivisionError):
+        jaculus.solve(leap(RATE), terms=[changed(value=counted)])
+    assert len(calls) == 1
+    assert jaculus.check_derivatives(leap(RATE), terms=[PitchRate()]).error < 1e-6  # is called again
+
+
+PROGRAM = """
+import jaculus
+from test_terms import RATE, PitchRate, leap
+
+class Own(PitchRate):
+    def value(self, point, keys):
+        return point.velocity["pitch"]
+
+plan = jaculus.solve(leap(RATE), terms=[Own()])
+print(plan.status)
+"""
+
+
+def test_a_program_that_keeps_its_plan_ends_without_a_word():
+    done = subprocess.run([sys.executable, "-c", PROGRAM], cwd=pathlib.Path(__file__).parent,
+                          capture_output=True, text=True)
+    assert (done.stdout, done.stderr) == ("optimal\n", "")
 
 
 def test_several_starts_are_refused():

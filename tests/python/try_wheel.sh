@@ -12,10 +12,17 @@ say() { printf '%s\n' "$*" >&2; }
 
 say "A fresh virtual environment: tests/python"
 "$python" -m venv "$work/venv"
-"$work/venv/bin/pip" install -q "$wheel" pytest pandas matplotlib rosbags mcap-ros2-support pyarrow tqdm xarray
+"$work/venv/bin/pip" install -q "$wheel" pytest pandas matplotlib rosbags mcap-ros2-support pyarrow \
+  tqdm xarray casadi jax
 cd "$root"
 "$work/venv/bin/python" -m pytest -q tests/python
 "$work/venv/bin/python" tests/python/overhead.py
+if [ -x build/test_cli ]; then
+  say "Its command: tests/cli"
+  JACULUS_PROGRAM=$work/venv/bin/jaculus build/test_cli --gtest_brief=1
+else
+  say "No build/test_cli: its command is not tested by tests/cli"
+fi
 
 # A folder tree with Python, what Python itself links, and the wheels; no other library, no compiler.
 if [ "$(id -u)" -ne 0 ]; then
