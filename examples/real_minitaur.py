@@ -2,8 +2,9 @@
 
     python real_minitaur.py [DATASET]
 
-DATASET is a folder with dataset.yaml: JACULUS_DATA/minitaur/leap_tail_2019-06-21. Takes two minutes, for
-effects are tried one at a time here; docs/results has what a whole diagnosis of all sets says.
+DATASET is a folder with dataset.yaml: JACULUS_DATA/minitaur/leap_tail_2019-06-21. Takes a minute of two
+cores, nearly all of it in simulated leaps; effects are tried one at a time here, and docs/results has
+what a whole diagnosis of all sets says.
 """
 
 # %% The log
@@ -20,9 +21,9 @@ print(dataset.summary)
 print(dataset.provenance)
 dataset.plot("mocap").savefig("real_minitaur_log.png")
 
-# %% What does its model lack? No single effect of the catalogue, and the answer says so
+# %% What does its model lack? Friction in the legs, of single effects, and not that alone
 diagnosis = jaculus.diagnose(dataset, settings={"largest_model": 1, "kept_singles": 3})
 print(diagnosis.summary)
-# prints: verdict: unexplained
+# prints: verdict: partial
 diagnosis.plot().savefig("real_minitaur.png")
-assert not diagnosis.effects
+assert diagnosis.gap["after"] < 0.8 * diagnosis.gap["before"]

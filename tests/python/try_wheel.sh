@@ -16,13 +16,15 @@ say "A fresh virtual environment: tests/python"
   tqdm xarray casadi jax
 cd "$root"
 "$work/venv/bin/python" -m pytest -q tests/python
-"$work/venv/bin/python" tests/python/overhead.py
 if [ -x build/test_cli ]; then
-  say "Its command: tests/cli"
-  JACULUS_PROGRAM=$work/venv/bin/jaculus build/test_cli --gtest_brief=1
+  say "Its program: tests/cli"
+  JACULUS_PROGRAM=$("$work/venv/bin/python" -c "from jaculus._command import program; print(program())")
+  export JACULUS_PROGRAM
+  build/test_cli --gtest_brief=1
 else
-  say "No build/test_cli: its command is not tested by tests/cli"
+  say "No build/test_cli: its program is not tested by tests/cli"
 fi
+"$work/venv/bin/python" tests/python/overhead.py
 
 # A folder tree with Python, what Python itself links, and the wheels; no other library, no compiler.
 if [ "$(id -u)" -ne 0 ]; then
