@@ -38,6 +38,9 @@ struct SimulationOptions {
   double contact_tolerance = 1e-6;  ///< [m]
   int max_events = 2000;
   bool stop_at_lift_off = false;  ///< ends when no point touches the floor any more
+  /// Whether torques, currents, voltages and contact forces are left out (NaN): each sample of them
+  /// evaluates the equations once more.
+  bool motion_alone = false;
 };
 
 /// Samples are columns. Coordinates are those of plant.model; hinges stand apart.

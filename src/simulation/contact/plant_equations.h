@@ -59,6 +59,13 @@ class PlantEquations {
   /// Of evaluate(), so far.
   [[nodiscard]] long evaluations() const { return evaluations_; }
   [[nodiscard]] const std::vector<MotorState>& motors() const { return drive_.motors; }
+  /// A joint's angle on its motor's side at a state [rad], and its rate [rad/s].
+  [[nodiscard]] double motor_position(int motor, const State& y) const {
+    return mechanism_.motor_angle(motor, y.data());
+  }
+  [[nodiscard]] double motor_velocity(int motor, const State& y) const {
+    return mechanism_.motor_rate(motor, y.data() + size());
+  }
 
   // What acts on it.
   [[nodiscard]] const Inputs& inputs() const { return inputs_; }

@@ -26,9 +26,12 @@ void Recorder::record(const PlantEquations& equations, const State& y, const Eva
     out_.q(i, k) = y[i];
     out_.v(i, k) = y[equations.size() + i];
   }
+  for (int m = 0; m < count_of(equations.motors()); ++m) {
+    out_.motor_position(m, k) = equations.motor_position(m, y);
+    out_.motor_velocity(m, k) = equations.motor_velocity(m, y);
+  }
   if (at == nullptr) {
-    for (Matrix* m : {&out_.motor_position, &out_.motor_velocity, &out_.torque, &out_.current,
-                      &out_.voltage, &out_.force})
+    for (Matrix* m : {&out_.torque, &out_.current, &out_.voltage, &out_.force})
       m->col(k).setConstant(kNaN);
     out_.bus_voltage[k] = kNaN;
     return;
@@ -36,8 +39,6 @@ void Recorder::record(const PlantEquations& equations, const State& y, const Eva
 
   for (int m = 0; m < count_of(equations.motors()); ++m) {
     const MotorState& motor = equations.motors()[m];
-    out_.motor_position(m, k) = at->motor_position[m];
-    out_.motor_velocity(m, k) = at->motor_velocity[m];
     out_.torque(m, k) = motor.torque;
     out_.current(m, k) = motor.current;
     out_.voltage(m, k) = motor.voltage;

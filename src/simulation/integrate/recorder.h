@@ -12,8 +12,8 @@ class Recorder {
 
   /// The next instant at which a sample stands; infinite after the last [s].
   [[nodiscard]] double next() const;
-  /// The sample at next(): the state then, and what the equations say of it; NaN where they fail
-  /// (null).
+  /// The sample at next(): the state then, and what the equations say of it; NaN where they fail or
+  /// weren't asked (null).
   void record(const PlantEquations& equations, const State& y, const Evaluation* at);
   /// The samples so far; all else of the result is for the caller.
   Simulation take();

@@ -57,7 +57,9 @@ void record_before(Run& run, const Step& step, double t) {
   while (run.recorder.next() < t) {
     const double at = run.recorder.next();
     run.stepper.dense(step, at, y);
-    run.recorder.record(run.equations, y, run.equations.evaluate(at, y, run.state.modes, dydt));
+    const Evaluation* there =
+        run.options.motion_alone ? nullptr : run.equations.evaluate(at, y, run.state.modes, dydt);
+    run.recorder.record(run.equations, y, there);
   }
 }
 
