@@ -211,7 +211,8 @@ Comparison first_comparison(const Problem& problem, NoiseModel noise) {
   for (int round = 0; round < 2; ++round) {
     FitOptions options;
     options.rounds = 1;  // what noise is about needs no more
-    const Fit none = fit_model(problem, comparison.whitening, gains, {comparison.noise.p}, options);
+    const Fit none = fit_model(problem, comparison.whitening, gains,
+                               problem.hypotheses.gain_starts(comparison.noise.p), options);
     if (!none.valid) break;
     NoiseModel again = estimate_noise(problem, none.p, comparison.noise.alignments);
     if (!again.valid()) break;

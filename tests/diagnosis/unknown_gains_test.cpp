@@ -75,5 +75,46 @@ TEST(UnknownGains, AreSharedByDatasetsThatStateTheSameController) {
   EXPECT_FALSE(same_controller(one.dataset.controller, other.dataset.controller));
 }
 
+ObservedDataset tracked(const std::vector<std::string>& channels) {
+  ObservedDataset observed = leap(Quantity::duty);
+  observed.dataset.folder = "leap_1";
+  observed.streams = {"mocap"};
+  for (const std::string& name : channels) {
+    observed.channels.emplace_back();
+    observed.channels.back().name = name;
+    observed.channels.back().stream = "mocap";
+  }
+  return observed;
+}
+
+TEST(UnknownGains, AreAClockOfMotionCaptureThatIsAlone) {
+  const ObservedDataset alone = tracked({"x", "z", "pitch"});
+  Hypotheses h;
+  EXPECT_TRUE(add_foreign_clock(tracked({"x", "front_a"}), false, {}, h).empty());
+  const auto clock = add_foreign_clock(alone, false, {}, h);
+  ASSERT_EQ(h.gains.size(), 1U);
+  EXPECT_EQ(h.parameters[0].name, "clock");
+  EXPECT_NEAR(h.parameters[0].scale, Settings{}.foreign_clock, 1e-15);
+
+  simulation::Plant plant;
+  simulation::Controller controller;
+  apply_factors(clock, Vector::Constant(1, 0.007), plant, controller);
+  EXPECT_NEAR(plant.sensing.latency.at("mocap"), 0.007, 1e-15);
+
+  add_foreign_clock(alone, true, {}, h);
+  EXPECT_EQ(h.parameters[1].name, "clock of leap_1");  // one for each dataset
+}
+
+TEST(UnknownGains, HaveStartsADeviationToEachSide) {
+  Hypotheses h;
+  add_foreign_clock(tracked({"x"}), false, {}, h);
+  h.parameters.push_back({"tolerance", "mass", "deviations", 0.0, 1.0, {-2.0, 2.0}});
+  const std::vector<Vector> starts = h.gain_starts(Vec2(0.0, 0.5));
+  ASSERT_EQ(starts.size(), 3U);
+  EXPECT_EQ(starts[1], Vec2(-0.01, 0.5));
+  EXPECT_EQ(starts[2], Vec2(0.01, 0.5));
+  EXPECT_EQ(h.gain_starts(Vec2(0.015, 0.5)).size(), 2U);  // beyond the bound there is none
+}
+
 }  // namespace
 }  // namespace jaculus::test

@@ -34,9 +34,10 @@ struct SetAgreement {
 
 /// What the files leave open, as fitted with the account.
 struct FittedUnknown {
-  std::string name;         ///< "feedforward", "kp", "kd_tail"
-  std::string kind;         ///< "factor" on the first value, or "share of its stated range"
-  double value = kNaN;      ///< [-]
+  std::string name;  ///< "feedforward", "kp", "kd_tail", "clock of leap_1"
+  /// "factor" on the first value, "share of its stated range" or "ms later than its stamps"
+  std::string kind;
+  double value = kNaN;      ///< [-], of a clock [ms]
   Bounds ci95{kNaN, kNaN};  ///< by the curvature at the optimum
   bool at_bound = false;    ///< the value is where its range ends, and says no more than that
 };

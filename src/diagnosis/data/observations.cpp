@@ -28,6 +28,20 @@ int ObservedDataset::stream_index(const std::string& stream) const {
 
 int ObservedDataset::stream_of(int channel) const { return stream_index(channels[channel].stream); }
 
+bool motion_alone(const ObservedDataset& observed) {
+  return std::all_of(observed.channels.begin(), observed.channels.end(), [](const Channel& c) {
+    using trajectory::Quantity;
+    const Quantity quantity = trajectory::parse_channel(c.name).quantity;
+    return quantity == Quantity::position || quantity == Quantity::velocity;
+  });
+}
+
+bool tracked_alone(const ObservedDataset& observed) {
+  return std::all_of(observed.channels.begin(), observed.channels.end(), [](const Channel& c) {
+    return c.name == "x" || c.name == "z" || c.name == "pitch";
+  });
+}
+
 ObservedDataset without_channel(ObservedDataset observed, int channel) {
   const auto drop = [channel](auto& list) { list.erase(list.begin() + channel); };
 

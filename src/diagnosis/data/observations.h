@@ -73,6 +73,13 @@ struct Observations {
 Observations observe(const std::vector<trajectory::Dataset>& datasets,
                      const std::vector<model::PlanarModel>& models, const Settings& settings = {});
 
+/// Whether positions and rates are all that a dataset's channels show.
+bool motion_alone(const ObservedDataset& observed);
+
+/// Whether motion capture is all there is: its clock is not the robot's, and nothing logged on the
+/// robot says by how much.
+bool tracked_alone(const ObservedDataset& observed);
+
 /// The same dataset without a channel.
 ObservedDataset without_channel(ObservedDataset observed, int channel);
 

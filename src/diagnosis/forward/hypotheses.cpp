@@ -1,4 +1,4 @@
-// The flat list of parameters: effects of the catalogue, unknown gains, start offsets.
+// The flat list of parameters: effects of the catalogue, unknown gains and clocks, start offsets.
 
 #include "diagnosis/forward/hypotheses.h"
 
@@ -35,6 +35,19 @@ Vector Hypotheses::unscaled(const std::vector<int>& free, const Vector& u, Vecto
     p[free[i]] = std::clamp(own.nominal + own.scale * u[i], own.bounds.lower, own.bounds.upper);
   }
   return p;
+}
+
+std::vector<Vector> Hypotheses::gain_starts(const Vector& p) const {
+  std::vector<Vector> starts = {p};
+  for (const int i : gains) {
+    const FreeParameter& own = parameters[i];
+    for (const double move : {-own.scale, own.scale}) {
+      if (!own.bounds.contains(p[i] + move)) continue;
+      starts.push_back(p);
+      starts.back()[i] += move;
+    }
+  }
+  return starts;
 }
 
 std::vector<int> Hypotheses::nuisances() const {

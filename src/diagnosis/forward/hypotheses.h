@@ -62,7 +62,7 @@ struct Hypotheses {
   std::shared_ptr<const std::vector<effects::Effect>> effects;
   std::vector<FreeParameter> parameters;
   std::vector<Candidate> candidates;
-  std::vector<int> gains;       ///< indices, of factors that files don't state
+  std::vector<int> gains;       ///< indices, of factors and clocks that files don't state
   std::vector<int> starts;      ///< indices; free in every segment
   std::vector<int> tolerances;  ///< indices, in deviations that the builder vouches for
   std::vector<ForceGroup> forces;
@@ -72,6 +72,9 @@ struct Hypotheses {
   [[nodiscard]] Vector scaled(const std::vector<int>& free, const Vector& p) const;
   /// p with the parameters `free` set from u, within their bounds.
   [[nodiscard]] Vector unscaled(const std::vector<int>& free, const Vector& u, Vector p) const;
+  /// p, and p with one unknown gain or clock a deviation more or less: what moves a motion most has
+  /// valleys.
+  [[nodiscard]] std::vector<Vector> gain_starts(const Vector& p) const;
   /// Unknown gains, then tolerances: what every model fits.
   [[nodiscard]] std::vector<int> nuisances() const;
   /// Indices of the parameters of some candidates, in the order of these.

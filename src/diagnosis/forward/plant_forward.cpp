@@ -33,6 +33,7 @@ using simulation::StartState;
 /// What of a dataset doesn't depend on the parameters.
 struct Base {
   Plant plant;
+  bool motion_alone = false;            ///< whether no channel is of motors or buses
   std::vector<Controller> controllers;  ///< a segment each for measured input, else one
   StartState start;
   std::vector<StartDirection> directions;
@@ -51,6 +52,7 @@ struct Model {
 Base base_of(const ObservedDataset& observed, const Settings& settings) {
   Base base;
   base.plant = simulation::dataset_plant(observed.dataset, observed.model);
+  base.motion_alone = motion_alone(observed);
   if (observed.measured_input) {
     for (const Segment& segment : observed.segments)
       base.controllers.push_back(measured_controller(observed, segment, settings.input_step));
@@ -279,7 +281,8 @@ std::vector<double> command_steps(const SimulationSetup& setup) {
 
 Prediction simulate_segment(const Model& model, int dataset, int segment, const Vector& p) {
   stop_if_interrupted();  // a diagnosis is made of these
-  const SimulationSetup setup = setup_of(model, dataset, segment, p);
+  SimulationSetup setup = setup_of(model, dataset, segment, p);
+  setup.options.motion_alone = model.bases[dataset].motion_alone;
   // What steps with the loop is averaged over its holds, which doubles the samples: only where a
   // channel needs it.
   const std::vector<Channel>& channels = model.observations.datasets[dataset].channels;
@@ -373,6 +376,9 @@ PlantForward plant_forward(const Observations& observations,
     const std::string suffix = controller_suffix(datasets, d);
     base.factors = add_gain_factors(datasets[d], base.controllers.front(), suffix, settings,
                                     model->hypotheses);
+    const std::vector<GainFactor> clock =
+        add_foreign_clock(datasets[d], datasets.size() > 1, settings, model->hypotheses);
+    base.factors.insert(base.factors.end(), clock.begin(), clock.end());
     model->bases.push_back(std::move(base));
   }
   add_starts(*model);

@@ -8,6 +8,8 @@
 namespace jaculus::diagnosis {
 namespace {
 
+constexpr double kWidestClock = 2.0;  // deviations, as tolerances
+
 using model::PlanarDrag;
 using model::PlanarModel;
 using model::PlanarMotor;
@@ -77,7 +79,7 @@ bool has_range(const StatedGain* gain) {
 GainFactor open_motors(const ObservedDataset& observed, const simulation::Controller& controller,
                        const OpenGains& open) {
   const StatedController& stated = observed.dataset.controller;
-  GainFactor factor{-1, {}, open.derivative, {}};
+  GainFactor factor{-1, {}, {}, open.derivative, {}};
   for (int m = 0; m < count_of(controller.reference.motors); ++m) {
     const std::string& joint = controller.reference.motors[m];
     const auto& gains = open.derivative ? stated.kd : stated.kp;
@@ -157,15 +159,33 @@ std::vector<GainFactor> add_gain_factors(const ObservedDataset& observed,
   if (feedforward_unknown(stated, !factors.empty())) {
     const int parameter = add_factor(hypotheses, "log_feedforward" + suffix,
                                      settings.feedforward_spread, settings.factor_bound);
-    factors.push_back({parameter, {}, false, {}});
+    factors.push_back({parameter, {}, {}, false, {}});
   }
   return factors;
+}
+
+std::vector<GainFactor> add_foreign_clock(const ObservedDataset& observed, bool several,
+                                          const Settings& settings, Hypotheses& hypotheses) {
+  if (observed.measured_input || !tracked_alone(observed)) return {};
+  const double spread = settings.foreign_clock, widest = kWidestClock * spread;
+  const int parameter = count_of(hypotheses.parameters);
+  hypotheses.gains.push_back(parameter);
+  hypotheses.parameters.push_back({"nuisance",
+                                   several ? "clock of " + observed.name() : "clock",
+                                   "s",
+                                   0.0,
+                                   spread,
+                                   {-widest, widest}});
+  return {{parameter, observed.streams, {}, false, {}}};
 }
 
 void apply_factors(const std::vector<GainFactor>& factors, const Vector& p,
                    simulation::Plant& plant, simulation::Controller& controller) {
   for (const GainFactor& factor : factors) {
     const double p_own = p[factor.parameter], scale = std::exp(p_own);
+    for (const std::string& stream : factor.streams)
+      plant.sensing.latency.try_emplace(stream, 0.0).first->second += p_own;
+    if (!factor.streams.empty()) continue;
     if (factor.motors.empty()) plant.actuation.feedforward_scale *= scale;
     Vector& gains = factor.derivative ? controller.kd : controller.kp;
     for (std::size_t k = 0; k < factor.motors.size(); ++k) {

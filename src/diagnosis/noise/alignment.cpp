@@ -50,14 +50,6 @@ SpanSystem span_system(const ObservedDataset& observed, const RowSpan& span,
   return system;
 }
 
-/// Whether motion capture is all there is: its clock is not the robot's, and nothing logged on the
-/// robot says by how much.
-bool tracked_alone(const ObservedDataset& observed) {
-  return std::all_of(observed.channels.begin(), observed.channels.end(), [](const Channel& c) {
-    return c.name == "x" || c.name == "z" || c.name == "pitch";
-  });
-}
-
 /// One stream of one segment, whose shift is sought.
 struct ShiftSearch {
   const ObservedDataset& observed;

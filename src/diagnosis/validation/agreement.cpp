@@ -13,6 +13,8 @@
 namespace jaculus::diagnosis {
 namespace {
 
+constexpr double kMilli = 1e3;  // ms a second
+
 /// Sums over the segments in one bin of time.
 struct Bin {
   double sum = 0.0;
@@ -119,12 +121,14 @@ std::vector<FittedUnknown> unknowns_of(const Problem& problem, const Fit& fit) {
     const int place = index_of(fit.free, i);
     const double half =
         quantiles::kTwoSided95Rounded * own.scale * std::sqrt(fit.covariance(place, place));
-    const bool log = own.name.starts_with("log_");
-    const auto shown = [log](double value) {
-      return log ? std::exp(value) : share_of_range(value);
+    const bool log = own.name.starts_with("log_"), clock = own.name.starts_with("clock");
+    const auto shown = [&](double value) {
+      return clock ? kMilli * value : log ? std::exp(value) : share_of_range(value);
     };
-    unknowns.push_back({own.name.substr(own.name.find('_') + 1),
-                        log ? "factor" : "share of its stated range",
+    unknowns.push_back({clock ? own.name : own.name.substr(own.name.find('_') + 1),
+                        clock ? "ms later than its stamps"
+                        : log ? "factor"
+                              : "share of its stated range",
                         shown(fit.p[i]),
                         {shown(std::max(own.bounds.lower, fit.p[i] - half)),
                          shown(std::min(own.bounds.upper, fit.p[i] + half))},

@@ -195,7 +195,8 @@ HeldOut held_out(const Problem& problem, const Folds& folds, const JudgedFit& st
 
 Fit as_stated(const Problem& problem, const Whitening& whitening) {
   const Vector nominal = problem.hypotheses.nominal();
-  Fit fit = fit_model(problem, whitening, problem.hypotheses.gains, {nominal});
+  Fit fit = fit_model(problem, whitening, problem.hypotheses.gains,
+                      problem.hypotheses.gain_starts(nominal));
   return fit.valid ? fit : evaluate_model(problem, whitening, nominal);
 }
 
