@@ -226,22 +226,17 @@ Fit fit_model(const Problem& problem, const Whitening& whitening, const std::vec
   return best;
 }
 
-Fit fit_around(const Problem& problem, const Whitening& whitening, Fit fit,
-               const FitOptions& options) {
+Fit fit_from_lower(const Problem& problem, const Whitening& whitening, Fit fit,
+                   const std::vector<Vector>& starts, const FitOptions& options) {
   if (!fit.valid || fit.free.empty()) return fit;
-  const int first = fit.free.front();
-  const FreeParameter& own = problem.hypotheses.parameters[first];
   const auto cost_at = [&](const Vector& p, const Vector& r) {
     return cost_of(whitening.random, fit.scales, misfits_of(options), r,
                    problem.hypotheses.scaled(fit.free, p));
   };
   Vector best;
   double least = cost_at(fit.p, fit.residual) - problem.settings.lower_valley;
-  for (const double factor : kAround) {
-    Vector p = fit.p;
-    p[first] = std::clamp(own.nominal + factor * (fit.p[first] - own.nominal), own.bounds.lower,
-                          own.bounds.upper);
-    if (p[first] == fit.p[first]) continue;
+  for (const Vector& p : starts) {
+    if (p == fit.p) continue;
     Residual residual = residual_of(problem, whitening, fit.free, p, options);
     Vector r;
     ++fit.predictions;
@@ -260,6 +255,20 @@ Fit fit_around(const Problem& problem, const Whitening& whitening, Fit fit,
   fit.predictions = next.predictions;
 
   return next.valid && next.log_evidence > fit.log_evidence ? next : fit;
+}
+
+Fit fit_around(const Problem& problem, const Whitening& whitening, Fit fit,
+               const FitOptions& options) {
+  if (!fit.valid || fit.free.empty()) return fit;
+  const int first = fit.free.front();
+  const FreeParameter& own = problem.hypotheses.parameters[first];
+  std::vector<Vector> starts;
+  for (const double factor : kAround) {
+    starts.push_back(fit.p);
+    starts.back()[first] = std::clamp(own.nominal + factor * (fit.p[first] - own.nominal),
+                                      own.bounds.lower, own.bounds.upper);
+  }
+  return fit_from_lower(problem, whitening, std::move(fit), starts, options);
 }
 
 }  // namespace jaculus::diagnosis

@@ -90,10 +90,14 @@ bool lacks(const Problem& problem, const Fit& fit);
 /// beyond the number of them that the data tell, settings.remainder_left at least.
 bool leaves_more(const Problem& problem, const Fit& fit);
 
-/// The same fit, or the one that starts where the first free parameter's departure from nominal is
-/// somewhat smaller or larger (`kAround`), the others as they are, if the cost there is less by
-/// more than `lower_valley`: where a prediction jumps, an impact that crosses a row makes valleys
-/// of its own.
+/// The same fit, or the one from the best of some starts, if the cost there is less by more than
+/// `lower_valley` before any step is taken.
+Fit fit_from_lower(const Problem& problem, const Whitening& whitening, Fit fit,
+                   const std::vector<Vector>& starts, const FitOptions& options = {});
+
+/// The same from where the first free parameter's departure from nominal is somewhat smaller or
+/// larger (`kAround`), the others as they are: where a prediction jumps, an impact that crosses a
+/// row makes valleys of its own.
 Fit fit_around(const Problem& problem, const Whitening& whitening, Fit fit,
                const FitOptions& options = {});
 

@@ -54,7 +54,7 @@ FittedModels::FittedModels(const Problem& problem, const Comparison& comparison,
   // Nuisances from where the noise was told; noise may be about a model with effects.
   Vector start = problem.hypotheses.nominal();
   for (const int i : problem.hypotheses.nuisances()) start[i] = comparison.noise.p[i];
-  fit({Job{{}, {start}}});
+  fit({Job{{}, problem.hypotheses.gain_starts(start)}});
 }
 
 double FittedModels::value(const ModelFit& model) const { return model.log_weight(); }
@@ -239,8 +239,36 @@ void FittedModels::refine() {
     refined.insert(next->candidates);
   }
 
-  // Where effects lead, none sets out from their tolerances too: that was sought from there.
-  if (!leading()->candidates.empty()) refine(models_.front());
+  share_valleys(refined);
+}
+
+void FittedModels::share_valleys(const std::set<Members>& refined) {
+  std::vector<ModelFit*> models;
+  for (ModelFit& model : models_)
+    if (model.fit.valid && refined.contains(model.candidates)) models.push_back(&model);
+  for (int round = 0; round < problem_.settings.search_rounds; ++round) {
+    bool moved = false;
+    for (ModelFit* model : models) {
+      std::vector<Vector> starts;
+      for (const ModelFit* other : models) {
+        starts.push_back(model->fit.p);
+        for (const int i : problem_.hypotheses.nuisances()) starts.back()[i] = other->fit.p[i];
+      }
+      const double before = model->fit.log_evidence;
+      model->fit = fit_from_lower(problem_, comparison_.whitening, std::move(model->fit), starts,
+                                  exact_options(*model));
+      moved = moved || model->fit.log_evidence > before;
+    }
+    if (!moved) return;
+  }
+}
+
+FitOptions FittedModels::exact_options(const ModelFit& model) const {
+  FitOptions options;
+  options.scales = model.fit.scales;
+  options.with_forces = true;
+  options.known = linear_.slopes;
+  return options;
 }
 
 void FittedModels::refine(ModelFit& model) {
@@ -249,10 +277,7 @@ void FittedModels::refine(ModelFit& model) {
   for (const int i : problem_.hypotheses.nuisances())
     starts.back()[i] = (lead == &model ? none() : *lead).fit.p[i];
 
-  FitOptions options;
-  options.scales = model.fit.scales;
-  options.with_forces = true;
-  options.known = linear_.slopes;
+  FitOptions options = exact_options(model);
   options.enough = model.fit.log_evidence;
   const std::vector<int> free = problem_.hypotheses.freed_by(model.candidates);
   Fit exact = fit_model(problem_, comparison_.whitening, free, starts, options);

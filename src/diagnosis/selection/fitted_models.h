@@ -1,6 +1,7 @@
 #pragma once
 // The models fitted so far in a search, and how more are added.
 
+#include <set>
 #include <vector>
 
 #include "diagnosis/selection/comparison.h"
@@ -44,7 +45,7 @@ class FittedModels {
   void fit_again(const std::vector<ModelFit>& earlier);
   /// The leading models again, best first, and none, with tolerances simulated: slopes served to
   /// find them. Each sets out from where it is, from where slopes were told or from the nuisances
-  /// of what leads, so that none is better only by its start.
+  /// of what leads; then they try each other's.
   void refine();
   /// The same of these candidates.
   void extend(const ModelFit& base, const std::vector<Probe>& probes, const Members& which);
@@ -64,6 +65,11 @@ class FittedModels {
   /// The best fit of what is left where one member of a set is dropped, or none's.
   [[nodiscard]] const Fit& contained_in(const Members& members) const;
   void refine(ModelFit& model);
+  /// Each of the models that were refined from the nuisances of every other, wherever the cost is
+  /// lower there: tolerances have several valleys, and no model shall lead by its start alone.
+  void share_valleys(const std::set<Members>& refined);
+  /// Of a fit with tolerances simulated.
+  [[nodiscard]] FitOptions exact_options(const ModelFit& model) const;
   void fit(const std::vector<Job>& jobs);
 
   const Problem& problem_;
