@@ -128,7 +128,8 @@ std::optional<Attribution> attribute(const Problem& problem, const Whitening& wh
   Attribution out;
   out.weight = model.probability();
   out.players = players_of(problem, model);
-  out.left = beyond_noise(model.fit.chi2, whitening.rows, problem.settings.floor_error);
+  out.left =
+      beyond_noise(model.fit.chi2, whitening.rows - whitening.apart, problem.settings.floor_error);
   const int n = count_of(out.players);
   out.energy = Vector::Zero(n);
   out.signatures.resize(whitening.rows, n);

@@ -23,6 +23,8 @@ Products products_between(const RandomEffects& effects, const Matrix& A, const M
     out.gram = A.transpose() * B;
     return out;
   }
+  for (const auto& [first, count] : effects.plain)
+    out.gram.noalias() += A.middleRows(first, count).transpose() * B.middleRows(first, count);
   for (const RandomBlock& block : effects.blocks)
     out.gram.noalias() +=
         A.middleRows(block.first, block.count).transpose() * B.middleRows(block.first, block.count);

@@ -65,7 +65,7 @@ struct RandomBlock {
 struct Misfit {
   int group = 0;
   double values = 0.0;                     ///< n, that it counts as
-  int rows = 0;                            ///< N, of those that take part
+  int rows = 0;                            ///< N, of those that take part, less what stands apart
   std::vector<std::pair<int, int>> spans;  ///< of white rows: first, count
 
   /// 1 + m of a misfit of root mean square s.
@@ -89,6 +89,9 @@ struct RandomEffects {
   std::vector<RandomGroup> groups;
   std::vector<RandomBlock> blocks;
   std::vector<Misfit> misfits;
+  /// White rows of neither, beside a misfit: first, count (nuisances that stand apart,
+  /// whitening.h).
+  std::vector<std::pair<int, int>> plain{};
 
   [[nodiscard]] int size() const { return count_of(groups); }
 };

@@ -40,7 +40,7 @@ DatasetWhitening row_whitening(const Problem& problem, const NoiseModel& noise, 
   for (const RowSpan& span : row_spans(observed)) {
     if (!mask.empty() && !mask[span.segment]) continue;
     if (out.blocks.empty() || out.blocks.back().segment != span.segment)
-      out.blocks.push_back({span.segment, out.rows, 0, {}});
+      out.blocks.push_back({span.segment, out.rows, 0, {}, {}});
     out.spans.push_back(span);
     out.blocks.back().count += span.count;
     out.rows += span.count;
@@ -114,6 +114,17 @@ int coordinates_of(const ObservedDataset& observed) {
   return count_of(coordinates);
 }
 
+/// Takes out of a segment's nuisances those directions that stand apart from a misfit.
+void set_apart(double least, SegmentBlock& block) {
+  Vector& shrink = block.nuisances.shrink;
+  const double most = 1.0 / std::sqrt(1.0 + least * least);  // of 1/sqrt(1 + s^2)
+  std::vector<Eigen::Index> apart;
+  for (Eigen::Index k = 0; k < shrink.size(); ++k)
+    if (1.0 - shrink[k] <= most) apart.push_back(k);
+  block.apart = {block.nuisances.U(Eigen::all, apart), shrink(apart)};
+  shrink(apart).setOnes();
+}
+
 /// The misfit of the datasets under a plan.
 void add_misfit(const Problem& problem, const std::vector<DatasetWhitening>& datasets,
                 RandomEffects& out) {
@@ -124,7 +135,7 @@ void add_misfit(const Problem& problem, const std::vector<DatasetWhitening>& dat
     const int rows = datasets[d].rows;
     if (!observed.measured_input && rows > 0) {
       misfit.spans.emplace_back(first, rows);
-      misfit.rows += rows;
+      misfit.rows += rows - datasets[d].apart;
       misfit.values += std::min(
           double(problem.settings.discrepancy_modes * coordinates_of(observed)), double(rows));
     }
@@ -150,6 +161,9 @@ RandomEffects random_effects(const Problem& problem, const NoiseModel& noise,
     first += datasets[d].rows;
   }
   if (!in_windows(problem)) add_misfit(problem, datasets, out);
+  int apart = 0;
+  for (const DatasetWhitening& own : datasets) apart += own.apart;
+  if (apart > 0) out.plain.emplace_back(first, apart);
   for (RandomBlock& block : out.blocks) block.gram = block.columns.transpose() * block.columns;
   return out;
 }
@@ -164,6 +178,9 @@ DatasetWhitening dataset_whitening(const Problem& problem, const NoiseModel& noi
     const SegmentNuisances& own = noise.datasets[dataset].nuisances[out.blocks[b].segment];
     out.prior_mean_rows.segment(own.first, own.count) = own.columns * own.mean;
     out.blocks[b].nuisances = shrinkage(out.whiten_block(b, own.columns * own.scale.asDiagonal()));
+    if (!noise.may_lack || observed.measured_input) continue;
+    set_apart(problem.settings.nuisance_apart, out.blocks[b]);
+    out.apart += static_cast<int>(out.blocks[b].apart.shrink.size());
   }
   return out;
 }
@@ -205,6 +222,22 @@ Vector DatasetWhitening::apply(const Vector& raw) const {
   return white;
 }
 
+Vector DatasetWhitening::apply_apart(const Vector& raw) const {
+  Vector out(apart);
+  if (apart == 0) return out;
+  const Vector white = whiten(raw);
+  Eigen::Index next = 0;
+  for (const SegmentBlock& block : blocks) {
+    const Eigen::Index count = block.apart.shrink.size();
+    if (count == 0) continue;
+    out.segment(next, count) =
+        (1.0 - block.apart.shrink.array()) *
+        (block.apart.U.transpose() * white.segment(block.first, block.count)).array();
+    next += count;
+  }
+  return out;
+}
+
 Vector Whitening::residual(const std::vector<Vector>& predicted) const {
   std::vector<Vector> raw;
   for (std::size_t d = 0; d < datasets.size(); ++d) raw.push_back(measured[d] - predicted[d]);
@@ -218,6 +251,10 @@ Vector Whitening::apply(const std::vector<Vector>& raw) const {
     white.segment(first, datasets[d].rows) = datasets[d].apply(raw[d]);
     first += datasets[d].rows;
   }
+  for (std::size_t d = 0; d < datasets.size(); ++d) {
+    white.segment(first, datasets[d].apart) = datasets[d].apply_apart(raw[d]);
+    first += datasets[d].apart;
+  }
   return white;
 }
 
@@ -228,7 +265,8 @@ Whitening whitening_of(const Problem& problem, const NoiseModel& noise, const Se
     const ObservedDataset& observed = problem.observations.datasets[d];
     out.datasets.push_back(
         dataset_whitening(problem, noise, d, mask.empty() ? std::vector<bool>() : mask[d]));
-    out.rows += out.datasets.back().rows;
+    out.rows += out.datasets.back().rows + out.datasets.back().apart;
+    out.apart += out.datasets.back().apart;
     out.measured.push_back(measured_rows(observed, noise.alignments[d]) -
                            out.datasets.back().prior_mean_rows);
   }

@@ -10,6 +10,14 @@
 //                   segment by segment
 // Marginalising n is thus a fixed linear map T, whose log det is the same for every model. The
 // random effects follow on white rows, for their deviations are each model's own.
+//
+// Under a plan a misfit adds to e, not to n: how far a clock or a start may be off does not grow
+// with what the model lacks. Along U the rows have the variance 1 + s^2 before they are white and
+// 1 + m + s^2 with a misfit's m, in white rows 1 + m/(1 + s^2); so directions of a large s (setting
+// nuisance_apart) stand apart, x as
+//   (I - U U^T) x,   then U^T x/sqrt(1 + s^2) behind the rows of all datasets, without the misfit.
+// Counted as rows like others they would let a wrong model move clocks at hardly any price, which
+// held-out data then have to pay.
 
 #include <vector>
 
@@ -23,19 +31,24 @@ struct SegmentBlock {
   int segment = 0;
   int first = 0, count = 0;  ///< of its rows among those that take part
   Shrinkage nuisances;
+  Shrinkage apart;  ///< of these, the directions that stand apart, which `nuisances` takes off
 };
 
 struct DatasetWhitening {
   std::vector<RowSpan> spans;        ///< of the dataset's rows, those that take part
   std::vector<SegmentBlock> blocks;  ///< segments that take part, in order
   int rows = 0;
+  int apart = 0;           ///< directions of nuisances that stand apart
   Vector sigma;            ///< standard deviation of every row here [unit]
   Vector weight;           ///< 1/(sigma sqrt(1 - rho^2)) of every row here
   Vector previous;         ///< rho to the row before, in units of sigma; 0 at a span's start
   Vector prior_mean_rows;  ///< A m, raw rows of the dataset
 
-  /// Steps 1 and 2 on a raw vector (a residual, a sensitivity) of all the dataset's rows.
+  /// Steps 1 and 2 on a raw vector (a residual, a sensitivity) of all the dataset's rows, without
+  /// what stands apart.
   [[nodiscard]] Vector apply(const Vector& raw) const;
+  /// What stands apart of it.
+  [[nodiscard]] Vector apply_apart(const Vector& raw) const;
   [[nodiscard]] Vector whiten(const Vector& raw) const;  ///< step 1 alone
   /// Step 1 on the rows of one block, each column of `raw` a vector of that segment's own rows.
   [[nodiscard]] Matrix whiten_block(int block, const Matrix& raw) const;
@@ -45,7 +58,8 @@ struct DatasetWhitening {
 
 struct Whitening {
   std::vector<DatasetWhitening> datasets;
-  int rows = 0;
+  int rows = 0;                       ///< of all datasets in their order, then of what stands apart
+  int apart = 0;                      ///< of these; as many of the others hold no noise
   std::vector<Alignment> alignments;  ///< by which rows are predicted, a dataset each
   std::vector<Vector> measured;       ///< raw rows less the nuisances' prior mean, a dataset each
   RandomEffects random;               ///< on white rows

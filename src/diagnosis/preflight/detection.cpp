@@ -12,7 +12,7 @@ namespace {
 /// over channels.
 double gap_of(const SignatureSpace& space, const Vector& signature) {
   Vector squares = Vector::Zero(space.channels), rows = Vector::Zero(space.channels);
-  for (Eigen::Index i = 0; i < signature.size(); ++i) {
+  for (int i = 0; i < count_of(space.channel); ++i) {
     squares[space.channel[i]] += signature[i] * signature[i];
     rows[space.channel[i]] += 1.0;
   }

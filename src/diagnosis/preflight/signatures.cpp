@@ -18,6 +18,7 @@ RandomEffects without_tolerances(const RandomEffects& random, const Shrinkage& t
   RandomEffects out;
   out.groups = random.groups;
   out.misfits = random.misfits;
+  out.plain = random.plain;
   Eigen::Index columns = 0;
   for (const RandomBlock& block : random.blocks) columns += block.columns.cols();
   if (columns == 0) return out;

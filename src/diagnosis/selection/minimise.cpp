@@ -122,6 +122,7 @@ std::vector<Part> parts_of(const RandomEffects& random, bool follow, const Rando
   parts.emplace_back();
   for (const RandomBlock& block : random.blocks)
     parts.back().emplace_back(block.first, block.count);
+  parts.back().insert(parts.back().end(), random.plain.begin(), random.plain.end());
   if (weights.more_rows() > 0) parts.back().emplace_back(rows, all - static_cast<int>(rows));
   return parts;
 }

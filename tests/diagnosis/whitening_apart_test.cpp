@@ -1,0 +1,59 @@
+// Clocks that stand apart from a misfit: the same numbers in white rows, and no cheaper for what a
+// model lacks.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "diagnosis/noise/whitening.h"
+#include "diagnosis/toy.h"
+
+namespace jaculus::diagnosis {
+namespace {
+
+struct Whitened {
+  std::shared_ptr<Problem> problem = test::toy_problem(test::toy_truth(0.0, 0.0));
+  NoiseModel plain = estimate_noise(*problem, problem->hypotheses.nominal());
+  NoiseModel noise = with_random_effects(*problem, plain);
+  Whitening together = whitening_of(*problem, plain), apart = whitening_of(*problem, noise);
+};
+
+TEST(WhiteningApart, KeepsTheSumsOfSquares) {
+  const Whitened w;
+  ASSERT_GT(w.apart.apart, 0);
+  EXPECT_EQ(w.apart.rows, w.together.rows + w.apart.apart);
+  EXPECT_EQ(w.apart.random.misfits.at(0).rows, w.together.rows - w.apart.apart);
+  for (int seed = 0; seed < 3; ++seed) {
+    std::srand(static_cast<unsigned>(seed));
+    const Vector raw = Vector::Random(w.together.measured[0].size());
+    const double squares = w.together.apply({raw}).squaredNorm();
+    EXPECT_NEAR(w.apart.apply({raw}).squaredNorm(), squares, 1e-9 * squares);
+  }
+}
+
+TEST(WhiteningApart, HasAClocksWholeDepartureOutsideOfTheMisfit) {
+  const Whitened w;
+  const SegmentNuisances& own = w.noise.datasets[0].nuisances[1];
+  const auto clock =
+      std::find_if(own.names.begin(), own.names.end(),
+                   [](const std::string& name) { return name.starts_with("shift of"); }) -
+      own.names.begin();
+  Vector raw = Vector::Zero(w.together.measured[0].size());
+  raw.segment(own.first, own.count) = 2.0 * own.scale[clock] * own.columns.col(clock);
+
+  const Vector white = w.apart.apply({raw});
+  const auto rows = w.apart.rows - w.apart.apart;
+  EXPECT_LT(white.head(rows).norm(), 0.05 * white.norm());
+
+  // Two deviations of a clock cost what they cost, however large the misfit.
+  Vector scales = complete_scales(w.apart.random);
+  for (const double misfit : {0.3, 30.0}) {
+    scales[w.apart.random.misfits[0].group] = misfit;
+    const Products products = products_of(w.apart.random, white);
+    EXPECT_NEAR(weigh(w.apart.random, products, scales).gram(0, 0), 4.0, 0.2) << misfit;
+  }
+}
+
+}  // namespace
+}  // namespace jaculus::diagnosis
