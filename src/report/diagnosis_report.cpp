@@ -15,6 +15,7 @@ namespace jaculus::report {
 namespace {
 
 constexpr double kWorthASentence = 0.005;  // share of the gap's energy
+constexpr std::size_t kMostBars = 10;      // effects that weren't worth a fit have rows too
 
 Bars ranking(const diagnosis::Diagnosis& d) {
   Bars bars{"ranking",
@@ -23,6 +24,7 @@ Bars ranking(const diagnosis::Diagnosis& d) {
             {},
             "Log evidence is relative to no effect at all; the error is that on held-out data."};
   for (const diagnosis::Ranked& r : d.ranking) {
+    if (bars.items.size() == kMostBars) break;
     bars.items.push_back({plain(r.effect), r.probability, kNaN, kNaN,
                           fmt::format("log evidence {}, error {} noise floors",
                                       shown(r.log_evidence), shown(r.held_out_error))});

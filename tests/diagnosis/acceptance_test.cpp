@@ -39,6 +39,25 @@ struct Fitted {
   SearchResult search;
 };
 
+TEST(Posterior, LeavesRoomForWhatWasNotWorthAFit) {
+  Fitted toy(toy_truth(0.0, 0.0));
+  const Posterior fitted = posterior_of(toy.search, {});
+  toy.search.probes[3].valid = true;
+  toy.search.probes[3].score = -2.0;  // as unlikely by its linear model, and by its prior
+  const Posterior posterior = posterior_of(toy.search, {});
+
+  const double odds =
+      std::exp(log_prior(1, 4, {}) - log_prior(0, 4, {}) - 2.0);  // of it against none
+  EXPECT_NEAR(posterior.untold[3], odds * posterior.none, 1e-12);
+  EXPECT_NEAR(posterior.nothing_told(), posterior.none + posterior.untold[3], 1e-12);
+  EXPECT_EQ(posterior.untold[0], 0.0);  // fitted
+  EXPECT_LT(posterior.none, fitted.none);
+  double sum = posterior.nothing_told();
+  for (const ModelFit& m : posterior.models)
+    sum += m.candidates.empty() ? m.lacking : m.probability();
+  EXPECT_NEAR(sum, 1.0, 1e-12);
+}
+
 TEST(Acceptance, LeavesOutMembersThatPredictNothing) {
   const Fitted toy(toy_truth(0.5, 0.0)), both(toy_truth(0.5, 0.2));
   for (const auto& [fitted, kept] :

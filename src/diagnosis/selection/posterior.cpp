@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "diagnosis/noise/log_probability.h"
 
@@ -23,6 +24,28 @@ const ModelFit* Posterior::leading() const {
   return nullptr;
 }
 
+double Posterior::nothing_told() const {
+  return std::accumulate(untold.begin(), untold.end(), none);
+}
+
+namespace {
+
+/// log weight of every candidate alone that was not fitted so, by the linear evidence that
+/// screening about none found; -infinity of the others, and of those that these data don't show.
+std::vector<double> untold_weights(const SearchResult& search, double none_complete,
+                                   const Settings& settings) {
+  const std::size_t n = search.probes.size();
+  const double prior = log_prior(1, n, settings) - log_prior(0, n, settings);
+  std::vector<double> weights;
+  for (const Probe& probe : search.probes)
+    weights.push_back(probe.valid ? none_complete + prior + probe.score : -kInfinity);
+  for (const ModelFit& m : search.models)
+    if (m.candidates.size() == 1 && m.fit.valid) weights[m.candidates.front()] = -kInfinity;
+  return weights;
+}
+
+}  // namespace
+
 double log_prior(std::size_t members, std::size_t candidates, const Settings& settings) {
   const double shared[] = {settings.prior_none, settings.prior_single, settings.prior_pair,
                            settings.prior_triple};
@@ -40,6 +63,7 @@ Posterior posterior_of(const SearchResult& search, const Settings& settings) {
   out.models = search.models;
   out.indistinguishable = search.indistinguishable;
   out.inclusion.assign(search.probes.size(), 0.0);
+  for (const Probe& probe : search.probes) out.scores.push_back(probe.score);
 
   const double lacking = std::log(settings.prior_lacking),
                complete = std::log1p(-settings.prior_lacking);
@@ -51,6 +75,9 @@ Posterior posterior_of(const SearchResult& search, const Settings& settings) {
     m.lacking = may_lack ? m.log_prior + lacking + m.fit.log_evidence : -kInfinity;
     all = log_of_sum(all, log_of_sum(m.complete, m.lacking));
   }
+  out.untold = untold_weights(search, out.models.front().complete, settings);
+  for (const double weight : out.untold) all = log_of_sum(all, weight);
+  for (double& weight : out.untold) weight = std::exp(weight - all);
 
   for (ModelFit& m : out.models) {
     m.complete = std::exp(m.complete - all);

@@ -5,6 +5,9 @@
 // triples. Each model stands twice: complete, where nothing beyond noise and tolerances is left,
 // and with forces that it lacks (noise/random_effects.h), at odds of settings.prior_lacking.
 // Effects are at work in either, so that what is established is not cleared because more remains.
+// An effect that was not worth a fit is not ruled out by that: it may be there, smaller than these
+// data tell. It counts with its prior and the evidence of its linear model about none, where
+// nothing lacks.
 
 #include <vector>
 
@@ -39,11 +42,17 @@ struct Posterior {
   std::vector<ModelFit> models;   ///< most probable first
   double none = 0.0;              ///< probability of no effect, nothing lacking
   double unexplained = 0.0;       ///< probability of no effect, but something lacking
-  std::vector<double> inclusion;  ///< a candidate each: probability that it is at work
+  std::vector<double> inclusion;  ///< a candidate each: probability that it is at work, as fitted
+  /// A candidate each: probability that it is at work alone and too small for a fit; 0 where it was
+  /// fitted alone.
+  std::vector<double> untold;
+  std::vector<double> scores;  ///< a candidate each: log evidence beyond none's, by screening
   std::vector<std::vector<int>> indistinguishable;  ///< as in SearchResult
 
   /// The valid fitted model of some candidates; null where there is none.
   [[nodiscard]] const ModelFit* find(const std::vector<int>& candidates) const;
+  /// Probability that no effect is told, at work or not, and nothing lacks.
+  [[nodiscard]] double nothing_told() const;
   /// The most probable valid model with effects; null without any.
   [[nodiscard]] const ModelFit* leading() const;
 };

@@ -312,7 +312,8 @@ Selection select_models(const Problem& problem, Comparison comparison,
   if (singles.models.empty()) return {std::move(comparison), singles};
   const Posterior posterior = posterior_of(singles, problem.settings);
   const bool fixed = problem.hypotheses.tolerances.empty();
-  if (posterior.none > problem.settings.likely && fixed) return {std::move(comparison), singles};
+  if (posterior.nothing_told() > problem.settings.likely && fixed)
+    return {std::move(comparison), singles};
 
   const ModelFit* leader = clear_leader(posterior, problem.settings);
   const bool same_space = leader == nullptr && fixed;

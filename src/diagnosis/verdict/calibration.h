@@ -1,6 +1,9 @@
 #pragma once
 // Probabilities as stated: how often such verdicts were right. The posterior knows noise and
-// starts, not what the plant itself gets wrong, so it is nearly always sure.
+// starts, not what the plant itself gets wrong, so it is nearly always sure where it names
+// something. Of `right` in `cases` the next one is right with w = (right + 1)/(cases + 2)
+// (Laplace's rule of succession). Where nothing is there the posterior is modest itself, for an
+// effect too small to be told keeps its prior: it counts where it claims more than w for none.
 //   rows of the ranking that the verdict reports: p = w x (their part of the reported rows'
 //   posterior);
 //   the others share 1 - w: unexplained, none, and the remaining effects by rank of their evidence,
@@ -17,11 +20,15 @@ namespace jaculus::diagnosis {
 /// How often a verdict was right, counted on cases that no score of these rules rests on.
 struct Reliability {
   Verdict verdict;
-  bool low_confidence;               ///< an effect that something speaks against (doubts)
+  /// An effect that something speaks against (doubts); none beside a force that acted once, which
+  /// may be something else that acts briefly.
+  bool low_confidence;
   int right, cases;                  ///< as counted
-  double stated;                     ///< probability that is stated for it
   double unexplained, none, others;  ///< parts of the rest
   const char* origin;                ///< robot and cases
+
+  /// Probability that is stated for it.
+  [[nodiscard]] double stated() const { return (right + 1.0) / (cases + 2.0); }
 };
 const std::vector<Reliability>& reliabilities();
 

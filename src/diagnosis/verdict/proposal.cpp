@@ -77,7 +77,7 @@ std::vector<int> predicting(HeldOutGaps& gaps, const ModelFit& model, const Esta
 
 /// Everything that reaches a share of what effects explain, most probable first, as one place.
 Established any_listed(const Posterior& posterior, const Settings& settings) {
-  const double by_effects = 1.0 - posterior.none - posterior.unexplained;
+  const double by_effects = 1.0 - posterior.nothing_told() - posterior.unexplained;
   std::vector<int> order(posterior.inclusion.size());
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(),
@@ -139,7 +139,7 @@ Proposal propose(HeldOutGaps& gaps) {
   const Posterior& posterior = gaps.posterior();
   const Settings& settings = gaps.settings();
   const ModelFit* leading = posterior.leading();
-  if (posterior.none > settings.likely || leading == nullptr)
+  if (posterior.nothing_told() > settings.likely || leading == nullptr)
     return {Naming::nothing, {}, *posterior.find({}), {}};
   if (posterior.unexplained > settings.likely) return {Naming::nothing, {}, *leading, {}};
 

@@ -147,7 +147,7 @@ std::vector<Tolerated> tolerated_by(const Problem& problem, const Fit& fit) {
 
 /// Of effects against none, complete or lacking.
 double log_odds_of_effects(const Posterior& posterior) {
-  const double none = posterior.none + posterior.unexplained;
+  const double none = posterior.nothing_told() + posterior.unexplained;
   return std::log1p(-std::min(none, 1.0)) -
          std::log(std::max(none, std::numeric_limits<double>::min()));
 }
@@ -169,6 +169,17 @@ Ranked row_of(const Problem& problem, const ModelFit& model, double zero) {
              members};
   row.parameters = values_of(problem, model);
   return row;
+}
+
+/// Effects that were not worth a fit, by what screening says of them.
+void add_untold(const HeldOutGaps& gaps, double zero, std::vector<Ranked>& ranking) {
+  const Posterior& posterior = gaps.posterior();
+  const double none = posterior.find({})->fit.log_complete;
+  for (int c = 0; c < count_of(posterior.untold); ++c) {
+    if (posterior.untold[c] == 0.0) continue;
+    const std::string& name = gaps.problem().hypotheses.candidates[c].name;
+    ranking.push_back({name, none + posterior.scores[c] - zero, kNaN, posterior.untold[c], {name}});
+  }
 }
 
 /// Every model worth a row, `chosen` however improbable: what is reported stands in the ranking. A
@@ -197,6 +208,7 @@ std::vector<Ranked> ranking_of(HeldOutGaps& gaps, const ModelFit& chosen) {
     ranking.back().probability = posterior.leading()->probability();
   }
 
+  add_untold(gaps, zero, ranking);
   ranking.push_back({to_text(Verdict::unexplained), 0.0, kNaN, posterior.unexplained, {}});
   std::stable_sort(ranking.begin(), ranking.end(),
                    [](const Ranked& a, const Ranked& b) { return a.probability > b.probability; });
@@ -273,10 +285,10 @@ Statement state_verdict(const Problem& problem, const Selection& selection, bool
   const double lacking = lacking_probability(chosen, settings);
   out.lacking_probability = lacking;
   out.lacking = lacking_forces(problem, selection.comparison.whitening, chosen.fit);
-  const VerdictRule& rule = decide(
-      {one_trial, posterior.none, posterior.unexplained, told.naming, count_of(proposal.effects),
-       lacking, out.gap, in_windows(problem) ? 0.0 : log_odds_of_effects(posterior)},
-      settings);
+  const VerdictRule& rule = decide({one_trial, posterior.nothing_told(), posterior.unexplained,
+                                    told.naming, count_of(proposal.effects), lacking, out.gap,
+                                    in_windows(problem) ? 0.0 : log_odds_of_effects(posterior)},
+                                   settings);
   out.verdict = about_effects(rule.verdict, told);
   out.rule = rule.name;
   out.stated = {{}, stated.p};
@@ -312,8 +324,9 @@ Statement state_verdict(const Problem& problem, const Selection& selection, bool
   if (!out.events.empty()) ranking = ranked_without_events(problem, ranking);
   const std::vector<std::string> doubted = doubts(out.verdict, out.gap, effects, ranking, settings);
   append(doubted, out.reasons);
-  Calibrated calibrated =
-      calibrate(out.verdict, !doubted.empty(), std::move(effects), std::move(ranking));
+  const bool once_alone = out.verdict == Verdict::none && !out.events.empty();
+  Calibrated calibrated = calibrate(out.verdict, once_alone || !doubted.empty(), std::move(effects),
+                                    std::move(ranking));
   out.effects = std::move(calibrated.effects);
   out.ranking = std::move(calibrated.ranking);
   out.posterior = posterior;
