@@ -142,11 +142,15 @@ std::string unknown_phrase(const FittedUnknown& u) {
                      u.ci95.lower, u.ci95.upper, u.at_bound ? ", at its bound" : "");
 }
 
+/// Whether it is a set's own and not the robot's.
+bool is_clock(const FittedUnknown& u) { return u.name.starts_with("clock"); }
+
 /// What values that the files leave open, common to all sets, do to the gap as stated; empty where
 /// they do nothing, or no sets tell.
 std::string unknowns_sentence(const Agreement& agreement) {
   std::vector<std::string> values, explained, worse;
-  for (const FittedUnknown& u : agreement.unknowns) values.push_back(unknown_phrase(u));
+  for (const FittedUnknown& u : agreement.unknowns)
+    if (!is_clock(u)) values.push_back(unknown_phrase(u));
   for (const std::string& channel : agreement.channels()) {
     const double share = agreement.explained(channel, &ChannelAgreement::unknowns);
     if (share >= kWorthAWord)

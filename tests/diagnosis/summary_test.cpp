@@ -83,7 +83,8 @@ TEST(Summary, SaysWhatUnknownsOfTheFilesAccountFor) {
   d.effects.clear();
   d.verdict = Verdict::unexplained;
   d.agreement.unknowns = {{"feedforward", "factor", 0.3, {0.2, 0.4}, true},
-                          {"kp_tail", "share of its stated range", 0.9, {0.8, 1.0}}};
+                          {"kp_tail", "share of its stated range", 0.9, {0.8, 1.0}},
+                          {"clock of fast", "ms later than its stamps", 3.0, {1.0, 5.0}}};
   d.agreement.sets = {{"slow", {{"mocap", "x", "m", 0.01, 0.002, 0.002, 0.003, 0.001}}, {}, true},
                       {"fast", {{"mocap", "x", "m", 0.02, 0.001, 0.001, 0.004, 0.001}}, {}, true}};
   EXPECT_EQ(summary_of(d).which,

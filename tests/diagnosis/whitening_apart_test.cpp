@@ -28,7 +28,9 @@ TEST(WhiteningApart, KeepsTheSumsOfSquares) {
     std::srand(static_cast<unsigned>(seed));
     const Vector raw = Vector::Random(w.together.measured[0].size());
     const double squares = w.together.apply({raw}).squaredNorm();
-    EXPECT_NEAR(w.apart.apply({raw}).squaredNorm(), squares, 1e-9 * squares);
+    const Vector white = w.apart.apply({raw});
+    EXPECT_NEAR(white.squaredNorm(), squares, 1e-9 * squares);
+    EXPECT_TRUE(w.apart.in_rows(white).isApprox(w.together.apply({raw}), 1e-9));
   }
 }
 

@@ -258,6 +258,21 @@ Vector Whitening::apply(const std::vector<Vector>& raw) const {
   return white;
 }
 
+Vector Whitening::in_rows(const Vector& white) const {
+  Vector out = white.head(rows - apart);
+  Eigen::Index first = 0, next = out.size();
+  for (const DatasetWhitening& dataset : datasets) {
+    for (const SegmentBlock& block : dataset.blocks) {
+      const Eigen::Index count = block.apart.shrink.size();
+      if (count == 0) continue;
+      out.segment(first + block.first, block.count) += block.apart.U * white.segment(next, count);
+      next += count;
+    }
+    first += dataset.rows;
+  }
+  return out;
+}
+
 Whitening whitening_of(const Problem& problem, const NoiseModel& noise, const SegmentMask& mask) {
   Whitening out;
   out.alignments = noise.alignments;

@@ -68,6 +68,8 @@ struct Whitening {
   [[nodiscard]] Vector residual(const std::vector<Vector>& predicted) const;
   /// T g of a raw difference of predictions.
   [[nodiscard]] Vector apply(const std::vector<Vector>& raw) const;
+  /// The rows of all datasets with what stands apart put back, M^-1/2 of step 2.
+  [[nodiscard]] Vector in_rows(const Vector& white) const;
 };
 
 /// Which segments of which dataset take part; empty: all.

@@ -12,8 +12,9 @@ namespace {
 /// over channels.
 double gap_of(const SignatureSpace& space, const Vector& signature) {
   Vector squares = Vector::Zero(space.channels), rows = Vector::Zero(space.channels);
-  for (int i = 0; i < count_of(space.channel); ++i) {
-    squares[space.channel[i]] += signature[i] * signature[i];
+  const Vector in_rows = space.whitening.in_rows(signature);
+  for (Eigen::Index i = 0; i < in_rows.size(); ++i) {
+    squares[space.channel[i]] += in_rows[i] * in_rows[i];
     rows[space.channel[i]] += 1.0;
   }
   double mean = 0.0;

@@ -29,7 +29,7 @@ struct SignatureSpace {
   std::vector<Vector> rows;  ///< predicted for the nominal robot, a dataset each [unit]
   Shrinkage tolerances;      ///< of white rows
   RandomEffects random;      ///< on rows without tolerances, one block; no groups: not asked for
-  std::vector<int> channel;  ///< of every white row, counted through all datasets
+  std::vector<int> channel;  ///< of every row of the datasets, counted through all
   int channels = 0;
 };
 

@@ -239,10 +239,11 @@ std::vector<ModelFit> leading_models(const SearchResult& search, const Problem& 
 /// told about in a space of their own, in which what fits badly is granted more noise.
 double likelihood_by_size(const Relinearised& told) {
   const Whitening& whitening = told.comparison.whitening;
+  const Vector white = whitening.in_rows(told.fit.residual);
   double sum = 0.0;
   Eigen::Index first = 0;
   for (const DatasetWhitening& own : whitening.datasets) {
-    const Vector r = told.fit.residual.segment(first, own.rows).cwiseProduct(own.sigma);
+    const Vector r = white.segment(first, own.rows).cwiseProduct(own.sigma);
     std::map<int, std::pair<double, int>> sizes;  // by channel: squares and rows
     int row = 0;
     for (const RowSpan& span : own.spans) {
