@@ -3,12 +3,15 @@ from __future__ import annotations
 
 import json
 import os
-from pathlib import Path
-from typing import Any, Iterable, Mapping, Optional, Union
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Iterable, Mapping, Optional, Union
 
 from . import _core
 from ._inputs import Source, node_of
 from .terms import DerivativeCheck, Term, compiled
+
+if TYPE_CHECKING:
+    from pathlib import Path
 
 
 class Robot:
@@ -29,13 +32,19 @@ class Robot:
     def __init__(self, core: _core.Robot):
         self._core = core
         self.name: str = core.name
-        self.folder: Path = core.folder
         self.mass: float = core.mass
         self.coordinates: list[str] = core.coordinates
         self.motors: list[str] = core.motors
         self.feet: list[str] = core.feet
         self.notes: list[str] = core.notes
-        self.summary: str = core.summary
+
+    @cached_property
+    def folder(self) -> Path:
+        return self._core.folder
+
+    @cached_property
+    def summary(self) -> str:
+        return self._core.summary
 
     @property
     def values(self) -> dict[str, str]:
@@ -62,7 +71,10 @@ class Problem:
         self.name: str = core.name
         self.caption: str = core.caption
         self.robot = Robot(core.robot)
-        self.summary: str = core.summary
+
+    @cached_property
+    def summary(self) -> str:
+        return self._core.summary
 
     def to_dict(self) -> dict[str, Any]:
         """Every key of the problem with its value, defaults spelt out, SI."""
@@ -149,6 +161,7 @@ def shipped(kind: str = "problems") -> list[str]:
     """
     if kind not in ("problems", "models", "effects"):
         raise ValueError(f"kind: {kind!r} given; allowed: problems, models, effects")
+    from pathlib import Path
     found = set()
     for folder in _core.data_folders():
         for path in (Path(folder) / kind).glob("*"):
