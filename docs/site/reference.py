@@ -106,7 +106,7 @@ def write_files(folder):
 
 PYTHON = [
     ("Plans", ["solve", "compare", "Plan", "Comparison", "JointTrajectory"]),
-    ("Robots and problems", ["load_robot", "load_problem", "shipped", "Robot", "Problem"]),
+    ("Robots and problems", ["load_robot", "import_robot", "load_problem", "shipped", "Robot", "Problem"]),
     ("Trials and logs", ["simulate", "load_dataset", "import_bag", "import_table"]),
     ("", ["Dataset", "Trial", "Stream"]),
     ("Diagnoses", ["diagnose", "Diagnosis"]),

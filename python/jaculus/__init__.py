@@ -28,7 +28,8 @@ _MODULES = {
     "logs": ["import_bag", "import_table"],
     "plans": ["Comparison", "Plan", "compare", "solve"],
     "preflights": ["Preflight", "preflight"],
-    "robots": ["Problem", "Robot", "check_derivatives", "load_problem", "load_robot", "shipped"],
+    "robots": ["Problem", "Robot", "check_derivatives", "import_robot", "load_problem", "load_robot",
+               "shipped"],
     "studies": ["Study", "study"],
     "terms": ["DerivativeCheck", "Point", "Row", "Term"],
 }
@@ -46,7 +47,8 @@ if TYPE_CHECKING:
     from .logs import import_bag, import_table
     from .plans import Comparison, Plan, compare, solve
     from .preflights import Preflight, preflight
-    from .robots import Problem, Robot, check_derivatives, load_problem, load_robot, shipped
+    from .robots import (
+        Problem, Robot, check_derivatives, import_robot, load_problem, load_robot, shipped)
     from .studies import Study, study
     from .terms import DerivativeCheck, Point, Row, Term
 
@@ -54,7 +56,7 @@ __all__ = [
     "Comparison", "Dataset", "DerivativeCheck", "Diagnosis", "Effect", "EffectChecks", "InputError",
     "Interrupted", "JointTrajectory", "Plan", "Point", "Preflight", "Problem", "Robot", "Row", "Stream",
     "Study", "Term", "Trial", "__version__", "check_derivatives", "check_effect", "compare", "diagnose",
-    "import_bag", "import_table", "load_dataset", "load_problem", "load_robot", "map", "preflight",
+    "import_bag", "import_robot", "import_table", "load_dataset", "load_problem", "load_robot", "map", "preflight",
     "shipped", "simulate", "solve", "study",
 ]
 
