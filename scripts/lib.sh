@@ -108,7 +108,8 @@ ensure_bindings() {
   "$bindings_python" -c "import nanobind, numpy, pytest" 2>/dev/null && return 0
   say "nanobind, numpy and pytest are fetched from PyPI for the Python package"
   if python3 -m venv "$root/build/bindings_tools" >&2 &&
-    "$bindings_python" -m pip install -q 'nanobind>=2.4,<4' numpy pytest >&2; then return 0; fi
+    timeout 180 "$bindings_python" -m pip install -q --retries 1 --timeout 30 'nanobind>=2.4,<4' \
+      numpy pytest >&2; then return 0; fi
   say "PyPI can't be reached: the Python package is NEITHER BUILT NOR TESTED"
   return 1
 }
