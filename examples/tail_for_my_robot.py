@@ -6,7 +6,6 @@ Without a file it takes a 25 kg quadruped that comes with jaculus. Takes a minut
 """
 
 # %% The robot's file
-import subprocess
 import sys
 
 import jaculus
@@ -16,27 +15,10 @@ for given in sys.argv[1:]:
     if given.endswith((".urdf", ".xml")):  # a notebook's kernel has arguments of its own
         urdf = given
 
-# %% Make a robot of it, with a tail of a tenth of its mass; all that is assumed is printed
-done = subprocess.run(
-    [
-        sys.executable,
-        "-m",
-        "jaculus",
-        "robot",
-        "import",
-        urdf,
-        "--tail",
-        "10 %",
-        "--out",
-        "my_robot",
-        "--replace",
-    ],
-    capture_output=True,
-    text=True,
-)
-print(done.stdout, done.stderr)
-assert done.returncode == 0
-robot = jaculus.load_robot("my_robot")
+# %% Make a robot of it, with a tail of a tenth of its mass; read what is assumed
+robot = jaculus.import_robot(urdf, "my_robot", tail="10 %", replace=True)
+for what in ("decided", "assumed", "to_fill_in"):
+    print(f"{what.replace('_', ' ')}:", *robot.imported[what], sep="\n  ")
 print(f"{robot.mass:.1f} kg with its tail; coordinates: {', '.join(robot.coordinates)}")
 
 # %% Its first leap, proposed with it, with the tail as a drag tail, as a mass alone, and without

@@ -101,6 +101,19 @@ install_packages() {
   $apt install -y --no-install-recommends "$@" >&2 || fail "apt-get could not install: $*"
 }
 
+# ensure_bindings: sets `bindings_python`, a Python with what the bindings and their short test need;
+# false where PyPI can't be reached.
+ensure_bindings() {
+  bindings_python=$root/build/bindings_tools/bin/python
+  "$bindings_python" -c "import nanobind, numpy, pytest" 2>/dev/null && return 0
+  say "nanobind, numpy and pytest are fetched from PyPI for the Python package"
+  if python3 -m venv "$root/build/bindings_tools" >&2 &&
+    timeout 180 "$bindings_python" -m pip install -q --retries 1 --timeout 30 'nanobind>=2.4,<4' \
+      numpy pytest >&2; then return 0; fi
+  say "PyPI can't be reached: the Python package is NEITHER BUILT NOR TESTED"
+  return 1
+}
+
 # configure PRESET [CMAKE_OPTION...]: sets up the build folder of CMakePresets.json.
 configure() {
   mkdir -p "$root/build"

@@ -68,7 +68,7 @@ NB_MODULE(_core, module) {
   // where Python's collector does not look: that is no fault, and users need not read of it.
   nanobind::set_leak_warnings(false);
   module.doc() = "The C++ library behind the package jaculus.";
-  module.attr("__version__") = JACULUS_VERSION;
+  module.attr("version") = JACULUS_VERSION;
   jaculus::python::bind_errors();
   jaculus::python::bind_tables(module);
   jaculus::python::bind_inputs(module);

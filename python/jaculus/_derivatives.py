@@ -115,7 +115,8 @@ def _by_jax(term: Term, places: Sequence[Place], keys: Mapping[str, float], rows
         raise ImportError(f"{term.name}: derivatives = \"jax\" needs jax: pip install jax") from missing
     from .terms import Point
     # JAX computes in 32 bits otherwise. The name is that of newer versions, or of older ones.
-    double = partial(jax.enable_x64, True) if hasattr(jax, "enable_x64") else jax.experimental.enable_x64
+    experimental: Any = jax.experimental
+    double = partial(jax.enable_x64, True) if hasattr(jax, "enable_x64") else experimental.enable_x64
 
     def value(numbers: Any) -> Any:
         told = term.value(Point(places, [numbers[i] for i in range(len(places))]), keys)

@@ -30,7 +30,7 @@ def node_of(source: Source) -> _core.Node:
 
 def compiled_all(given: Any, kind: type) -> list[Any]:
     """Users' objects of one class, or one alone, as the library takes them."""
-    many = [given] if isinstance(given, kind) else list(given)
+    many: list[Any] = [given] if isinstance(given, kind) else list(given)
     for own in many:
         if not isinstance(own, kind):
             raise TypeError(f"{own!r} given; allowed: objects of a class that is a jaculus.{kind.__name__}")

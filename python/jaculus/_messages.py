@@ -86,7 +86,7 @@ def near(name: str, names: Iterable[str]) -> str:
 
 def header_stamps(topic: Topic) -> Optional[np.ndarray]:
     """Stamps of the headers [ns]; None where messages have none or none is set."""
-    stamps = [getattr(getattr(m, "header", None), "stamp", None) for m in topic.messages]
+    stamps: list[Any] = [getattr(getattr(m, "header", None), "stamp", None) for m in topic.messages]
     if any(stamp is None for stamp in stamps):
         return None
     times = np.array([stamp.sec * 10**9 + stamp.nanosec for stamp in stamps], dtype=np.int64)
@@ -289,13 +289,13 @@ def joint_values(
             f"{place}: none of its joints is one of the robot's; allowed: "
             f"{', '.join(robot.slides)}, or `joints` of the map"
         )
-    for joint, theirs in sides.items():
-        if len(theirs) > 1:
+    for joint, given in sides.items():
+        if len(given) > 1:
             notes.append(
-                f"{place}: {joint} is the mean of {', '.join(sorted(theirs))}, each with its sign"
+                f"{place}: {joint} is the mean of {', '.join(sorted(given))}, each with its sign"
             )
-        elif theirs != {joint}:
-            notes.append(f"{place}: {joint} is {next(iter(theirs))}")
+        elif given != {joint}:
+            notes.append(f"{place}: {joint} is {next(iter(given))}")
 
     channels = _sorted_names(sums, robot)
     with np.errstate(invalid="ignore"):

@@ -4,10 +4,12 @@ from __future__ import annotations
 import json
 import os
 from functools import cached_property
-from pathlib import Path
-from typing import Any, Union
+from typing import TYPE_CHECKING, Any, Union
 
 from ._tables import page
+
+if TYPE_CHECKING:
+    from pathlib import Path
 
 
 class Result:
@@ -33,6 +35,7 @@ class Result:
 
     def save(self, folder: Union[str, "os.PathLike[str]"]) -> Path:
         """Writes the files that the command writes into its `--out`, report.html among them."""
+        from pathlib import Path
         self._core.save(os.fspath(folder))
         return Path(folder)
 

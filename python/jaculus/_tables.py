@@ -1,7 +1,6 @@
 """Tables for people: pandas, and pages in notebooks."""
 from __future__ import annotations
 
-import html
 from typing import Any
 
 
@@ -36,5 +35,6 @@ def labelled(name: str, unit: str) -> str:
 
 def page(document: str, height: int = 720) -> str:
     """A report as a frame of its own within a notebook."""
+    import html
     return (f'<iframe srcdoc="{html.escape(document)}" width="100%" height="{height}" '
             'style="border:0"></iframe>')

@@ -3,10 +3,9 @@ from __future__ import annotations
 
 import json
 import os
+from functools import cached_property
 from pathlib import Path
-from typing import Any, Iterable, Mapping, Optional, Union
-
-import numpy as np
+from typing import TYPE_CHECKING, Any, Iterable, Mapping, Optional, Union
 
 from . import _core
 from ._inputs import Source, node_of
@@ -14,6 +13,9 @@ from ._interrupts import Interrupted
 from ._tables import labelled, page, pandas, pyplot, xarray
 from .effects import Effect, compiled
 from .plans import Plan
+
+if TYPE_CHECKING:
+    import numpy as np
 
 
 class Stream:
@@ -29,12 +31,20 @@ class Stream:
     """
 
     def __init__(self, core: _core.Stream):
+        self._core = core
         self.name: str = core.name
         self.rate_hz: float = core.rate_hz
-        self.time: np.ndarray = np.array(core.time)
         self.channels: list[str] = core.channels
         self.units: dict[str, str] = dict(zip(core.channels, core.units))
-        self.values: np.ndarray = np.array(core.values).T
+
+    # Arrays are made when they are asked for, as those of plans.
+    @cached_property
+    def time(self) -> np.ndarray:
+        return self._core.time.copy()
+
+    @cached_property
+    def values(self) -> np.ndarray:
+        return self._core.values.copy(order="K").T
 
     def __getitem__(self, channel: str) -> np.ndarray:
         if channel not in self.units:
@@ -99,9 +109,12 @@ class Dataset:
         self.notes: list[str] = core.notes
         self.folder: Optional[Path] = core.folder if str(core.folder) not in ("", ".") else None
         self.figures: dict[str, Any] = json.loads(simulated.json) if simulated else {}
-        self.summary: str = simulated.summary if simulated else self._outline()
+        self._simulated = simulated
 
-    def _outline(self) -> str:
+    @cached_property
+    def summary(self) -> str:
+        if self._simulated:
+            return self._simulated.summary
         lines = [f"{self.experiment} of {self.robot}, {len(self.trials)} trials"]
         lines += [f"  {trial.name}: " + ", ".join(f"{s.name} ({len(s.time)} samples of {len(s.channels)} "
                                                   "channels)" for s in trial.streams.values())

@@ -35,7 +35,8 @@ class _Chunk:
     """Items of one job. Preempted or out of time, submitit has it go on behind what is finished."""
 
     def __init__(self, function: Callable[[Any], Any], items: list[Any]):
-        self.function, self.items, self.results = function, items, []
+        self.function, self.items = function, items
+        self.results: list[Any] = []
 
     def __call__(self) -> list[Any]:
         for item in self.items[len(self.results):]:

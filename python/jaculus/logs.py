@@ -29,21 +29,25 @@ def _as_list(given: Any) -> list[Any]:
     )
 
 
+def _kept(time: np.ndarray, cut: Optional[tuple[float, float]], place: str) -> np.ndarray:
+    """Which samples lie within `cut`; times count from time zero [s]."""
+    if cut is None:
+        return np.ones(len(time), bool)
+    kept = (time >= cut[0] - 1e-9) & (time <= cut[1] + 1e-9)
+    if not kept.any():
+        raise InputError(
+            f"{place}: no sample lies within cut {cut[0]:g},{cut[1]:g} s of time zero"
+        )
+    return kept
+
+
 def _core_streams(
     series: Iterable[Series], zero: int, cut: Optional[tuple[float, float]], place: str
 ) -> list[_core.Stream]:
     streams = []
     for s in series:
         time = (s.stamps - zero) / 1e9
-        kept = (
-            np.ones(len(time), bool)
-            if cut is None
-            else (time >= cut[0] - 1e-9) & (time <= cut[1] + 1e-9)
-        )
-        if not kept.any():
-            raise InputError(
-                f"{place}: {s.stream}: no sample lies within cut {cut[0]:g},{cut[1]:g} s of time zero"
-            )
+        kept = _kept(time, cut, f"{place}: {s.stream}")
         streams.append(
             _core.make_stream(
                 s.stream,
@@ -66,7 +70,6 @@ def _finish(
     _core.write_dataset(dataset, os.fspath(out), f"{provenance or source} {told}".strip())
     written = load_dataset(out)
     written.notes = assumed + notes + [note for note in written.notes if note not in assumed]
-    written.summary = written._outline()
     return written
 
 
@@ -237,21 +240,13 @@ def import_table(
         time = rows.pop("time")
         if not len(time) or not np.all(np.diff(time) > 0.0):
             raise InputError(f"{place}: time: allowed: rising times in every row")
-        zero = _table_zero(start, time, rows, place)
-        kept = (
-            np.ones(len(time), bool)
-            if cut is None
-            else (time - zero >= cut[0]) & (time - zero <= cut[1])
-        )
-        if not kept.any():
-            raise InputError(
-                f"{place}: no sample lies within cut {cut[0]:g},{cut[1]:g} s of time zero"
-            )
+        time = time - _table_zero(start, time, rows, place)
+        kept = _kept(time, cut, place)
         units = {c.channel: c.unit for c in layout.channels}
         stream = _core.make_stream(
             layout.stream,
             layout.rate_hz,
-            (time - zero)[kept],
+            time[kept],
             list(rows),
             [units[name] for name in rows],
             np.asfortranarray(np.array(list(rows.values()))[:, kept]),

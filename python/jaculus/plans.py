@@ -1,16 +1,12 @@
 """Plans: solve, compare."""
 from __future__ import annotations
 
-import io
 import json
 import os
-from pathlib import Path
-from typing import Any, Callable, Iterable, Mapping, Optional, Union
-
-import numpy as np
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Callable, Iterable, Mapping, Optional, Union
 
 from . import _core
-from ._exports import JointTrajectory, write_bag, write_rerun
 from ._inputs import Source
 from ._interrupts import Interrupted
 from ._results import Result
@@ -18,6 +14,13 @@ from ._tables import labelled, page, pandas, pyplot, xarray
 from ._progress import show_iteration, shown
 from .robots import Problem, load_problem
 from .terms import Term
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    import numpy as np
+
+    from ._exports import JointTrajectory
 
 Progress = Union[bool, Callable[[int, float, float], None]]
 
@@ -50,19 +53,50 @@ class Plan(Result):
         super().__init__(core)
         self.status: str = core.status
         self.converged: bool = core.converged
-        self.time: np.ndarray = np.array(core.time)
         coordinates = core.coordinates
         self.state_names: list[str] = coordinates + [f"{name}_velocity" for name in coordinates]
-        self.states: np.ndarray = np.concatenate([core.position, core.velocity]).T
         self.input_names: list[str] = core.motors
-        self.inputs: np.ndarray = np.array(core.torque).T
         self.foot_names: list[str] = core.feet
-        self.forces: np.ndarray = np.stack([np.array(core.force_x).T, np.array(core.force_z).T], axis=-1)
-        table = core.table
-        self._values = np.array(table.values)
-        self.columns: list[str] = table.names
-        self.units: dict[str, str] = dict(zip(table.names, table.units))
-        self.phase: list[str] = table.phase
+
+    # Arrays and the table are made when they are asked for: NumPy's import takes longer than all
+    # else that Python does for a leap.
+    @cached_property
+    def time(self) -> np.ndarray:
+        return self._core.time
+
+    @cached_property
+    def states(self) -> np.ndarray:
+        import numpy as np
+        return np.concatenate([self._core.position, self._core.velocity]).T
+
+    @cached_property
+    def inputs(self) -> np.ndarray:
+        return self._core.torque.T
+
+    @cached_property
+    def forces(self) -> np.ndarray:
+        import numpy as np
+        return np.stack([self._core.force_x.T, self._core.force_z.T], axis=-1)
+
+    @cached_property
+    def _table(self) -> _core.Table:
+        return self._core.table
+
+    @cached_property
+    def _values(self) -> np.ndarray:
+        return self._table.values.copy(order="K")
+
+    @cached_property
+    def columns(self) -> list[str]:
+        return self._table.names
+
+    @cached_property
+    def units(self) -> dict[str, str]:
+        return dict(zip(self.columns, self._table.units))
+
+    @cached_property
+    def phase(self) -> list[str]:
+        return self._table.phase
 
     @property
     def problem(self) -> Problem:
@@ -76,10 +110,10 @@ class Plan(Result):
         return float("nan") if value is None else value
 
     @property
-    def history(self) -> "Any":
+    def history(self) -> Any:
         """The solver's iterations as a pandas.DataFrame."""
         table = self._core.history
-        return pandas().DataFrame(np.array(table.values), columns=table.names)
+        return pandas().DataFrame(table.values.copy(order="K"), columns=table.names)
 
     def __getitem__(self, column: str) -> np.ndarray:
         if column not in self.units:
@@ -117,8 +151,9 @@ class Plan(Result):
         `phase`; `state_units` has the unit of each state [N m of inputs, N of forces]."""
         xr = xarray()
         time = ("time", self.time, {"units": "s"})
-        data = {"states": (("time", "state"), self.states), "inputs": (("time", "input"), self.inputs),
-                "forces": (("time", "foot", "axis"), self.forces, {"units": "N"})}
+        data: dict[str, Any] = {
+            "states": (("time", "state"), self.states), "inputs": (("time", "input"), self.inputs),
+            "forces": (("time", "foot", "axis"), self.forces, {"units": "N"})}
         if self.phase:
             data["phase"] = ("time", self.phase)
         frame = xr.Dataset(data, {"time": time, "state": self.state_names, "input": self.input_names,
@@ -133,6 +168,7 @@ class Plan(Result):
             rate: samples a second [Hz].
             even_unsolved: take a plan whose solve did not converge.
         """
+        from ._exports import JointTrajectory
         return JointTrajectory(self._core, rate, even_unsolved)
 
     def to_bag(self, path: Union[str, "os.PathLike[str]"], *, rate: float = 500.0, start: float = 0.0,
@@ -150,12 +186,14 @@ class Plan(Result):
             start: stamp of the first sample, since the epoch [s].
             even_unsolved: write a plan whose solve did not converge.
         """
+        from ._exports import write_bag
         return write_bag(self._core, path, rate, start, even_unsolved)
 
     def to_rerun(self, path: Union[str, "os.PathLike[str]"], *, rate: float = 500.0,
                  even_unsolved: bool = False) -> Path:
         """Writes a recording for Rerun, NAME.rrd: joints/NAME/position, velocity, effort, resampled as
         `to_bag` has them, and the columns of plan.csv as plan/NAME. Needs rerun-sdk."""
+        from ._exports import write_rerun
         return write_rerun(self, path, rate, even_unsolved)
 
     def __repr__(self) -> str:
@@ -226,6 +264,7 @@ class Comparison:
 
     def to_pandas(self) -> Any:
         """compare.csv as a pandas.DataFrame, a row a problem; units are in the columns' names."""
+        import io
         return pandas().read_csv(io.StringIO(_core.comparison_csv(self._cores)))
 
     def plot(self, column: str = "x_velocity") -> Any:

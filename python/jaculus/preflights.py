@@ -2,9 +2,8 @@
 from __future__ import annotations
 
 import os
-from typing import Any, Callable, Iterable, Optional, Union
-
-import numpy as np
+from math import nan
+from typing import TYPE_CHECKING, Any, Callable, Iterable, Optional, Union
 
 from . import _core
 from ._inputs import Source, node_of
@@ -12,6 +11,9 @@ from ._progress import show_stage, shown
 from ._results import Result
 from ._tables import pandas, pyplot
 from .effects import Effect, compiled
+
+if TYPE_CHECKING:
+    import numpy as np
 
 
 class Preflight(Result):
@@ -56,6 +58,7 @@ class Preflight(Result):
     def log_bayes_factors(self) -> np.ndarray:
         """(n, n) [-]: how firmly effect i at work is told from effect j, the expected log Bayes factor;
         NaN on the diagonal, and where i would not be named."""
+        import numpy as np
         names = self.names
         factors = np.full((len(names), len(names)), np.nan)
         for pair in self.pairs:
@@ -98,7 +101,7 @@ class Preflight(Result):
 
 
 def _number(value: Optional[float]) -> float:
-    return np.nan if value is None else value
+    return nan if value is None else value
 
 
 def preflight(experiment: Source, *, trials: Optional[int] = None, seed: Optional[int] = None,

@@ -3,12 +3,16 @@ from __future__ import annotations
 
 import json
 import os
-from pathlib import Path
-from typing import Any, Iterable, Mapping, Optional, Union
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Iterable, Mapping, Optional, Union
 
 from . import _core
+from ._errors import InputError
 from ._inputs import Source, node_of
 from .terms import DerivativeCheck, Term, compiled
+
+if TYPE_CHECKING:
+    from pathlib import Path
 
 
 class Robot:
@@ -24,18 +28,26 @@ class Robot:
         feet: names of the feet.
         notes: what was merged, dropped or assumed on the way, a sentence each.
         summary: all this as text.
+        imported: of `import_robot`, what it decided, assumed, held, dropped, and what is to fill in.
     """
 
     def __init__(self, core: _core.Robot):
         self._core = core
         self.name: str = core.name
-        self.folder: Path = core.folder
         self.mass: float = core.mass
         self.coordinates: list[str] = core.coordinates
         self.motors: list[str] = core.motors
         self.feet: list[str] = core.feet
         self.notes: list[str] = core.notes
-        self.summary: str = core.summary
+        self.imported: dict[str, Any] = {}
+
+    @cached_property
+    def folder(self) -> Path:
+        return self._core.folder
+
+    @cached_property
+    def summary(self) -> str:
+        return self._core.summary
 
     @property
     def values(self) -> dict[str, str]:
@@ -62,7 +74,10 @@ class Problem:
         self.name: str = core.name
         self.caption: str = core.caption
         self.robot = Robot(core.robot)
-        self.summary: str = core.summary
+
+    @cached_property
+    def summary(self) -> str:
+        return self._core.summary
 
     def to_dict(self) -> dict[str, Any]:
         """Every key of the problem with its value, defaults spelt out, SI."""
@@ -83,6 +98,40 @@ def load_robot(robot: Union[str, "os.PathLike[str]"]) -> Robot:
         InputError: no such robot, or a fault in its files.
     """
     return Robot(_core.load_robot(os.fspath(robot)))
+
+
+def import_robot(file: Union[str, "os.PathLike[str]"], out: Union[str, "os.PathLike[str]"], *,
+                 tail: str = "", pose: Optional[Mapping[str, float]] = None, replace: bool = False,
+                 options: Iterable[str] = ()) -> Robot:
+    """Makes a robot of a file of others, as `jaculus robot import` does: a folder with robot.urdf, a
+    commented robot.yaml, a first experiment (stand.yaml, swing.yaml or fall.yaml) and, where it has
+    front and rear legs, a first leap, leap.yaml.
+
+    Args:
+        file: URDF, MJCF, or xacro where ROS's tool is there.
+        out: the robot's folder, written.
+        tail: mass of a drag tail to add, "10 %" of the robot's or "1.2 kg".
+        pose: of joints that are held, or of the pose at rest, by their names in the file [rad or m].
+        replace: write over a robot that is there.
+        options: others of the command, as ["--base", "fixed", "--strict"].
+
+    Raises:
+        InputError: with the file and what is allowed.
+    """
+    import subprocess
+    from ._command import program
+    folder = os.path.abspath(out)
+    command = [os.fspath(program()), "robot", "import", os.fspath(file), "--out", folder, "--json"]
+    command += [*options, *(["--tail", tail] if tail else [])]
+    for joint, value in (pose or {}).items():
+        command += ["--pose", f"{joint}={float(value)!r}"]
+    command += ["--replace"] if replace else []
+    done = subprocess.run(command, capture_output=True, text=True)
+    if done.returncode != 0:
+        raise InputError(done.stderr.strip().removeprefix("jaculus: "))
+    robot = load_robot(folder)
+    robot.imported = json.loads(done.stdout)
+    return robot
 
 
 def load_problem(problem: Union[Source, Problem], *, robot: Optional[str] = None,
@@ -149,6 +198,7 @@ def shipped(kind: str = "problems") -> list[str]:
     """
     if kind not in ("problems", "models", "effects"):
         raise ValueError(f"kind: {kind!r} given; allowed: problems, models, effects")
+    from pathlib import Path
     found = set()
     for folder in _core.data_folders():
         for path in (Path(folder) / kind).glob("*"):

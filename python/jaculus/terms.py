@@ -2,12 +2,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Any, NamedTuple, Optional, Union
+from math import inf
+from typing import TYPE_CHECKING, Any, NamedTuple, Optional, Union
 
-import numpy as np
-
-from . import _core, _derivatives
+from . import _core
 from ._inputs import compiled_all, quantity
+
+if TYPE_CHECKING:
+    from ._derivatives import Evaluate
 
 Place = tuple[str, str]  # ("velocity", "pitch")
 BLOCKS = ("position", "velocity", "input", "acceleration")
@@ -17,8 +19,8 @@ class Row(NamedTuple):
     """One row of a constraint: lower <= value <= upper, in `unit` (SI); `scale` is its typical size."""
     name: str
     unit: str
-    lower: float = -np.inf
-    upper: float = np.inf
+    lower: float = -inf
+    upper: float = inf
     scale: float = 1.0
 
 
@@ -115,16 +117,17 @@ class Term:
                               self.linear, self._make)
 
     def _make(self, keys: dict[str, float], coordinates: list[str], motors: list[str]) -> tuple[
-            list[Row], _derivatives.Evaluate]:
+            list[Row], Evaluate]:
         """The rows for a problem's keys on a robot, and what computes them."""
+        from ._derivatives import evaluation
         places = [(block, name) for block in BLOCKS if block in self.reads
                   for name in (motors if block == "input" else coordinates)]
-        rows = [tuple(Row(*row)) for row in self.rows(keys)]
+        rows = [Row(*row) for row in self.rows(keys)]
         for name, _, lower, upper, scale in rows:
             if not lower <= upper or not scale > 0.0:
                 raise ValueError(f"{self.name}: row {name!r}: bounds [{lower}, {upper}], scale {scale}; "
                                  "allowed: the lower one first, a scale above 0")
-        return rows, _derivatives.evaluation(self, places, keys, len(rows))
+        return rows, evaluation(self, places, keys, len(rows))
 
     def __repr__(self) -> str:
         return f"<jaculus.Term {self.name}: {self.meaning}>"

@@ -1,9 +1,10 @@
-import matplotlib
+import os
+
 import pytest
 
 import jaculus
 
-matplotlib.use("Agg")
+os.environ.setdefault("MPLBACKEND", "Agg")
 
 
 @pytest.fixture(scope="session")

@@ -62,6 +62,26 @@ def test_a_robot_tells_what_it_is():
     assert robot.name in robot.summary
 
 
+def test_a_file_of_others_becomes_a_robot_with_a_tail_and_its_leap(tmp_path):
+    file = jaculus.load_robot("quadruped25").folder / "robot.urdf"
+    robot = jaculus.import_robot(file, tmp_path / "mine", tail="2 kg", pose={"front_left_hip": 0.6})
+    assert robot.mass == pytest.approx(jaculus.load_robot("quadruped25").mass + 2.0)
+    assert "tail" in robot.motors
+    assert any("friction" in line for line in robot.imported["to_fill_in"])
+    leap = jaculus.load_problem(tmp_path / "mine/leap.yaml", override={"attach.tail.kind": "none"})
+    assert leap.robot.mass == pytest.approx(robot.mass - 2.0)
+
+
+def test_a_robot_that_is_there_is_kept_and_faults_of_a_file_are_told(tmp_path):
+    file = jaculus.load_robot("pendulum").folder / "robot.urdf"
+    jaculus.import_robot(file, tmp_path / "mine")
+    with pytest.raises(jaculus.InputError, match="has a robot.yaml already"):
+        jaculus.import_robot(file, tmp_path / "mine")
+    assert jaculus.import_robot(file, tmp_path / "mine", replace=True).folder == tmp_path / "mine"
+    with pytest.raises(jaculus.InputError, match="no_such.urdf"):
+        jaculus.import_robot("no_such.urdf", tmp_path / "other")
+
+
 def test_what_ships_can_be_named():
     assert {"leap_tail", "leap_trials", "fig4_shaft"} <= set(jaculus.shipped())
     assert "minitaur_tail" in jaculus.shipped("models") and "lugre" in jaculus.shipped("effects")

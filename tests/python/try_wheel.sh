@@ -13,7 +13,7 @@ say() { printf '%s\n' "$*" >&2; }
 say "A fresh virtual environment: tests/python"
 "$python" -m venv "$work/venv"
 "$work/venv/bin/pip" install -q "$wheel" pytest pandas matplotlib rosbags mcap-ros2-support pyarrow \
-  tqdm xarray casadi jax
+  tqdm xarray casadi jax mypy
 cd "$root"
 "$work/venv/bin/python" -m pytest -q tests/python
 if [ -x build/test_cli ]; then
