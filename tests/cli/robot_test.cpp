@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <regex>
 
 #include "cli/program.h"
 #include "jaculus/core/installation.h"
@@ -18,6 +19,7 @@ namespace jaculus::cli {
 namespace {
 
 using nlohmann::json;
+using test::bytes_of;
 using test::expect_refusal;
 using test::holds;
 using test::Outcome;
@@ -67,6 +69,31 @@ TEST(RobotImport, TheLeapThatItProposesIsSolvedVerifiedAndExported) {
   const Outcome exported = run_program(
       {"export", folder / "leap", "--as", "csv", "--rate", "1000", "--out", folder / "t.csv"});
   EXPECT_EQ(exported.exit_code, 0) << exported.err;
+}
+
+TEST(RobotImport, ALimbThatBearsNothingIsHeldByGainsOfItsOwn) {
+  const TemporaryFolder folder;
+  write(folder / "hound.urdf", test::quadruped_with_limb(0.2, 0.05, "0.15 0 0"));
+  const std::string out = folder / "hound";
+  ASSERT_EQ(run_program({"robot", "import", folder / "hound.urdf", "--out", out}).exit_code, 0);
+  const Outcome stand = run_program({"simulate", out + "/stand.yaml", "--out", folder / "stand"});
+  EXPECT_EQ(stand.exit_code, 0) << stand.out;
+}
+
+TEST(RobotImport, WhyAnExperimentDidNotEndIsPrintedQuietlyToo) {
+  const TemporaryFolder folder;
+  write(folder / "hound.urdf", test::quadruped_with_limb(0.2, 0.05, "0.15 0 0"));
+  const std::string out = folder / "hound";
+  ASSERT_EQ(run_program({"robot", "import", folder / "hound.urdf", "--out", out}).exit_code, 0);
+  std::string stand = bytes_of(out + "/stand.yaml");
+  // without gains of its own the finger has those of a leg
+  stand = std::regex_replace(stand, std::regex(", \"wrist\": [0-9.e-]+"), "");
+  write(out + "/stand.yaml", stand);
+
+  const Outcome quiet = run_program({"simulate", out + "/stand.yaml", "--quiet"});
+  EXPECT_EQ(quiet.exit_code, 1);
+  EXPECT_EQ(quiet.out, "");
+  EXPECT_TRUE(holds(quiet.err, "jaculus: trial_01: at 0.")) << quiet.err;
 }
 
 TEST(RobotImport, AFaultLeavesNoFolderBehind) {
