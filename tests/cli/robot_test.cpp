@@ -66,6 +66,8 @@ TEST(RobotImport, TheLeapThatItProposesIsSolvedVerifiedAndExported) {
   const Outcome solve = run_program({"solve", out + "/leap.yaml", "--out", folder / "leap"});
   ASSERT_EQ(solve.exit_code, 0) << solve.out << solve.err;
   EXPECT_TRUE(holds(solve.out, "verification: passed"));
+  // of several optima the best
+  EXPECT_TRUE(holds(solve.out, "of 4 starts converged")) << solve.out;
   const Outcome exported = run_program(
       {"export", folder / "leap", "--as", "csv", "--rate", "1000", "--out", folder / "t.csv"});
   EXPECT_EQ(exported.exit_code, 0) << exported.err;
@@ -94,6 +96,34 @@ TEST(RobotImport, WhyAnExperimentDidNotEndIsPrintedQuietlyToo) {
   EXPECT_EQ(quiet.exit_code, 1);
   EXPECT_EQ(quiet.out, "");
   EXPECT_TRUE(holds(quiet.err, "jaculus: trial_01: at 0.")) << quiet.err;
+}
+
+TEST(RobotImport, PlaceHoldersOfAFirstDraftAreSaidAndInertiasReplacedOnRequest) {
+  const TemporaryFolder folder;
+  std::string draft = test::quadruped_urdf();
+  draft = std::regex_replace(draft, std::regex("ixx=\"[^\"]*\" iyy=\"[^\"]*\" izz=\"[^\"]*\""),
+                             "ixx=\"100\" iyy=\"100\" izz=\"100\"");
+  draft = std::regex_replace(draft, std::regex("velocity=\"[^\"]*\""), "velocity=\"0.5\"");
+  write(folder / "draft.urdf", draft);
+
+  const auto import = [&](const std::string& inertias) {
+    const Outcome done = run_program({"robot", "import", folder / "draft.urdf", "--out",
+                                      folder / inertias, "--inertias", inertias, "--json"});
+    EXPECT_EQ(done.exit_code, 0) << done.err;
+    return json::parse(done.out);
+  };
+  const json as_drawn = import("file");
+  const json of_shapes = import("shapes");
+  const auto inertia = [](const json& told) {
+    return told["kept_and_dropped"]["pitch_inertia_kg_m2"].get<double>();
+  };
+  EXPECT_GT(inertia(as_drawn), 1300.0);
+  EXPECT_LT(inertia(of_shapes), 1.0);
+  EXPECT_EQ(of_shapes["kept_and_dropped"]["mass_kg"], as_drawn["kept_and_dropped"]["mass_kg"]);
+  EXPECT_TRUE(holds(of_shapes["notes"].dump(), "assumed: inertias of 13 links are those of"));
+  EXPECT_TRUE(holds(as_drawn["to_fill_in"].dump(), "(--inertias shapes takes those"));
+  EXPECT_FALSE(holds(of_shapes["to_fill_in"].dump(), "--inertias"));
+  EXPECT_TRUE(holds(of_shapes["to_fill_in"].dump(), "motors.front_hip: at the file's 0.5 rad/s"));
 }
 
 TEST(RobotImport, AFaultLeavesNoFolderBehind) {
