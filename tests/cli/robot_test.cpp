@@ -73,6 +73,30 @@ TEST(RobotImport, TheLeapThatItProposesIsSolvedVerifiedAndExported) {
   EXPECT_EQ(exported.exit_code, 0) << exported.err;
 }
 
+TEST(RobotImport, DryFrictionOnLightLinksIsNoHindranceToAPlan) {
+  const TemporaryFolder folder;
+  std::string rubbing = test::quadruped_urdf();
+  const auto all = [&](const char* what, const char* with) {
+    rubbing = std::regex_replace(rubbing, std::regex(what), with);
+  };
+  all("<mass value=\"0.2\"/><inertia ixx=\"2e-3\" iyy=\"3e-3\" izz=\"2e-3\"",
+      "<mass value=\"0.05\"/><inertia ixx=\"1e-4\" iyy=\"1e-4\" izz=\"1e-4\"");
+  all("(upper=\"-0.9\" effort=\"25\" velocity=\"20\"/>)", "$1<dynamics friction=\"0.5\"/>");
+  write(folder / "hound.urdf", rubbing);
+  const std::string out = folder / "hound";
+  const Outcome import = run_program({"robot", "import", folder / "hound.urdf", "--out", out});
+  ASSERT_EQ(import.exit_code, 0) << import.err;
+  ASSERT_TRUE(holds(bytes_of(out + "/robot.yaml"), "dry_friction: 0.5"));
+
+  // directly, the second start does not converge
+  write(out + "/coarse.yaml",
+        "format: jaculus-problem/1\nextends: leap.yaml\nname: coarse\n"
+        "refinement: {max_rounds: 0}\nsolver: {starts: 2}\n");
+  const Outcome solve = run_program({"solve", out + "/coarse.yaml", "--json"});
+  ASSERT_EQ(solve.exit_code, 0) << solve.err;
+  EXPECT_TRUE(holds(json::parse(solve.out)["warnings"].dump(), "2 of 2 starts converged"));
+}
+
 TEST(RobotImport, ALimbThatBearsNothingIsHeldByGainsOfItsOwn) {
   const TemporaryFolder folder;
   write(folder / "hound.urdf", test::quadruped_with_limb(0.2, 0.05, "0.15 0 0"));
