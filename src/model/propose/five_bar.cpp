@@ -9,7 +9,8 @@
 // up to what the joints' zeros add. By the extension alone the knees come apart where both motors
 // sit on one axle, so that its range keeps the lower links from folding onto one another and from
 // stretching into a line, beyond which no position of the motors closes the loop. A range of each
-// motor can't. With r_a and r_b the lower links and D the knees' distance, the angle g at the pin is
+// motor can't. With r_a and r_b the lower links and D the knees' distance, the angle g at the pin
+// is
 //     cos g = (r_a^2 + r_b^2 - D^2)/(2 r_a r_b).
 
 #include <fmt/format.h>
