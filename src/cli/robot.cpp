@@ -1,6 +1,7 @@
 // jaculus robot: robot files of other people's into a folder that jaculus reads.
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <charconv>
 #include <cmath>
@@ -8,17 +9,16 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/command.h"
+#include "cli/robot_doubts.h"
 #include "cli/robot_leap.h"
 #include "cli/robot_tail.h"
 #include "cli/robot_trial.h"
 #include "cli/robot_xacro.h"
-#include "jaculus/components/motor.h"
 #include "jaculus/core/error.h"
 #include "jaculus/model/describe.h"
 #include "jaculus/model/mjcf.h"
 #include "jaculus/model/propose.h"
 #include "jaculus/trajectory/csv.h"
-#include "jaculus/transcription/robot_size.h"
 
 namespace jaculus::cli {
 namespace {
@@ -30,6 +30,7 @@ struct RobotOptions {
   Common common;
   std::string file, base, forward, up;
   std::string tail;  ///< its mass, "10 %"; empty: none
+  std::string inertias = "file";
   std::vector<std::string> pose;
   bool strict = false, apart = false, open = false, replace = false;
 };
@@ -80,6 +81,16 @@ Source read_source(const fs::path& file, model::Reading reading) {
                                     : model::parse_urdf(source.urdf, file, reading);
   source.notes = source.tree.notes;
   return source;
+}
+
+/// Place holders for inertias replaced, in the tree and the file to write.
+void take_inertias_of_shapes(Source& source, const fs::path& file, model::Reading reading) {
+  const std::vector<std::string> names = model::take_inertias_of_shapes(source.tree);
+  if (names.empty()) return;
+  source.notes.push_back(fmt::format("assumed: inertias of {} links are those of their shapes: {}",
+                                     names.size(), fmt::join(names, ", ")));
+  source.urdf = model::write_urdf(source.tree);
+  source.tree = model::parse_urdf(source.urdf, file, reading);
 }
 
 model::ProposeOptions propose_options(const RobotOptions& options, const Source& source) {
@@ -137,24 +148,6 @@ std::vector<std::string> assumed_of(const Written& w) {
            std::find(known.begin(), known.end(), note) != known.end();
   });
   return assumed;
-}
-
-/// Largest torques that no motor of a legged robot has: a file's place holders.
-std::vector<std::string> doubtful_limits(const model::Robot& robot) {
-  constexpr double kMost = 10.0;  // of weight times leg length; robots that leap have about one
-  std::vector<std::string> doubtful;
-  if (robot.planar.feet.empty() || robot.planar.gravity == 0.0) return doubtful;
-  const transcription::RobotSize size = transcription::robot_size(robot);
-  for (const model::PlanarMotor& motor : robot.planar.motors) {
-    const double torque = components::largest_joint_torque(motor).value;
-    const double measures = torque / (size.body_weight * size.leg_length);
-    if (std::isfinite(torque) && measures > kMost)
-      doubtful.push_back(fmt::format(
-          "motors.{}: the file's {:.4g} N m is {:.0f} times weight times leg length, a place "
-          "holder?",
-          motor.joint, torque, measures));
-  }
-  return doubtful;
 }
 
 std::string written_text(const Written& w, const fs::path& out) {
@@ -237,6 +230,7 @@ Written write_robot(const RobotOptions& options, const fs::path& out) {
   const auto reading = options.strict ? model::Reading::strict : model::Reading::lenient;
   Written w;
   w.source = read_source(options.file, reading);
+  if (options.inertias == "shapes") take_inertias_of_shapes(w.source, options.file, reading);
   w.proposal = model::propose_robot(w.source.tree, propose_options(options, w.source));
 
   NewFolder folder(out);
@@ -317,6 +311,10 @@ void add_statements(CLI::App& import, RobotOptions& options) {
   import.add_option("--up", options.up, "axis of the file; default: told by joints")
       ->check(one_of(axes));
 
+  import
+      .add_option("--inertias", options.inertias,
+                  "file, or shapes: of links whose inertia is a place holder that of their shapes")
+      ->check(one_of({"file", "shapes"}));
   import.add_option("--tail", options.tail,
                     "adds a tail of this mass (1.2 kg, or 10 % of the robot's) to robot.yaml");
   import.add_flag("--apart", options.apart, "left and right are joints of their own, no pairs");

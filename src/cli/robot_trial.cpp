@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "jaculus/core/yaml.h"
 #include "jaculus/trajectory/csv.h"
@@ -55,11 +56,12 @@ std::string open_joints(const PlanarModel& model, const std::map<std::string, do
   return text;
 }
 
-/// Gains that a robot of this weight stands on: its weight at the end of its longest leg turns no
-/// joint by more than 0.1 rad, damped as a pole of 50 ms.
-std::string held_pose(const std::string& name, const model::Robot& robot,
-                      const std::map<std::string, double>& rest) {
-  const PlanarModel& model = robot.planar;
+/// How far what a joint bears may turn it [rad].
+constexpr double kSag = 0.1;
+
+/// Joint stiffness at which the robot's weight, borne at the end of its longest leg, turns a joint
+/// by no more [N m/rad].
+double leg_stiffness(const PlanarModel& model) {
   double leg = 0.1;  // [m], of a robot without any
   for (const model::PlanarPoint& foot : model.feet) {
     double length = foot.position.norm();
@@ -67,19 +69,62 @@ std::string held_pose(const std::string& name, const model::Robot& robot,
       length += model.bodies[b].origin.norm();
     leg = std::max(leg, length);
   }
-  const double kp = model.total_mass() * model.gravity * leg / 2.0 / 0.1;
+  return model.total_mass() * model.gravity * leg / 2.0 / kSag;
+}
 
+/// The base's child by which a body hangs on it.
+int limb_of(const PlanarModel& model, int body) {
+  while (model.bodies[body].parent > 0) body = model.bodies[body].parent;
+  return body;
+}
+
+/// Limbs that the robot stands on: with a foot, or a link that a loop joins to one.
+std::set<int> legs_of(const PlanarModel& model) {
+  std::set<int> legs;
+  for (const model::PlanarPoint& foot : model.feet) legs.insert(limb_of(model, foot.body));
+  for (const int body : model.dependent) legs.insert(limb_of(model, body));
+  return legs;
+}
+
+/// The same of a joint that bears nothing but what hangs on it: of an arm, a tail, a finger.
+double own_stiffness(const PlanarModel& model, const model::PlanarMotor& motor) {
+  double moment = 0.0;
+  std::vector<double> reach(model.bodies.size(), kNaN);
+  reach[motor.body] = 0.0;
+  for (int b = motor.body; b < count_of(model.bodies); ++b) {
+    const model::PlanarBody& body = model.bodies[b];
+    if (b > motor.body) reach[b] = reach[body.parent] + body.origin.norm();
+    if (!std::isnan(reach[b])) moment += body.mass * (reach[b] + body.com.norm());
+  }
+  return moment * model.gravity / motor.count / kSag;
+}
+
+/// By motor, `share` of each joint's stiffness.
+std::string gains(const PlanarModel& model, double share) {
+  std::string text = fmt::format("{{\"*\": {:.4g}", share * leg_stiffness(model));
+  const std::set<int> legs = legs_of(model);
+  for (const model::PlanarMotor& motor : model.motors)
+    if (!legs.empty() && legs.count(limb_of(model, motor.body)) == 0)
+      text += fmt::format(", {}: {:.4g}", quoted(motor.joint), share * own_stiffness(model, motor));
+  return text + "}";
+}
+
+/// A pose held by gains that the robot stands on, damped as a pole of 50 ms.
+std::string held_pose(const std::string& name, const model::Robot& robot,
+                      const std::map<std::string, double>& rest) {
+  constexpr double kPole = 0.05;  // [s]
+  const PlanarModel& model = robot.planar;
   const bool stands = !model.feet.empty();
   return fmt::format(
       "# {}, joints held by PD. Gains follow from its weight; they are the joints', whatever the "
       "gear.\n"
       "format: jaculus-experiment/1\nname: {}\nexperiment: {}\nrobot: .\nplan: {}.csv\n"
       "initial: {{x: 0, z: {}, pitch: 0{}}}\n"
-      "controller: {{kind: feedforward_pd, quantity: torque, rate_hz: 1000, kp: {{\"*\": {:.4g}}}, "
-      "kd: {{\"*\": {:.4g}}}, gains_at: joint, after_end: hold}}\nduration: {} ms\n",
+      "controller: {{kind: feedforward_pd, quantity: torque, rate_hz: 1000, kp: {}, kd: {}, "
+      "gains_at: joint, after_end: hold}}\nduration: {} ms\n",
       stands ? "Stands on its feet for half a second" : "Falls freely, for it has no feet", name,
-      stands ? "leap" : "self_righting", name, stands ? 0 : 1, open_joints(model, rest), kp,
-      0.05 * kp, stands ? 500 : 200);
+      stands ? "leap" : "self_righting", name, stands ? 0 : 1, open_joints(model, rest),
+      gains(model, 1.0), gains(model, kPole), stands ? 500 : 200);
 }
 
 /// A script of a tenth of the motors' torque one way, then the other.

@@ -76,10 +76,18 @@ simulation::Experiment load_experiment(const SimulateOptions& options) {
   return experiment;
 }
 
+/// Why trials did not end, which --quiet prints as well.
+void show_failures(const nlohmann::ordered_json& summary) {
+  for (const auto& trial : summary["trials"])
+    if (trial.contains("message"))
+      fmt::print(stderr, "jaculus: {}: {}\n", trial["name"].get<std::string>(),
+                 trial["message"].get<std::string>());
+}
+
 void show(const simulation::Experiment& experiment, const effects::SimulatedTrials& result,
           const SimulateOptions& options) {
   if (options.common.json) return print(result.summary.dump(1) + "\n");
-  if (options.common.quiet) return;
+  if (options.common.quiet) return show_failures(result.summary);
 
   std::string text = report::simulation_text(experiment, result.summary);
   if (result.summary.contains("perturb")) text += "\n" + perturb_text(result.summary["perturb"]);

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <regex>
 
 #include "cli/program.h"
 #include "jaculus/core/installation.h"
@@ -18,6 +19,7 @@ namespace jaculus::cli {
 namespace {
 
 using nlohmann::json;
+using test::bytes_of;
 using test::expect_refusal;
 using test::holds;
 using test::Outcome;
@@ -64,9 +66,88 @@ TEST(RobotImport, TheLeapThatItProposesIsSolvedVerifiedAndExported) {
   const Outcome solve = run_program({"solve", out + "/leap.yaml", "--out", folder / "leap"});
   ASSERT_EQ(solve.exit_code, 0) << solve.out << solve.err;
   EXPECT_TRUE(holds(solve.out, "verification: passed"));
+  // of several optima the best
+  EXPECT_TRUE(holds(solve.out, "of 4 starts converged")) << solve.out;
   const Outcome exported = run_program(
       {"export", folder / "leap", "--as", "csv", "--rate", "1000", "--out", folder / "t.csv"});
   EXPECT_EQ(exported.exit_code, 0) << exported.err;
+}
+
+TEST(RobotImport, DryFrictionOnLightLinksIsNoHindranceToAPlan) {
+  const TemporaryFolder folder;
+  std::string rubbing = test::quadruped_urdf();
+  const auto all = [&](const char* what, const char* with) {
+    rubbing = std::regex_replace(rubbing, std::regex(what), with);
+  };
+  all("<mass value=\"0.2\"/><inertia ixx=\"2e-3\" iyy=\"3e-3\" izz=\"2e-3\"",
+      "<mass value=\"0.05\"/><inertia ixx=\"1e-4\" iyy=\"1e-4\" izz=\"1e-4\"");
+  all("(upper=\"-0.9\" effort=\"25\" velocity=\"20\"/>)", "$1<dynamics friction=\"0.5\"/>");
+  write(folder / "hound.urdf", rubbing);
+  const std::string out = folder / "hound";
+  const Outcome import = run_program({"robot", "import", folder / "hound.urdf", "--out", out});
+  ASSERT_EQ(import.exit_code, 0) << import.err;
+  ASSERT_TRUE(holds(bytes_of(out + "/robot.yaml"), "dry_friction: 0.5"));
+
+  // directly, the second start does not converge
+  write(out + "/coarse.yaml",
+        "format: jaculus-problem/1\nextends: leap.yaml\nname: coarse\n"
+        "refinement: {max_rounds: 0}\nsolver: {starts: 2}\n");
+  const Outcome solve = run_program({"solve", out + "/coarse.yaml", "--json"});
+  ASSERT_EQ(solve.exit_code, 0) << solve.err;
+  EXPECT_TRUE(holds(json::parse(solve.out)["warnings"].dump(), "2 of 2 starts converged"));
+}
+
+TEST(RobotImport, ALimbThatBearsNothingIsHeldByGainsOfItsOwn) {
+  const TemporaryFolder folder;
+  write(folder / "hound.urdf", test::quadruped_with_limb(0.2, 0.05, "0.15 0 0"));
+  const std::string out = folder / "hound";
+  ASSERT_EQ(run_program({"robot", "import", folder / "hound.urdf", "--out", out}).exit_code, 0);
+  const Outcome stand = run_program({"simulate", out + "/stand.yaml", "--out", folder / "stand"});
+  EXPECT_EQ(stand.exit_code, 0) << stand.out;
+}
+
+TEST(RobotImport, WhyAnExperimentDidNotEndIsPrintedQuietlyToo) {
+  const TemporaryFolder folder;
+  write(folder / "hound.urdf", test::quadruped_with_limb(0.2, 0.05, "0.15 0 0"));
+  const std::string out = folder / "hound";
+  ASSERT_EQ(run_program({"robot", "import", folder / "hound.urdf", "--out", out}).exit_code, 0);
+  std::string stand = bytes_of(out + "/stand.yaml");
+  // without gains of its own the finger has those of a leg
+  stand = std::regex_replace(stand, std::regex(", \"wrist\": [0-9.e-]+"), "");
+  write(out + "/stand.yaml", stand);
+
+  const Outcome quiet = run_program({"simulate", out + "/stand.yaml", "--quiet"});
+  EXPECT_EQ(quiet.exit_code, 1);
+  EXPECT_EQ(quiet.out, "");
+  EXPECT_TRUE(holds(quiet.err, "jaculus: trial_01: at 0.")) << quiet.err;
+}
+
+TEST(RobotImport, PlaceHoldersOfAFirstDraftAreSaidAndInertiasReplacedOnRequest) {
+  const TemporaryFolder folder;
+  std::string draft = test::quadruped_urdf();
+  draft = std::regex_replace(draft, std::regex("ixx=\"[^\"]*\" iyy=\"[^\"]*\" izz=\"[^\"]*\""),
+                             "ixx=\"100\" iyy=\"100\" izz=\"100\"");
+  draft = std::regex_replace(draft, std::regex("velocity=\"[^\"]*\""), "velocity=\"0.5\"");
+  write(folder / "draft.urdf", draft);
+
+  const auto import = [&](const std::string& inertias) {
+    const Outcome done = run_program({"robot", "import", folder / "draft.urdf", "--out",
+                                      folder / inertias, "--inertias", inertias, "--json"});
+    EXPECT_EQ(done.exit_code, 0) << done.err;
+    return json::parse(done.out);
+  };
+  const json as_drawn = import("file");
+  const json of_shapes = import("shapes");
+  const auto inertia = [](const json& told) {
+    return told["kept_and_dropped"]["pitch_inertia_kg_m2"].get<double>();
+  };
+  EXPECT_GT(inertia(as_drawn), 1300.0);
+  EXPECT_LT(inertia(of_shapes), 1.0);
+  EXPECT_EQ(of_shapes["kept_and_dropped"]["mass_kg"], as_drawn["kept_and_dropped"]["mass_kg"]);
+  EXPECT_TRUE(holds(of_shapes["notes"].dump(), "assumed: inertias of 13 links are those of"));
+  EXPECT_TRUE(holds(as_drawn["to_fill_in"].dump(), "(--inertias shapes takes those"));
+  EXPECT_FALSE(holds(of_shapes["to_fill_in"].dump(), "--inertias"));
+  EXPECT_TRUE(holds(of_shapes["to_fill_in"].dump(), "motors.front_hip: at the file's 0.5 rad/s"));
 }
 
 TEST(RobotImport, AFaultLeavesNoFolderBehind) {

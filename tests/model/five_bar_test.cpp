@@ -203,6 +203,77 @@ TEST(FiveBar, HipsMayLieApart) {
   EXPECT_NEAR(at_rest(m)[0].pin_a.x(), 0.2, 1e-4);
 }
 
+/// Angle between the lower links at the pin [rad], from the knees' distance; NaN: they can't meet.
+double at_pin(const Imported& robot, double extension, double angle) {
+  const PlanarModel& model = robot.robot.planar;
+  Vector q = Vector::Zero(model.size());
+  q[model.coordinate_index("front_extension")] = extension;
+  q[model.coordinate_index("front_angle")] = angle;
+  std::map<std::string, double> joints = robot.proposal.rest;
+  for (const std::string name : {"front_a_motor", "front_b_motor"})
+    joints[name] = model.joint_map.row(model.body_of_joint(name)).dot(q);
+  const std::vector<testing::Pose> at = testing::poses(model, {}, joints);
+  const PlanarLoop& loop = model.loops.front();
+  const double a = loop.point_a.norm();
+  const double b = loop.point_b.norm();
+  const double apart = (at[loop.body_a].p - at[loop.body_b].p).squaredNorm();
+  return std::acos((a * a + b * b - apart) / (2.0 * a * b));
+}
+
+TEST(FiveBar, CoordinatesOfALegKeepItFromFoldingHoweverItSwings) {
+  Drawn front, back;
+  front.hip = 0.01;
+  back.hip = -0.01;
+  for (const Imported& m : {imported(five_bars()), imported(five_bars(front, back))}) {
+    const PlanarModel& model = m.robot.planar;
+    ASSERT_GE(model.coordinate_index("front_extension"), 0);
+    ASSERT_GE(model.coordinate_index("front_angle"), 0);
+    const Bounds& extension = model.coordinates[model.coordinate_index("front_extension")].range;
+    const Bounds& angle = model.coordinates[model.coordinate_index("front_angle")].range;
+
+    double least = kInfinity, least_beyond = kInfinity;
+    for (int k = 0; k <= 16; ++k) {
+      const double swung = angle.lower + (angle.upper - angle.lower) * k / 16;
+      for (const double end : {extension.lower, extension.upper})
+        least = std::min(least, at_pin(m, end, swung));
+      for (const double end : {extension.lower - 0.02, extension.upper + 0.02})
+        least_beyond = std::min(least_beyond, at_pin(m, end, swung));
+    }
+    // sampled to a milliradian, and at nine swings
+    EXPECT_GT(least, 0.2 - 0.01);
+    EXPECT_LT(least, 0.2 + 0.01);
+    EXPECT_FALSE(least_beyond >= 0.2 - 0.005);
+  }
+}
+
+TEST(FiveBar, ALegIsLongerTheMoreItIsExtended) {
+  for (const double side : {1.0, -1.0}) {
+    const double out = 50.0 * M_PI / 180.0;
+    const double in = std::asin(kUpper * std::sin(out) / 0.2);
+    const Imported m = imported(five_bars({-side * out, side * in}, {side * out, -side * in}));
+    const PlanarModel& model = m.robot.planar;
+    const int extension = model.coordinate_index("front_extension");
+    ASSERT_GE(extension, 0);
+    std::map<std::string, double> longer = m.proposal.rest;
+    for (const char* name : {"front_a_motor", "front_b_motor"})
+      longer[name] += 0.2 * model.joint_map(model.body_of_joint(name), extension);
+    const auto knees = [&](const std::map<std::string, double>& joints) {
+      const std::vector<testing::Pose> at = testing::poses(model, {}, joints);
+      return at[model.loops[0].body_a].p.y() + at[model.loops[0].body_b].p.y();
+    };
+    EXPECT_LT(knees(longer), knees(m.proposal.rest) - 0.01);
+  }
+}
+
+TEST(FiveBar, MotorsWithRangesOfTheirOwnStayCoordinates) {
+  Drawn ranged;
+  ranged.hip_range = "lower=\"-3\" upper=\"3\"";
+  const Imported m = imported(five_bars(ranged, {}));
+  ASSERT_EQ(m.robot.planar.loops.size(), 2u);
+  EXPECT_EQ(m.robot.planar.coordinate_index("front_extension"), -1);
+  EXPECT_GE(m.robot.planar.coordinate_index("front_a_motor"), 0);
+}
+
 TEST(FiveBar, ChainsThatCannotMeetStayOpenOnFeetOfTheirOwn) {
   // b hangs straight down, a's knee is bent
   Drawn a, b;

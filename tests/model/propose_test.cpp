@@ -240,6 +240,20 @@ TEST(Propose, AWheelIsNoLeg) {
   EXPECT_TRUE(holds(legs.proposal.missing.at(0), "feet.front_foot.point"));
 }
 
+TEST(Propose, WhatBeginsInTheMiddleIsALegOnlyWhereItReachesTheFloor) {
+  const Imported armed = imported(test::quadruped_with_limb(0.2, 0.05, "0.15 0 0"));
+  std::vector<std::string> feet;
+  for (const PlanarPoint& foot : armed.robot.planar.feet) feet.push_back(foot.name);
+  EXPECT_EQ(feet, (std::vector<std::string>{"front_foot", "rear_foot"}));
+  EXPECT_TRUE(holds(armed.proposal.yaml, "'shoulder' begins no leg: it is in the middle"));
+  EXPECT_GE(armed.robot.planar.motor_index("shoulder"), 0);
+
+  // a fifth leg, as long as the others
+  const Imported five = imported(test::quadruped_with_limb(0.0, 0.0, "0 0 -0.2"));
+  EXPECT_EQ(five.robot.planar.feet.size(), 3u);
+  EXPECT_EQ(five.robot.planar.feet.at(1).name, "middle_foot");
+}
+
 TEST(Propose, JointsWithoutAnEffortArePassiveWhereOthersHaveOne) {
   const Imported pole = imported(
       "<robot name=\"p\">" + link("rail", 1, "0 0 0") + link("cart", 1, "0 0 0") +
@@ -254,7 +268,9 @@ TEST(Propose, AnInertiaBeyondTheRobotsSizeIsSaid) {
   const std::string ones =
       testing::replaced(test::quadruped_urdf(), "ixx=\"0.02\" iyy=\"0.08\" izz=\"0.09\"",
                         "ixx=\"1\" iyy=\"6\" izz=\"6\"");
-  EXPECT_TRUE(holds(imported(ones).proposal.missing.at(0), "inertias of 1 links"));
+  const std::string said = imported(ones).proposal.missing.at(0);
+  EXPECT_TRUE(holds(said, "inertias of 1 links"));
+  EXPECT_TRUE(holds(said, "--inertias shapes"));
   const std::vector<std::string> usual = imported(test::quadruped_urdf()).proposal.missing;
   ASSERT_EQ(usual.size(), 1u);
   EXPECT_TRUE(holds(usual.front(), "friction: 0.8"));

@@ -52,6 +52,32 @@ inline std::string quadruped_urdf() {
          quadruped_leg("RL", -0.2, 1.0) + quadruped_leg("RR", -0.2, -1.0) + "</robot>\n";
 }
 
+/// The same with a limb of two links in the middle of its trunk, over (x, z) from its origin: drawn
+/// along `way`, its last link 2 g like a finger, with motors that never saturate.
+inline std::string quadruped_with_limb(double x, double z, const std::string& way) {
+  const auto link = [&](const std::string& name, double mass, double inertia) {
+    return fmt::format(
+        "<link name=\"{0}\"><inertial><origin xyz=\"{1}\"/><mass value=\"{2}\"/><inertia "
+        "ixx=\"{3}\" iyy=\"{3}\" izz=\"{3}\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial>"
+        "<collision><origin xyz=\"{1}\"/><geometry><sphere radius=\"0.01\"/></geometry>"
+        "</collision></link>\n",
+        name, way, mass, inertia);
+  };
+  const auto joint = [](const std::string& name, const std::string& parent,
+                        const std::string& child, const std::string& origin) {
+    return fmt::format(
+        "<joint name=\"{}\" type=\"revolute\"><parent link=\"{}\"/><child link=\"{}\"/><origin "
+        "xyz=\"{}\"/><axis xyz=\"0 1 0\"/><limit lower=\"-2\" upper=\"2\" effort=\"1e5\" "
+        "velocity=\"9\"/></joint>\n",
+        name, parent, child, origin);
+  };
+  std::string text = quadruped_urdf();
+  text.erase(text.rfind("</robot>"));
+  return text + link("upper", 0.4, 2e-3) + link("finger", 0.002, 1e-6) +
+         joint("shoulder", "trunk", "upper", fmt::format("{} 0 {}", x, z)) +
+         joint("wrist", "upper", "finger", way) + "</robot>\n";
+}
+
 /// A hopper on a chain of slides and a hinge, of one box and a leg with a foot, in MuJoCo's format.
 inline const char* const kHopperMjcf = R"(<mujoco model="hopper">
   <compiler angle="radian"/>

@@ -50,6 +50,11 @@ struct Proposal {
   std::map<std::string, double> rest;  ///< by planar joint: the pose at rest [rad or m]
 };
 
+/// Gives links whose inertia is that of their mass at a distance beyond the whole robot's size,
+/// place holders of first drafts, that of their largest shape, evenly filled, or of a sphere of
+/// water where they have none. The links' names.
+std::vector<std::string> take_inertias_of_shapes(SpatialTree& tree);
+
 /// `tree` as read_urdf gives it.
 Proposal propose_robot(const SpatialTree& tree, const ProposeOptions& options = {});
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -41,6 +42,13 @@ struct DraftLoop {
   double branch = 1.0;            ///< as PlanarLoop has it, at rest
   std::string source;             ///< what told where the pin is
   std::string why_open;           ///< of one that is left open
+};
+
+/// Coordinates of a five-bar leg: sums of its motors' joints.
+struct LegCoordinates {
+  std::array<std::string, 2> joints;         ///< of the motors
+  std::array<double, 2> stretch{}, swing{};  ///< by joint: extension and angle as sums of them [-]
+  Bounds extension, angle;                   ///< ranges [rad]
 };
 
 struct Draft {
@@ -91,6 +99,10 @@ DraftLoop pinned(const Draft& draft, const std::string& leg, const DraftFoot& a,
 
 /// The same, taken as a five-bar with that foot.
 void add_five_bar(Draft& draft, const std::string& leg, const DraftFoot& a, const DraftFoot& b);
+
+/// Coordinates of a closed leg at rest, with ranges that keep it closed. Nothing where its motors
+/// have ranges of their own, or where no range of the extension does for all angles.
+std::optional<LegCoordinates> leg_coordinates(const Draft& draft, const DraftLoop& loop);
 
 /// Planar place of a point of a body, the base at the origin: x, z [m].
 Vec2 point_at(const Draft& draft, int body, const Vec2& point,

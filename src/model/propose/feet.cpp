@@ -258,34 +258,63 @@ void add_leg(Draft& draft, const SpatialTree& tree, const std::vector<Chain>& ch
   for (const DraftFoot& end : ends) add_foot(draft, end);
 }
 
+double height_of_mass(const SpatialTree& tree) {
+  double sum = 0.0;
+  for (const SpatialLink& link : tree.links)
+    sum += link.mass * (link.p_BL + link.R_BL * link.com).z();
+  const double mass = tree.total_mass();
+  return mass > 0.0 ? sum / mass : 0.0;
+}
+
+/// Whether a chain begins in the middle of the robot rather than to a side [m].
+bool in_the_middle(const Chain& chain) { return std::abs(chain.hip.y()) < 0.01; }
+
+/// How low the chains to the sides of the robot reach as it is drawn; infinite where it has none.
+double lowest_at_sides(const std::vector<Chain>& chains) {
+  double lowest = kInfinity;
+  for (const Chain& chain : chains)
+    if (!in_the_middle(chain) && !chain.wheel) lowest = std::min(lowest, chain.tip.z());
+  return lowest;
+}
+
+/// Legs reach the floor together, one to the left for each to the right: of what is in the middle
+/// beside such, as necks, arms and tails are, only what ends as low as they do stands on the floor.
+std::vector<Chain> legs_of(Draft& draft, const SpatialTree& tree) {
+  constexpr double kAsLow = 0.25;  // of its length
+  const double height = height_of_mass(tree);
+  const std::vector<Chain> chains = chains_of(draft, tree);
+  const double lowest = lowest_at_sides(chains);
+
+  std::vector<Chain> legs;
+  for (const Chain& chain : chains) {
+    const std::string joint = draft.reduction.bodies[chain.bodies.front()].joint;
+    if (chain.wheel) {
+      draft.notes.push_back(fmt::format(
+          "'{}' turns about its own centre of mass: a wheel or rotor; rolling is not modelled, so "
+          "it has no foot",
+          draft.reduction.bodies[chain.bodies.back()].joint));
+    } else if (chain.hip.z() - height > 0.5 * chain.length) {
+      draft.notes.push_back(
+          fmt::format("'{}' begins no leg: it is far above the centre of mass", joint));
+    } else if (in_the_middle(chain) && std::isfinite(lowest) &&
+               chain.tip.z() - lowest > kAsLow * chain.length) {
+      draft.notes.push_back(fmt::format(
+          "'{}' begins no leg: it is in the middle, between left and right ones, and its end is "
+          "{:.2g} m above theirs as the file is drawn",
+          joint, chain.tip.z() - lowest));
+    } else {
+      legs.push_back(chain);
+    }
+  }
+  return legs;
+}
+
 }  // namespace
 
 void find_feet(const ProposeOptions& options, Draft& draft) {
   if (!draft.floating) return;
   const SpatialTree tree = gather_leaning(hold_joints(draft.tree, held_of(draft)));
-  const double mass = tree.total_mass();
-  double height = 0.0;
-  for (const SpatialLink& link : tree.links)
-    height += link.mass * (link.p_BL + link.R_BL * link.com).z();
-  if (mass > 0.0) height /= mass;
-
-  std::vector<Chain> legs;
-  for (const Chain& chain : chains_of(draft, tree)) {
-    const std::string joint = draft.reduction.bodies[chain.bodies.back()].joint;
-    if (chain.wheel) {
-      draft.notes.push_back(fmt::format(
-          "'{}' turns about its own centre of mass: a wheel or rotor; rolling is not modelled, so "
-          "it has no foot",
-          joint));
-    } else if (chain.hip.z() - height > 0.5 * chain.length) {
-      draft.notes.push_back(
-          fmt::format("'{}' is no leg: it begins far above the centre of mass", joint));
-    } else {
-      legs.push_back(chain);
-    }
-  }
-
-  const Legs groups = group_by_place(legs);
+  const Legs groups = group_by_place(legs_of(draft, tree));
   const std::vector<std::string> ends = end_names(groups.size());
   for (std::size_t g = 0; g < groups.size(); ++g)
     add_leg(draft, tree, groups[g], ends[g], options.loops);

@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
 #include "jaculus/core/error.h"
 #include "jaculus/core/yaml.h"
 #include "model/propose/draft.h"
+#include "model/swollen.h"
 
 namespace jaculus::model {
 namespace {
@@ -35,32 +35,17 @@ void check_pose(const SpatialTree& tree, const ProposeOptions& options) {
   }
 }
 
-/// Links whose moment about the plane's normal is that of their mass at a distance beyond the whole
-/// robot's size: files of first drafts have ones there.
+/// What files of first drafts have ones for.
 void find_swollen(Draft& draft) {
   const SpatialTree tree = hold_joints(draft.tree, held_of(draft));
-  Eigen::AlignedBox3d box;
-  for (const SpatialLink& link : tree.links) {
-    box.extend(link.p_BL);
-    box.extend(Vec3(link.p_BL + link.R_BL * link.com));
-  }
-
-  const double size = box.sizes().norm();
-  std::vector<std::string> swollen;
-  double farthest = 0.0;
-  for (const SpatialLink& link : tree.links) {
-    if (!(link.mass > 0.0)) continue;
-    const double moment = (link.R_BL * link.inertia * link.R_BL.transpose())(1, 1);
-    const double radius = std::sqrt(moment / link.mass);
-    if (radius <= size || size == 0.0) continue;
-    swollen.push_back(link.name);
-    farthest = std::max(farthest, radius);
-  }
-  if (swollen.empty()) return;
+  const SwollenLinks swollen = swollen_links(tree);
+  if (swollen.links.empty()) return;
+  std::vector<std::string> names;
+  for (const int l : swollen.links) names.push_back(tree.links[l].name);
   draft.missing.push_back(fmt::format(
       "robot.urdf: inertias of {} links are those of their mass up to {:.2g} m away, on a robot of "
-      "{:.2g} m; used as they are: {}",
-      swollen.size(), farthest, size, fmt::join(swollen, ", ")));
+      "{:.2g} m; used as they are (--inertias shapes takes those of their shapes): {}",
+      names.size(), swollen.farthest, swollen.size, fmt::join(names, ", ")));
 }
 
 }  // namespace

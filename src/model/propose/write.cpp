@@ -121,6 +121,27 @@ std::string loops(const Draft& draft) {
   return text;
 }
 
+/// Legs with a loop in their own terms.
+std::string coordinates(const Draft& draft) {
+  std::string text;
+  for (const DraftLoop& loop : draft.loops) {
+    const std::optional<LegCoordinates> leg = leg_coordinates(draft, loop);
+    if (!leg) continue;
+    const auto line = [&](const char* what, const std::array<double, 2>& of, const Bounds& range) {
+      const std::string name = loop.name.substr(0, loop.name.rfind("_leg")) + what;
+      return fmt::format("  {}: {{of: {{{}: {}, {}: {}}}, range: [{:.4g}, {:.4g}]}}", quoted(name),
+                         quoted(leg->joints[0]), number(of[0]), quoted(leg->joints[1]),
+                         number(of[1]), range.lower, range.upper);
+    };
+    text += line("_extension", leg->stretch, leg->extension) + "\n" +
+            line("_angle", leg->swing, leg->angle) + "\n";
+  }
+  if (text.empty()) return "";
+  return "\n# Legs in their own terms: how far stretched, short of where the lower links fold or\n"
+         "# stretch out, and how far swung to the rear, 90 degrees about rest.\ncoordinates:\n" +
+         text;
+}
+
 /// Whether a joint follows from a loop.
 bool is_dependent(const Draft& draft, const DraftJoint& joint) {
   for (const DraftLoop& loop : draft.loops)
@@ -250,7 +271,7 @@ std::string write_proposal(Draft& draft, const Dropped& dropped) {
     draft.missing.emplace_back("friction: 0.8, rubber on a dry floor, is assumed");
   const std::string drives = motors(draft);
   return head(draft, dropped) + frame(draft) + held(draft) + pairs(draft) + loops(draft) +
-         feet(draft) + drives + rest(draft, drives);
+         coordinates(draft) + feet(draft) + drives + rest(draft, drives);
 }
 
 }  // namespace jaculus::model
