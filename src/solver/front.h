@@ -52,7 +52,7 @@ class Front {
   double largest_beside(int p, int but);
   bool take_single(int p, double threshold);
   bool take_pair(int p, int q, double threshold);
-  bool take_any(double threshold);
+  bool take_each(double threshold);
   int find_partner(int p);
   void record(Pivot pivot);
   void eliminate_single();

@@ -1,5 +1,7 @@
 // A solve on a fine mesh by way of coarser ones.
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "jaculus/core/interrupt.h"
@@ -17,12 +19,17 @@ constexpr int kDirect = 40;
 // ... and the coarsest of a sequence has no more than this.
 constexpr int kCoarsest = 20;
 
-// Coarse meshes end at a barrier at which limits are still a little way off: their set of active
-// limits is not the fine mesh's, and an interior point changes its mind only while it is inside.
-constexpr double kCoarseTolerance = 1e-3;
-// First barrier over the start's mean complementarity. This and the tolerance are the best of
-// eleven settings on four leaps (docs/speed.md), tried on nothing else.
-constexpr double kAbove = 3.0;
+// The way of the barrier. A product of slack and multiplier goes with the interval length
+// (prolong.h), so what is one point of the central path to all meshes is half the barrier on a mesh
+// twice as fine. Coarse meshes end at kBarrier, less on each finer one by their lengths and by
+// kAhead, to within kLoose of it; the last one goes on to the tolerance. Chosen on five leaps
+// (docs/speed.md).
+constexpr double kBarrier = 1e-3;
+constexpr double kAhead = 0.5;
+constexpr double kLoose = 10.0;
+// Ipopt's power of 1.5 goes over two decades at once there, which a fine mesh's many limits take
+// up only in short steps.
+constexpr const char* kPower = "1.2";
 
 // A bound on what a poor start may cost; on no problem measured does it gain anything.
 constexpr int kPatience = 100;
@@ -34,25 +41,41 @@ int longest(const Problem& problem) {
   return intervals;
 }
 
-/// The problem with its intervals joined by twos. Limits hold at the same times as before.
+/// The problem with its intervals joined by twos. Points that a limit leaves out are counted on the
+/// coarse mesh: the time of a fine mesh's last interval is too short for its torques.
 Problem coarser(Problem problem) {
   for (transcription::PhaseSpec& phase : problem.phases) {
     std::vector<double> mesh =
         phase.mesh.empty() ? std::vector<double>(phase.intervals, 1.0) : phase.mesh;
-    if (phase.stated_mesh.empty()) phase.stated_mesh = mesh;
     std::vector<double> joined;
     for (std::size_t k = 0; k < mesh.size(); k += 2)
       joined.push_back(mesh[k] + (k + 1 < mesh.size() ? mesh[k + 1] : 0.0));
     phase.intervals = count_of(joined);
-    phase.mesh = std::move(joined);
+    phase.mesh = phase.stated_mesh = std::move(joined);
   }
   return problem;
 }
 
+/// Options for the barrier problem alone, to which coarse meshes are solved.
+SolverOptions at_barrier(SolverOptions solver, double barrier) {
+  solver.tolerance = std::max(solver.tolerance, kLoose * barrier);
+  solver.ipopt["mu_target"] = fmt::format("{:.17g}", barrier);
+  return solver;
+}
+
+/// Options for the last mesh, `share` as long in its intervals as the coarsest. Products of slack
+/// and multiplier are as many more as intervals are shorter, and what they keep from the objective
+/// is their sum.
+SolverOptions to_the_end(SolverOptions solver, double share) {
+  solver.ipopt["mu_superlinear_decrease_power"] = kPower;
+  solver.ipopt["compl_inf_tol"] = fmt::format("{:.17g}", share * solver.tolerance);
+  return solver;
+}
+
 /// From a prolonged start; where that leads nowhere soon, from its variables as from any guess.
 NlpResult solve_prolonged(NonlinearProgram& program, const Start& start,
-                          const SolverOptions& solver) {
-  SolverOptions near = prolonged_options(solver, program, start, kAbove);
+                          const SolverOptions& solver, double barrier) {
+  SolverOptions near = prolonged_options(solver, barrier);
   near.max_iterations = std::min(near.max_iterations, kPatience);
   const NlpResult first = solve_nlp(program, start, near);
   if (first.converged() || interrupt_requested()) return first;
@@ -61,6 +84,8 @@ NlpResult solve_prolonged(NonlinearProgram& program, const Start& start,
   add_earlier(first, second);
   return second;
 }
+
+int intervals(const NonlinearProgram& program) { return count_of(program.layout().intervals); }
 
 }  // namespace
 
@@ -80,20 +105,25 @@ NlpResult solve_nested(NonlinearProgram& program, const SolverOptions& solver,
   for (Problem problem = program.problem(); longest(problem) > kCoarsest;)
     problems.push_back(problem = coarser(std::move(problem)));
 
-  SolverOptions loose = solver;
-  loose.tolerance = std::max(solver.tolerance, kCoarseTolerance);
   const auto build = [&](const Problem& problem) {
     return std::make_unique<NonlinearProgram>(problem, program.equations().model());
   };
 
   auto mesh = build(problems.back());
-  NlpResult result = first(*mesh, loose);
+  const double coarsest = intervals(*mesh);
+  SolverOptions adaptive = at_barrier(solver, kBarrier);
+  adaptive.ipopt["mu_strategy"] = "adaptive";
+  NlpResult result = first(*mesh, adaptive);
   problems.pop_back();
-  while (result.converged() && !interrupt_requested()) {
+  for (double ahead = kAhead; result.converged() && !interrupt_requested(); ahead *= kAhead) {
     const bool last = problems.empty();
     auto finer = last ? nullptr : build(problems.back());
     NonlinearProgram& next = last ? program : *finer;
-    NlpResult own = solve_prolonged(next, prolong(*mesh, result, next), last ? solver : loose);
+
+    const double share = coarsest / intervals(next), barrier = kBarrier * share * ahead;
+    NlpResult own =
+        solve_prolonged(next, prolong(*mesh, result, next),
+                        last ? to_the_end(solver, share) : at_barrier(solver, barrier), barrier);
     add_earlier(result, own);
     if (last) return own;
 

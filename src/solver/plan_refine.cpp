@@ -117,7 +117,8 @@ NlpResult solve_finer(Plan& plan, transcription::NonlinearProgram& finer,
   for (const char* barrier : {"prolonged", "", "1e-4", "1e-6", "1e-8"}) {
     const std::string_view way = barrier;
     if (way == "prolonged")
-      result = solve_nlp(finer, prolonged, prolonged_options(plain, finer, prolonged, kAbove));
+      result = solve_nlp(finer, prolonged,
+                         prolonged_options(plain, kAbove * mean_complementarity(finer, prolonged)));
     else if (way.empty())
       result = solve_nlp(finer, {prolonged.x}, plain);
     else

@@ -206,13 +206,11 @@ double mean_complementarity(NonlinearProgram& program, const Start& start) {
   return count > 0 ? sum / count : 0.0;
 }
 
-SolverOptions prolonged_options(SolverOptions options, NonlinearProgram& fine, const Start& start,
-                                double above) {
+SolverOptions prolonged_options(SolverOptions options, double barrier) {
   // Smaller ones are below what the tolerance asks for, larger ones forget the start.
   constexpr double kLeastBarrier = 1e-7, kMostBarrier = 1e-2;
-  const double barrier =
-      std::clamp(above * mean_complementarity(fine, start), kLeastBarrier, kMostBarrier);
-  options.ipopt["mu_init"] = fmt::format("{:.17g}", barrier);
+  options.ipopt["mu_init"] =
+      fmt::format("{:.17g}", std::clamp(barrier, kLeastBarrier, kMostBarrier));
   for (const char* name : {"bound_push", "bound_frac", "slack_bound_push", "slack_bound_frac"})
     options.ipopt[std::string("warm_start_") + name] = "1e-5";
   return options;

@@ -26,9 +26,7 @@ Start prolong(transcription::NonlinearProgram& coarse, const NlpResult& result,
 /// with no slack. 0 where there is no inequality or the program isn't defined there.
 double mean_complementarity(transcription::NonlinearProgram& program, const Start& start);
 
-/// `options` for a solve from a prolonged start: the first barrier is `above` times its mean
-/// complementarity, and slacks are hardly pushed.
-SolverOptions prolonged_options(SolverOptions options, transcription::NonlinearProgram& fine,
-                                const Start& start, double above);
+/// `options` for a solve from a prolonged start: the first barrier, and slacks are hardly pushed.
+SolverOptions prolonged_options(SolverOptions options, double barrier);
 
 }  // namespace jaculus::solver::detail
