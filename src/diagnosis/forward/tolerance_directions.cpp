@@ -16,8 +16,6 @@ using simulation::Plant;
 
 using Directions = std::vector<ToleranceDirection>;
 
-/// Nothing within tolerance is off by more than two deviations (model/tolerances.h).
-constexpr Bounds kWithin{-2.0, 2.0};
 constexpr Bounds kNotNegative{0.0, 2.0};
 
 using Move = std::function<void(double, Plant&)>;

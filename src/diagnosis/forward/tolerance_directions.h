@@ -15,6 +15,9 @@
 
 namespace jaculus::diagnosis {
 
+/// Nothing within tolerance is off by more than two deviations (model/tolerances.h).
+constexpr Bounds kWithin{-2.0, 2.0};
+
 struct ToleranceDirection {
   std::string name;       ///< "mass of trunk"
   Bounds range{};         ///< of e

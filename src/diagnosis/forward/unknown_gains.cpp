@@ -5,10 +5,10 @@
 #include <map>
 #include <numbers>
 
+#include "diagnosis/forward/tolerance_directions.h"
+
 namespace jaculus::diagnosis {
 namespace {
-
-constexpr double kWidestClock = 2.0;  // deviations, as tolerances
 
 using model::PlanarDrag;
 using model::PlanarModel;
@@ -167,7 +167,7 @@ std::vector<GainFactor> add_gain_factors(const ObservedDataset& observed,
 std::vector<GainFactor> add_foreign_clock(const ObservedDataset& observed, bool several,
                                           const Settings& settings, Hypotheses& hypotheses) {
   if (observed.measured_input || !tracked_alone(observed)) return {};
-  const double spread = settings.foreign_clock, widest = kWidestClock * spread;
+  const double spread = settings.foreign_clock;
   const int parameter = count_of(hypotheses.parameters);
   hypotheses.gains.push_back(parameter);
   hypotheses.parameters.push_back({"nuisance",
@@ -175,7 +175,7 @@ std::vector<GainFactor> add_foreign_clock(const ObservedDataset& observed, bool 
                                    "s",
                                    0.0,
                                    spread,
-                                   {-widest, widest}});
+                                   {kWithin.lower * spread, kWithin.upper * spread}});
   return {{parameter, observed.streams, {}, false, {}}};
 }
 

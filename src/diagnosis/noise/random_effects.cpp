@@ -257,9 +257,7 @@ Products products_of(const RandomEffects& effects, const Matrix& X) {
   // Beside a misfit all rows belong to it, to a block or are plain.
   if (effects.misfits.empty()) products.gram = X.transpose() * X;
   for (const auto& [first, count] : effects.plain)
-    if (!effects.misfits.empty())
-      products.gram.noalias() +=
-          X.middleRows(first, count).transpose() * X.middleRows(first, count);
+    products.gram.noalias() += X.middleRows(first, count).transpose() * X.middleRows(first, count);
   for (const RandomBlock& block : effects.blocks) {
     const auto rows = X.middleRows(block.first, block.count);
     if (!effects.misfits.empty()) products.gram.noalias() += rows.transpose() * rows;

@@ -217,15 +217,17 @@ int DatasetWhitening::block_of(int segment) const {
 
 Vector DatasetWhitening::apply(const Vector& raw) const {
   Vector white = whiten(raw);
-  for (const SegmentBlock& block : blocks)
-    block.nuisances.apply(white.segment(block.first, block.count));
+  take_nuisances(white);
   return white;
 }
 
-Vector DatasetWhitening::apply_apart(const Vector& raw) const {
+void DatasetWhitening::take_nuisances(VectorRef white) const {
+  for (const SegmentBlock& block : blocks)
+    block.nuisances.apply(white.segment(block.first, block.count));
+}
+
+Vector DatasetWhitening::apart_of(const Vector& white) const {
   Vector out(apart);
-  if (apart == 0) return out;
-  const Vector white = whiten(raw);
   Eigen::Index next = 0;
   for (const SegmentBlock& block : blocks) {
     const Eigen::Index count = block.apart.shrink.size();
@@ -246,14 +248,15 @@ Vector Whitening::residual(const std::vector<Vector>& predicted) const {
 
 Vector Whitening::apply(const std::vector<Vector>& raw) const {
   Vector white(rows);
-  int first = 0;
+  int first = 0, behind = rows - apart;
   for (std::size_t d = 0; d < datasets.size(); ++d) {
-    white.segment(first, datasets[d].rows) = datasets[d].apply(raw[d]);
-    first += datasets[d].rows;
-  }
-  for (std::size_t d = 0; d < datasets.size(); ++d) {
-    white.segment(first, datasets[d].apart) = datasets[d].apply_apart(raw[d]);
-    first += datasets[d].apart;
+    const DatasetWhitening& dataset = datasets[d];
+    Vector own = dataset.whiten(raw[d]);
+    white.segment(behind, dataset.apart) = dataset.apart_of(own);
+    dataset.take_nuisances(own);
+    white.segment(first, dataset.rows) = own;
+    first += dataset.rows;
+    behind += dataset.apart;
   }
   return white;
 }

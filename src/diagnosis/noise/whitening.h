@@ -47,9 +47,10 @@ struct DatasetWhitening {
   /// Steps 1 and 2 on a raw vector (a residual, a sensitivity) of all the dataset's rows, without
   /// what stands apart.
   [[nodiscard]] Vector apply(const Vector& raw) const;
-  /// What stands apart of it.
-  [[nodiscard]] Vector apply_apart(const Vector& raw) const;
   [[nodiscard]] Vector whiten(const Vector& raw) const;  ///< step 1 alone
+  /// Step 2 on white rows, which loses what stands apart; and that, of the same rows before.
+  void take_nuisances(VectorRef white) const;
+  [[nodiscard]] Vector apart_of(const Vector& white) const;
   /// Step 1 on the rows of one block, each column of `raw` a vector of that segment's own rows.
   [[nodiscard]] Matrix whiten_block(int block, const Matrix& raw) const;
   /// The block of a segment; -1 where it takes no part.

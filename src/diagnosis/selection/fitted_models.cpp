@@ -20,6 +20,12 @@ Fit fit_beside(const Problem& problem, const Whitening& whitening, const Fit& ba
   return fit_model(problem, whitening, free, {base.p}, options);
 }
 
+/// p with the nuisances of another point.
+Vector with_nuisances(const Hypotheses& hypotheses, Vector p, const Vector& of) {
+  for (const int i : hypotheses.nuisances()) p[i] = of[i];
+  return p;
+}
+
 /// Log evidence gained at which a start has reached what screening promised, by slopes at none or a
 /// step of one parameter: under a plan, where valleys are narrow, nearly all of it. Where nothing
 /// was promised any start will do.
@@ -52,9 +58,10 @@ FittedModels::FittedModels(const Problem& problem, const Comparison& comparison,
     return;
   }
   // Nuisances from where the noise was told; noise may be about a model with effects.
-  Vector start = problem.hypotheses.nominal();
-  for (const int i : problem.hypotheses.nuisances()) start[i] = comparison.noise.p[i];
-  fit({Job{{}, problem.hypotheses.gain_starts(start)}});
+  const Hypotheses& hypotheses = problem.hypotheses;
+  fit({Job{{},
+           hypotheses.gain_starts(
+               with_nuisances(hypotheses, hypotheses.nominal(), comparison.noise.p))}});
 }
 
 double FittedModels::value(const ModelFit& model) const { return model.log_weight(); }
@@ -250,10 +257,8 @@ void FittedModels::share_valleys(const std::set<Members>& refined) {
     bool moved = false;
     for (ModelFit* model : models) {
       std::vector<Vector> starts;
-      for (const ModelFit* other : models) {
-        starts.push_back(model->fit.p);
-        for (const int i : problem_.hypotheses.nuisances()) starts.back()[i] = other->fit.p[i];
-      }
+      for (const ModelFit* other : models)
+        starts.push_back(with_nuisances(problem_.hypotheses, model->fit.p, other->fit.p));
       const double before = model->fit.log_evidence;
       model->fit = fit_from_lower(problem_, comparison_.whitening, std::move(model->fit), starts,
                                   exact_options(*model));
@@ -273,9 +278,9 @@ FitOptions FittedModels::exact_options(const ModelFit& model) const {
 
 void FittedModels::refine(ModelFit& model) {
   const ModelFit* lead = leading();
-  std::vector<Vector> starts = {model.fit.p, model.fit.simulated, model.fit.p};
-  for (const int i : problem_.hypotheses.nuisances())
-    starts.back()[i] = (lead == &model ? none() : *lead).fit.p[i];
+  const Vector& of = (lead == &model ? none() : *lead).fit.p;
+  const std::vector<Vector> starts = {model.fit.p, model.fit.simulated,
+                                      with_nuisances(problem_.hypotheses, model.fit.p, of)};
 
   FitOptions options = exact_options(model);
   options.enough = model.fit.log_evidence;

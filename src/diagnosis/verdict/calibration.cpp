@@ -9,9 +9,8 @@ namespace jaculus::diagnosis {
 namespace {
 
 constexpr const char* kCounted =
-    "two blinded batches of 40 cluttered cases of 2026-11-25, labels open now: by commit 8e56bd7, "
-    "of "
-    "which the verdict is known where its stated probability was no other's, and by 02b7af6";
+    "two blinded batches of 40 cluttered cases of 2026-11-25, labels open now: by 02b7af6, and by "
+    "8e56bd7, of which a verdict is known where its stated probability was no other's";
 constexpr const char* kPooled =
     "the same batches: effects of low confidence, several and ambiguous, too few to be told apart";
 

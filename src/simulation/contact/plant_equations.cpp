@@ -31,8 +31,8 @@ PlantEquations::PlantEquations(const Plant& plant, const Controller& controller)
   at_.contacts.resize(unilaterals_.size());
   at_.lambda.assign(2 * unilaterals_.size(), 0.0);
   at_.soles.resize(points_);
-  at_.motor_position.resize(motors);
-  at_.motor_velocity.resize(motors);
+  motor_position_.resize(motors);
+  motor_velocity_.resize(motors);
 }
 
 int PlantEquations::bristles() const { return windings() + (warm_ ? count_of(drive_.motors) : 0); }
@@ -45,15 +45,15 @@ int PlantEquations::states() const { return law_states() + laws_.states(); }
 // -------------------------------------------------------------------------------------------------
 
 void PlantEquations::read_motors(const State& y) {
-  for (int m = 0; m < count_of(at_.motor_velocity); ++m) {
-    at_.motor_position[m] = mechanism_.motor_angle(m, y.data());
-    at_.motor_velocity[m] = mechanism_.motor_rate(m, y.data() + size());
+  for (int m = 0; m < count_of(motor_velocity_); ++m) {
+    motor_position_[m] = motor_position(m, y);
+    motor_velocity_[m] = motor_velocity(m, y);
   }
 }
 
 void PlantEquations::take_inputs(double t, const State& y) {
   read_motors(y);
-  inputs_.update(t, at_.motor_position.data(), at_.motor_velocity.data());
+  inputs_.update(t, motor_position_.data(), motor_velocity_.data());
 }
 
 void PlantEquations::hold(const std::vector<double>& torques) {
@@ -116,14 +116,13 @@ void PlantEquations::set_forces(double t, const State& y, const std::vector<Touc
   const double *q = y.data(), *v = q + size();
   force_.fill(0.0);
   read_motors(y);
-  const Command* commands =
-      inputs_.commands(t, at_.motor_position.data(), at_.motor_velocity.data());
+  const Command* commands = inputs_.commands(t, motor_position_.data(), motor_velocity_.data());
   const double* own = y.data() + law_states();
   if (!laws_.empty()) take_changes(laws_.before_motors(mechanism_, inertia_, t, q, v, own));
-  at_.bus = drive_.set(inputs_.quantity(), commands, at_.motor_velocity.data(),
+  at_.bus = drive_.set(inputs_.quantity(), commands, motor_velocity_.data(),
                        warm_ ? &y[windings()] : nullptr);
 
-  for (std::size_t m = 0; m < at_.motor_velocity.size(); ++m) {
+  for (std::size_t m = 0; m < motor_velocity_.size(); ++m) {
     const double torque = plant_.model.motors[m].count * drive_.motors[m].torque;
     for (int i = 0; i < size(); ++i) force_[i] += torque * mechanism_.motor_row[m][i];
   }

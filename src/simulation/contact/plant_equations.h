@@ -26,8 +26,6 @@ struct Evaluation {
   std::vector<ContactState> contacts;  ///< one a unilateral
   std::vector<double> lambda;          ///< 2 a unilateral: tangential, normal [N or N m]
   std::vector<SoleState> soles;        ///< one a point, on compliant ground
-  std::vector<double> motor_position;  ///< joint angle on the motor's side [rad]
-  std::vector<double> motor_velocity;  ///< [rad/s]
   double bus = 0.0;                    ///< voltage [V]
 };
 
@@ -125,6 +123,8 @@ class PlantEquations {
   Inertia inertia_;
   ContactRows rows_;
   Evaluation at_;
+  std::vector<double> motor_position_;  ///< joint angles on the motors' side [rad]
+  std::vector<double> motor_velocity_;  ///< [rad/s]
   ContactSystem system_;
   std::array<double, kMaxSize> force_, balance_;
   std::array<double, kMaxSize> free_;  ///< L^-1 (Q - h)
