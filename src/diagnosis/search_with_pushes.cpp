@@ -13,9 +13,22 @@ constexpr double kOfIt = 0.5;     ///< share of a push that every trial has at l
 constexpr double kSure = 3.0;     ///< deviations
 constexpr double kInside = 1.01;  ///< a length so near its bound is at it
 
-Selection selected(const Prepared& prepared, const DiagnoseOptions& options) {
+Selection selected(const Prepared& prepared, const ProblemBuilder& rebuild,
+                   const DiagnoseOptions& options) {
   const Problem& problem = *prepared.built.problem;
-  return select_models(problem, first_comparison(problem, prepared.noise), options.progress);
+  const int most = problem.settings.search_windows;
+  Comparison comparison = first_comparison(problem, prepared.noise);
+  if (in_windows(problem) && windows_of(problem.observations) > most) {
+    const BuiltProblem part = rebuild(with_windows(problem.observations, most));
+    NoiseModel noise = estimate_noise(*part.problem, part.problem->hypotheses.nominal());
+    if (noise.valid()) {
+      const Selection found = select_models(
+          *part.problem, first_comparison(*part.problem, std::move(noise)), options.progress);
+      if (!found.search.models.empty())
+        return select_models_from(problem, std::move(comparison), found.search, options.progress);
+    }
+  }
+  return select_models(problem, std::move(comparison), options.progress);
 }
 
 /// The most probable of all models, none among them.
@@ -130,9 +143,10 @@ bool has_pushes(const Problem& problem, const Whitening& whitening, const ModelF
 
 }  // namespace
 
-Searched search_with_pushes(Prepared prepared, const DiagnoseOptions& options) {
+Searched search_with_pushes(Prepared prepared, const ProblemBuilder& rebuild,
+                            const DiagnoseOptions& options) {
   if (!prepared.reasons.empty()) return {std::move(prepared), {}};
-  Selection effects_alone = selected(prepared, options);
+  Selection effects_alone = selected(prepared, rebuild, options);
   if (!pushes_sought(prepared, effects_alone))
     return {std::move(prepared), std::move(effects_alone)};
 
@@ -143,7 +157,7 @@ Searched search_with_pushes(Prepared prepared, const DiagnoseOptions& options) {
       fitted_effects(*prepared.built.problem, effects_alone.search);
   effects.insert(effects.end(), pushes.begin(), pushes.end());
   Prepared with = with_effects(prepared, std::move(effects));
-  Selection again = selected(with, options);
+  Selection again = selected(with, rebuild, options);
   if (again.search.models.empty() ||
       !has_pushes(*with.built.problem, again.comparison.whitening, leading(again.search)) ||
       lacks(*with.built.problem, leading(again.search).fit))

@@ -16,6 +16,7 @@ struct Searched {
 /// (push_scan.h). It counts if a model with a push leads it, one that every trial had and that is
 /// shorter than half of the motion, and leaves no misfit: what lasts a moment has some half sine
 /// that is like it, but only of a push does nothing else remain.
-Searched search_with_pushes(Prepared prepared, const DiagnoseOptions& options);
+Searched search_with_pushes(Prepared prepared, const ProblemBuilder& rebuild,
+                            const DiagnoseOptions& options);
 
 }  // namespace jaculus::diagnosis

@@ -84,6 +84,29 @@ Observations without_tails(Observations observations, const std::vector<SegmentT
   return observations;
 }
 
+int windows_of(const Observations& observations) {
+  int all = 0;
+  for (const ObservedDataset& observed : observations.datasets)
+    if (observed.measured_input) all += count_of(observed.segments);
+  return all;
+}
+
+Observations with_windows(Observations observations, int most) {
+  const int all = windows_of(observations);
+  if (all <= most) return observations;
+
+  for (ObservedDataset& observed : observations.datasets) {
+    const int own = count_of(observed.segments);
+    const int kept = std::min(own, std::max(2, own * most / all));
+    if (!observed.measured_input || kept == own) continue;
+    std::vector<Segment> spread;
+    for (int k = 0; k < kept; ++k)  // the middle of each of `kept` equal parts
+      spread.push_back(observed.segments[(2 * k + 1) * own / (2 * kept)]);
+    observed.segments = std::move(spread);
+  }
+  return observations;
+}
+
 std::vector<RowSpan> row_spans(const ObservedDataset& observed) {
   std::vector<RowSpan> spans;
   int first = 0;

@@ -98,6 +98,12 @@ struct SegmentTail {
 /// The same observations without some tails.
 Observations without_tails(Observations observations, const std::vector<SegmentTail>& dropped);
 
+/// How many windows of logged inputs there are.
+int windows_of(const Observations& observations);
+/// The same observations with `most` windows of logged inputs, evenly spread over all of them, two
+/// of each dataset at least.
+Observations with_windows(Observations observations, int most);
+
 /// Where the rows of one channel of one segment stand in the vector of all rows of a dataset.
 struct RowSpan {
   int segment = 0, channel = 0;

@@ -199,7 +199,6 @@ Vector sample_times(const ObservedDataset& observed, const Segment& segment, con
   const double late =
       observed.measured_input ? 0.0 : plant.actuation.late_start + plant.actuation.delay;
   const double first = std::fmod(late, settings.grid);
-
   const double steps = std::ceil((end + settings.simulated_beyond + late) / settings.grid);
   return Vector::LinSpaced(static_cast<Eigen::Index>(steps) + 1, first,
                            first + settings.grid * steps);
@@ -236,6 +235,10 @@ SimulationSetup setup_of(const Model& model, int dataset, int index, const Vecto
 
   setup.options.sample_times = sample_times(observed, segment, setup.plant, model.settings);
   setup.options.duration = setup.options.sample_times[setup.options.sample_times.size() - 1];
+  if (observed.measured_input) {
+    setup.options.absolute_tolerance = model.settings.window_accuracy;
+    setup.options.relative_tolerance = 100.0 * model.settings.window_accuracy;
+  }
   return setup;
 }
 
@@ -299,8 +302,8 @@ Prediction simulate_segment(const Model& model, int dataset, int segment, const 
 
   prediction = prediction_of(model.observations.datasets[dataset], setup.plant, simulation);
   for (const simulation::Event& event : simulation.events) {
-    const bool impact =
-        event.kind == simulation::EventKind::stop || event.kind == simulation::EventKind::land;
+    using enum simulation::EventKind;
+    const bool impact = event.kind == stop || event.kind == land;
     if (event.time > 0.0 && impact) prediction.impacts.push_back(event.time);
   }
   prediction.steps = command_steps(setup);
@@ -328,7 +331,6 @@ Prediction predict_segment(const Model& model, int dataset, int segment, const V
     if (!with.valid) return with;
     sum.values += own.share * (with.values - without.values);
   }
-
   return sum;
 }
 

@@ -65,7 +65,10 @@ Misfits misfits_of(const FitOptions& options) {
 }
 
 /// Minimises and estimates the deviations in turn, from u on: where least squares ended, the
-/// deviations first.
+/// deviations first. Where nothing but misfits is estimated and tolerances are simulated, it goes
+/// on by slopes that are told anew until it stays: on the way those of nuisances go by secants, by
+/// which a model with effects, whose own slopes are exact, comes closer to its optimum than the one
+/// without.
 Fit fit_from(const Problem& problem, const Whitening& whitening, const std::vector<int>& free,
              const FitOptions& options, Residual& residual, Vector u) {
   const Settings& settings = problem.settings;
@@ -99,10 +102,14 @@ Fit fit_from(const Problem& problem, const Whitening& whitening, const std::vect
         estimated_scales(random, products, from, steps, settings.scale_spread, at);
     complete(random, residual, products, estimate, u, at, fit);
 
-    // Misfits have followed already; forces ask for another round.
-    const bool last = free.empty() || options.hold_scales || random.blocks.empty() ||
-                      round >= options.rounds.value_or(settings.scale_rounds);
-    if (last) return fit;
+    if (free.empty() || options.hold_scales) return fit;
+    if (random.blocks.empty()) {
+      // Misfits have followed already.
+      const bool stays = round > 0 && fell < settings.scales_settled;
+      if (options.by_slopes != nullptr || stays || round >= settings.renewals) return fit;
+      continue;
+    }
+    if (round >= options.rounds.value_or(settings.scale_rounds)) return fit;
     const double gained = linear_evidence(random, products, fit.scales).log_evidence -
                           linear_evidence(random, products, before).log_evidence;
     if (gained + fell < settings.scales_settled) return fit;

@@ -114,7 +114,8 @@ std::vector<Probe> FittedModels::probe(const ModelFit& base) {
     const Probe& before = earlier_->probes[c];
     probes[c].step = before.step;
     probes[c].score = std::max(probes[c].score, before.score);
-    if (probes[c].valid || !before.valid) continue;
+    const bool same_data = before.small.rows() == comparison_.whitening.rows;
+    if (probes[c].valid || !before.valid || !same_data) continue;
     probes[c].valid = true;
     probes[c].small = before.small;
     probes[c].full = before.full;
@@ -262,10 +263,29 @@ void FittedModels::share_valleys(const std::set<Members>& refined) {
       const double before = model->fit.log_evidence;
       model->fit = fit_from_lower(problem_, comparison_.whitening, std::move(model->fit), starts,
                                   exact_options(*model));
+      for (const ModelFit* other : models) fit_within(*other, *model);
       moved = moved || model->fit.log_evidence > before;
     }
     if (!moved) return;
   }
+}
+
+void FittedModels::fit_within(const ModelFit& larger, ModelFit& model) {
+  const bool within = std::includes(larger.candidates.begin(), larger.candidates.end(),
+                                    model.candidates.begin(), model.candidates.end());
+  if (!within || larger.candidates == model.candidates ||
+      value(larger) < value(model) + problem_.settings.scales_settled)
+    return;
+  Vector start = larger.fit.p;
+  for (const int c : larger.candidates)
+    if (index_of(model.candidates, c) < 0)
+      for (const int i : problem_.hypotheses.candidates[c].parameters)
+        start[i] = problem_.hypotheses.parameters[i].nominal;
+  Fit fit =
+      fit_model(problem_, comparison_.whitening, problem_.hypotheses.freed_by(model.candidates),
+                {start}, exact_options(model));
+  predictions_ += fit.predictions;
+  if (fit.valid && fit.log_evidence > model.fit.log_evidence) model.fit = std::move(fit);
 }
 
 FitOptions FittedModels::exact_options(const ModelFit& model) const {

@@ -68,6 +68,10 @@ class FittedModels {
   /// Each of the models that were refined from the nuisances of every other, wherever the cost is
   /// lower there: tolerances have several valleys, and no model shall lead by its start alone.
   void share_valleys(const std::set<Members>& refined);
+  /// A model whose effects are among those of a larger one that leads it, from where that one is
+  /// without what it has more: what these effects gain must be theirs, and no valley that the
+  /// smaller model has as well.
+  void fit_within(const ModelFit& larger, ModelFit& model);
   /// Of a fit with tolerances simulated.
   [[nodiscard]] FitOptions exact_options(const ModelFit& model) const;
   void fit(const std::vector<Job>& jobs);

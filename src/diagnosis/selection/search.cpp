@@ -172,7 +172,8 @@ void search_from_leader(const Problem& problem, const Whitening& whitening,
                         const std::vector<Probe>& about_none, const SearchOptions& options,
                         FittedModels& models) {
   std::set<Members> left;
-  for (int round = 0; round < problem.settings.search_rounds; ++round) {
+  const int rounds = options.rounds.value_or(problem.settings.search_rounds);
+  for (int round = 0; round < rounds; ++round) {
     const ModelFit leader = *models.leading();
     if (!left.insert(leader.candidates).second) return;
     if (options.progress)
@@ -309,7 +310,7 @@ Selection select_models(const Problem& problem, Comparison comparison,
                         const std::function<void(const std::string&)>& progress) {
   const int first = in_windows(problem) ? problem.settings.largest_set : 1;
   const SearchResult singles =
-      search_models(problem, comparison, {first, nullptr, false, progress});
+      search_models(problem, comparison, {first, nullptr, false, {}, progress});
   if (singles.models.empty()) return {std::move(comparison), singles};
   const Posterior posterior = posterior_of(singles, problem.settings);
   const bool fixed = problem.hypotheses.tolerances.empty();
@@ -323,9 +324,21 @@ Selection select_models(const Problem& problem, Comparison comparison,
   if (!same_space) comparison = told_anew(problem, comparison, singles.models.front().fit, leader);
   const int largest =
       in_windows(problem) ? problem.settings.largest_set : problem.settings.largest_model;
-  const SearchOptions options{largest, &singles, same_space, progress};
+  const SearchOptions options{largest, &singles, same_space, {}, progress};
   SearchResult search = search_models(problem, comparison, options);
   search.predictions += singles.predictions;
+  return {std::move(comparison), std::move(search)};
+}
+
+Selection select_models_from(const Problem& problem, Comparison comparison,
+                             const SearchResult& part,
+                             const std::function<void(const std::string&)>& progress) {
+  const Posterior posterior = posterior_of(part, problem.settings);
+  const ModelFit* leader = clear_leader(posterior, problem.settings);
+  comparison = told_anew(problem, comparison, part.models.front().fit, leader);
+  const SearchOptions options{problem.settings.largest_set, &part, false, 1, progress};
+  SearchResult search = search_models(problem, comparison, options);
+  search.predictions += part.predictions;
   return {std::move(comparison), std::move(search)};
 }
 

@@ -15,6 +15,7 @@
 // Every model fitted on the way stays in the comparison.
 
 #include <functional>
+#include <optional>
 #include <string>
 
 #include "diagnosis/selection/comparison.h"
@@ -26,6 +27,7 @@ struct SearchOptions {
   int largest = 3;                        ///< effects at once
   const SearchResult* earlier = nullptr;  ///< its fits are starts here
   bool same_space = false;                ///< whether it was in this space: then they stay
+  std::optional<int> rounds{};            ///< of moves at most; else settings.search_rounds
   std::function<void(const std::string&)> progress{};
 };
 SearchResult search_models(const Problem& problem, const Comparison& comparison,
@@ -41,6 +43,12 @@ struct Selection {
 };
 Selection select_models(const Problem& problem, Comparison comparison,
                         const std::function<void(const std::string&)>& progress);
+/// The same from what a search on a part of the data found (data/observations.h, with_windows): its
+/// leading models are fitted to all data; about what leads then, all candidates are screened and
+/// the search moves once more.
+Selection select_models_from(const Problem& problem, Comparison comparison,
+                             const SearchResult& part,
+                             const std::function<void(const std::string&)>& progress);
 
 /// The space about a model, which is fitted again from there until it stays.
 struct Relinearised {
