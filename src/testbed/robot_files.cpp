@@ -7,6 +7,7 @@
 
 #include "jaculus/core/yaml.h"
 #include "jaculus/model/robot.h"
+#include "model/reduce.h"
 #include "testbed/limbs.h"
 
 namespace jaculus::testbed {
@@ -164,18 +165,13 @@ RobotFiles read_robot_files(const std::filesystem::path& folder) {
   const yaml::Node node = yaml::Node::load(folder / "robot.yaml");
   RobotFiles files;
   files.name = robot.name;
-  if (const auto held = node.find("fixed_joints")) {
-    throw held->error(
-        "joints held by robot.yaml; allowed on the testbed: fixed joints in the URDF");
-  }
-
   for (const char* key : {"axes", "base_link"}) {
     if (const auto placed = node.find(key))
       throw placed->error(fmt::format(
           "{}; allowed on the testbed: a URDF whose root is the base, x forward, z up", key));
   }
 
-  files.tree = model::read_tree(folder);
+  files.tree = model::hold_joints(model::read_tree(folder), robot.planar.held);
   check_axes(files.tree);
   const auto& free = robot.planar.base_free;
   files.floating = free[0] && free[1] && free[2];
@@ -195,12 +191,6 @@ RobotFiles read_robot_files(const std::filesystem::path& folder) {
   read_pins(node, joints, links, robot.planar, files);
   read_toes(node, links, files);
   for (const model::PlanarMotor& motor : robot.planar.motors) {
-    if (motor.viscous_friction != 0.0 || motor.dry_friction != 0.0) {
-      throw node.error(fmt::format(
-          "motor of '{}': friction stated; allowed on the testbed: none, its bearings have their "
-          "own",
-          motor.joint));
-    }
     files.planar_motors.push_back(motor.joint);
     for (const std::string& joint : sides_of(joints, motor.joint))
       files.drives.push_back({joint, motor.joint, motor});

@@ -332,6 +332,35 @@ TEST(Mjcf, OfANewerFileWhatMujocoDoesNotKnowIsLeftOutAndSaid) {
   EXPECT_THROW((void)read_mjcf(folder.path() / "hopper.xml"), InputError);
 }
 
+TEST(Mjcf, WithoutItsMeshesIsReadWhereLinksStateTheirInertias) {
+  const std::optional<MjcfRobot> usual = hopper();
+  if (!usual) GTEST_SKIP() << "no MuJoCo";
+  const std::string drawn =
+      testing::replaced(test::kHopperMjcf, "<worldbody>",
+                        "<asset><mesh name=\"shell\" file=\"shell.stl\"/></asset>\n<worldbody>");
+  const std::string inertial =
+      "<inertial pos=\"0 0 0\" mass=\"4\" diaginertia=\"0.03 0.04 0.02\"/>";
+  const std::string box = "<geom name=\"box\"";
+  const std::string shell = "<geom type=\"mesh\" mesh=\"shell\"/>";
+  const testing::Folder folder;
+  folder.write("hopper.xml", testing::replaced(drawn, box, inertial + shell + box));
+  const MjcfRobot robot = read_mjcf(folder.path() / "hopper.xml");
+  const std::string notes = fmt::format("{}", fmt::join(robot.notes, "\n"));
+  EXPECT_TRUE(holds(notes, "a mesh whose file isn't there"));
+  const SpatialTree& tree = robot.tree;
+  EXPECT_NEAR(tree.links[tree.link_index("trunk")].inertia(1, 1), 0.04, 1e-12);
+  EXPECT_THROW((void)read_mjcf(folder.path() / "hopper.xml", Reading::strict), InputError);
+
+  // a link that has its mass from the mesh can't do without
+  folder.write("hopper.xml", testing::replaced(drawn, box, shell + box));
+  try {
+    (void)read_mjcf(folder.path() / "hopper.xml");
+    ADD_FAILURE() << "read";
+  } catch (const InputError& error) {
+    EXPECT_TRUE(holds(error.what(), "the file of mesh 'shell' isn't there"));
+  }
+}
+
 TEST(Mjcf, ComesBackFromItsUrdfAndIsPlanar) {
   const std::optional<MjcfRobot> mjcf = hopper();
   if (!mjcf) GTEST_SKIP() << "no MuJoCo";
