@@ -31,6 +31,25 @@ std::vector<std::string> sides_of(const Sides& sides, const std::string& name) {
   return found == sides.end() ? std::vector<std::string>{name} : found->second;
 }
 
+/// Links that a pair of joints carries are a pair too, and so is what is fixed to them, in the order
+/// of the file: imports state pairs of joints alone.
+void pair_links(const model::SpatialTree& tree, int left, int right, Sides& links) {
+  const std::string& name = tree.links[left].name;
+  const auto has = [&](const auto& pair) { return pair.second.front() == name; };
+  if (std::none_of(links.begin(), links.end(), has)) links[name] = {name, tree.links[right].name};
+
+  const auto fixed_to = [&tree](int parent) {
+    std::vector<int> children;
+    for (const model::SpatialJoint& joint : tree.joints)
+      if (joint.parent == parent && joint.kind == model::SpatialJointKind::fixed)
+        children.push_back(joint.child);
+    return children;
+  };
+  const std::vector<int> a = fixed_to(left), b = fixed_to(right);
+  if (a.size() != b.size()) return;
+  for (std::size_t i = 0; i < a.size(); ++i) pair_links(tree, a[i], b[i], links);
+}
+
 model::Vec3 in_space(const Vec2& point) { return {point.x(), 0.0, point.y()}; }
 
 void read_pins(const yaml::Node& robot, const Sides& joints, const Sides& links,
@@ -183,8 +202,15 @@ RobotFiles read_robot_files(const std::filesystem::path& folder) {
   files.tolerances = robot.tolerances;
   files.gravity = robot.planar.gravity;
   files.friction = robot.planar.friction;
-  const Sides joints = read_sides(node, "joints"), links = read_sides(node, "links");
+  const Sides joints = read_sides(node, "joints");
+  Sides links = read_sides(node, "links");
   check_frames(files.tree, joints);
+  for (const auto& [name, sides] : joints) {
+    const auto child = [&](const std::string& joint) {
+      return files.tree.joints.at(files.tree.joint_index(joint)).child;
+    };
+    pair_links(files.tree, child(sides.at(0)), child(sides.at(1)), links);
+  }
   for (const auto& [name, sides] : links) {
     for (const std::string& side : sides) files.link_pairs[side] = sides.front();
   }

@@ -158,6 +158,29 @@ TEST(Propose, AbductionIsHeldWhereItIsStated) {
                     "out of range; allowed: -0.8 to 0.8"));
 }
 
+TEST(Propose, RestsAsItsFileSaysWhereItStandsInThatPose) {
+  ProposeOptions options;
+  for (const char* leg : {"FL", "FR", "RL", "RR"}) {
+    options.file_pose[std::string(leg) + "_hip_joint"] = 0.8;
+    options.file_pose[std::string(leg) + "_knee_joint"] = -1.6;
+  }
+  const Imported standing = imported(test::quadruped_urdf(), options);
+  EXPECT_EQ(standing.proposal.rest.at("front_hip"), 0.8);
+  EXPECT_EQ(standing.proposal.rest.at("rear_knee"), -1.6);
+
+  // front legs lifted before the robot, as a keyframe to lie in has them
+  for (const char* leg : {"FL", "FR"}) options.file_pose[std::string(leg) + "_hip_joint"] = 3.0;
+  const Imported lying = imported(test::quadruped_urdf(), options);
+  const Imported drawn_in = imported(test::quadruped_urdf());
+  EXPECT_EQ(lying.proposal.rest, drawn_in.proposal.rest);
+  const std::string notes = fmt::format("{}", fmt::join(lying.proposal.notes, "\n"));
+  EXPECT_TRUE(holds(notes, "the file's pose is none to stand in"));
+
+  // what the user states counts
+  options.pose["FL_hip_joint"] = 0.6;
+  EXPECT_EQ(imported(test::quadruped_urdf(), options).proposal.rest.at("front_hip"), 0.6);
+}
+
 TEST(Propose, LeftAndRightMayStayApart) {
   ProposeOptions options;
   options.pairs = false;
