@@ -7,7 +7,7 @@ namespace jaculus::model {
 
 namespace {
 
-/// What the model has of it at the planar joint of a joint of the file; NaN where that stands still.
+/// What the model has of it at the joint that stands for one of the file; NaN where it is held.
 double modelled(const PlanarModel& model, const std::string& name, double PlanarMotor::*friction) {
   for (int b = 1; b < count_of(model.bodies); ++b) {
     for (const FileJoint& joint : model.bodies[b].file_joints) {

@@ -11,8 +11,8 @@ namespace {
 constexpr int kLedger = 6;          // feet x, z; drag x, z; motors' work; drag's work
 constexpr int kMostSteps = 200000;  // of one call; a plan takes hundreds
 
-/// Power of the motors' viscous friction at these rates, left and right [W]; what is dry they make up
-/// for, and their work is counted without either.
+/// Power of the motors' viscous friction at these rates, left and right [W]; dry friction they make
+/// up for, so that it is in no balance.
 double friction_power(const model::PlanarModel& model, const ConstVectorRef& v) {
   double power = 0.0;
   for (const model::PlanarMotor& motor : model.motors) {

@@ -31,8 +31,8 @@ std::vector<std::string> sides_of(const Sides& sides, const std::string& name) {
   return found == sides.end() ? std::vector<std::string>{name} : found->second;
 }
 
-/// Links that a pair of joints carries are a pair too, and so is what is fixed to them, in the order
-/// of the file: imports state pairs of joints alone.
+/// Links of a pair of joints are a pair too, and so is what is fixed to them, in the file's order:
+/// imports state pairs of joints alone.
 void pair_links(const model::SpatialTree& tree, int left, int right, Sides& links) {
   const std::string& name = tree.links[left].name;
   const auto has = [&](const auto& pair) { return pair.second.front() == name; };

@@ -78,6 +78,16 @@ TEST(RobotImport, TheLeapThatItProposesIsSolvedVerifiedAndExported) {
   EXPECT_TRUE(played.exit_code == 0 || holds(played.err, "without MuJoCo")) << played.err;
 }
 
+TEST(RobotImport, FaultsOfItsLineAreItsOwn) {
+  const Outcome two = run_program({"robot", "import", "a.urdf", "b.urdf", "--tail", "10 %"});
+  EXPECT_EQ(two.exit_code, 2);
+  EXPECT_TRUE(holds(two.err, "robot import: ")) << two.err;
+  EXPECT_TRUE(holds(two.err, "b.urdf")) << two.err;
+  const Outcome flag = run_program({"robot", "import", "a.urdf", "--tial", "10 %"});
+  EXPECT_TRUE(holds(flag.err, "robot import: unknown flag '--tial', did you mean '--tail'?"))
+      << flag.err;
+}
+
 TEST(RobotImport, DryFrictionOnLightLinksIsNoHindranceToAPlan) {
   const TemporaryFolder folder;
   std::string rubbing = test::quadruped_urdf();

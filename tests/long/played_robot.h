@@ -26,8 +26,7 @@ namespace jaculus::test {
 model::PlanarModel played_model(const transcription::Problem& problem,
                                 const model::PlanarModel& model);
 
-/// The bodies in space from the base on, with what is attached; the root lies as `axes` of robot.yaml
-/// say.
+/// The bodies in space from the base on, with what is attached, lying as robot.yaml's `axes` say.
 model::SpatialTree played_tree(const model::Robot& robot,
                                const std::vector<model::Override>& overrides);
 

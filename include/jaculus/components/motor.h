@@ -16,10 +16,10 @@
 // s = 0.1 rad/s, as the friction of simulation/plant.h has it: dry friction as far as one can
 // differentiate it. Below s a joint creeps that a real one would hold.
 //
-// A plan lets the motor make up for the dry part, as controllers do that know it: its input u is the
-// torque beside that, the motor's torque u + c tanh(omega/s). On a light link the dry part is by far
-// the stiffest thing in the motion (0.5 N m on a shank of 4e-4 kg m^2: a rate of 0.1 rad/s in 0.1
-// ms), which no mesh resolves; as a part of the torque it is a function of the state like any other.
+// A plan lets the motor make up for the dry part, as controllers do that know it: its input u is
+// the torque beside that, the motor's torque u + c tanh(omega/s). On a light link the dry part is
+// the stiffest thing in the motion (0.5 N m on a shank of 4e-4 kg m^2: 0.1 rad/s within 0.1 ms),
+// which no mesh resolves; as a part of the torque it is a function of the state like any other.
 //
 // Limits of validity: winding inductance, rotor inertia (part of the joint's inertia) are not
 // here. Efficiency is applied as tau_m = tau / (G eta) in both directions of power flow,
