@@ -9,6 +9,7 @@
 
 #include "bindings.h"
 #include "jaculus/export/export.h"
+#include "jaculus/model/describe.h"
 #include "jaculus/report/compare_report.h"
 #include "jaculus/report/plan_report.h"
 #include "jaculus/solver/plan_files.h"
@@ -47,7 +48,9 @@ PlanResult solve(const LoadedProblem& given, std::optional<int> seed, std::optio
   }
 
   compute([&] {
-    const solver::Plan plan = solver::make_plan(problem, result.loaded.robot.planar, options);
+    solver::Plan plan = solver::make_plan(problem, result.loaded.robot.planar, options);
+    for (const std::string& left_out : model::friction_left_out(result.loaded.robot))
+      plan.notes.push_back(left_out);
     result.solved = solver::solved_plan(plan, problem);
   });
   return result;

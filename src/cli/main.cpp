@@ -48,23 +48,29 @@ std::string parse_message(const CLI::App& app, const CLI::ParseError& error,
                        hint(arguments[0], commands), fmt::join(commands, ", "));
   }
 
-  const CLI::App& command = app.get_subcommands().empty() ? app : *app.get_subcommands().front();
+  const CLI::App* deepest = &app;
+  std::string called;  // "robot import", which has flags of its own
+  while (!deepest->get_subcommands().empty()) {
+    deepest = deepest->get_subcommands().front();
+    called += (called.empty() ? "" : " ") + deepest->get_name();
+  }
+  if (called.empty()) called = app.get_name();
+  const CLI::App& command = *deepest;
   const std::vector<std::string> flags = flag_names(command);
   for (const std::string& argument : arguments) {
     const std::string flag = argument.substr(0, argument.find('='));
     if (!flag.starts_with("--") || std::find(flags.begin(), flags.end(), flag) != flags.end())
       continue;
-    return fmt::format("{}: unknown flag '{}'{}; allowed: {}", command.get_name(), flag,
-                       hint(flag, flags), fmt::join(flags, ", "));
+    return fmt::format("{}: unknown flag '{}'{}; allowed: {}", called, flag, hint(flag, flags),
+                       fmt::join(flags, ", "));
   }
 
   if (&command == &app)
     return fmt::format("no command given; allowed: {}", fmt::join(commands, ", "));
   const std::string what = error.what();
   const bool complete = what.find("allowed:") != std::string::npos;
-  return fmt::format(
-      "{}: {}{}", command.get_name(), what,
-      complete ? "" : fmt::format("; allowed: see jaculus {} --help", command.get_name()));
+  return fmt::format("{}: {}{}", called, what,
+                     complete ? "" : fmt::format("; allowed: see jaculus {} --help", called));
 }
 
 int run(int argc, char** argv) {

@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "cli/reporting.h"
+#include "jaculus/model/describe.h"
 #include "jaculus/solver/plan.h"
 
 namespace jaculus::cli {
@@ -52,7 +53,9 @@ solver::SolvedPlan solve_loaded(const Loaded& loaded, const Common& common,
   options.notice = notices(common);
   options.starts_progress = progress_bar(common, loaded.problem.name + ", starts");
 
-  const solver::Plan plan = solver::make_plan(loaded.problem, loaded.robot.planar, options);
+  solver::Plan plan = solver::make_plan(loaded.problem, loaded.robot.planar, options);
+  for (const std::string& left_out : model::friction_left_out(loaded.robot))
+    plan.notes.push_back(left_out);
   return solver::solved_plan(plan, loaded.problem);
 }
 

@@ -96,7 +96,7 @@ void take_inertias_of_shapes(Source& source, const fs::path& file, model::Readin
 model::ProposeOptions propose_options(const RobotOptions& options, const Source& source) {
   model::ProposeOptions propose;
   propose.pose = read_pose(options.pose);
-  propose.pose.insert(source.pose.begin(), source.pose.end());
+  propose.file_pose = source.pose;
   propose.armature = source.armature;
   propose.pairs = !options.apart;
   propose.loops = !options.open;

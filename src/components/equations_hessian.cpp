@@ -233,7 +233,6 @@ void Equations::add_hessian(VectorArg<S> mu, EquationsPointOf<S>& p, MatrixOf<S>
 
   subtract_chained(tree_, p, H);
   subtract_moved(tree_, p, H);
-  if (!p.impact) add_friction_hessian(p, H);
 }
 
 template void Equations::add_hessian<double>(VectorArg<double>, EquationsPointOf<double>&,

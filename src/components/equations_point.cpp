@@ -1,14 +1,13 @@
 // Scratch of the equations of motion, sized once for a robot and the feet in contact.
 
 #include "jaculus/components/equations.h"
-#include "jaculus/components/motor.h"
 
 namespace jaculus::components {
 
 Equations::Equations(const model::PlanarModel& model, double smoothing)
     : model_(model), tree_(model), smoothing_(smoothing) {
   for (int m = 0; m < count_of(model.motors); ++m)
-    if (rubs(model.motors[m])) rubbing_.push_back(m);
+    if (model.motors[m].viscous_friction != 0.0) rubbing_.push_back(m);
 }
 
 namespace {

@@ -31,11 +31,16 @@ bool rubs(const model::PlanarMotor& motor) {
 }
 
 MotorFriction motor_friction(const model::PlanarMotor& motor, double joint_rate) {
+  const MotorFriction dry = against_dry_friction(motor, joint_rate);
+  const double b = motor.viscous_friction;
+  return {-(b * joint_rate + dry.value), -(b + dry.d_rate), -dry.d_rate2};
+}
+
+MotorFriction against_dry_friction(const model::PlanarMotor& motor, double joint_rate) {
   constexpr double kSmoothing = 0.1;  // s [rad/s]
   const double t = std::tanh(joint_rate / kSmoothing);
   const double slope = motor.dry_friction / kSmoothing * (1.0 - t * t);
-  return {-(motor.viscous_friction * joint_rate + motor.dry_friction * t),
-          -(motor.viscous_friction + slope), 2.0 * slope * t / kSmoothing};
+  return {motor.dry_friction * t, slope, -2.0 * slope * t / kSmoothing};
 }
 
 MotorPower motor_power(const model::PlanarMotor& motor, double joint_torque, double joint_rate) {

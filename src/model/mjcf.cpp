@@ -253,7 +253,8 @@ class Converter {
       robot_.pose[joint.name] =
           std::clamp(m_.key_qpos[at] - m_.qpos0[at], joint.range.lower, joint.range.upper);
     }
-    robot_.notes.push_back("pose at rest: that of keyframe '" + name_of(mjOBJ_KEY, 0, "key") + "'");
+    robot_.notes.push_back("the file's pose: that of keyframe '" + name_of(mjOBJ_KEY, 0, "key") +
+                           "'");
   }
 
   const mjModel& m_;

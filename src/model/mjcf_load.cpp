@@ -123,6 +123,60 @@ void state_limits(TiXmlElement& root, Assumptions& assumed) {
                  "a range by itself is a limit, as since MuJoCo 3");
 }
 
+std::string attribute_of(const TiXmlElement& element, const char* name) {
+  const char* value = element.Attribute(name);
+  return value == nullptr ? "" : value;
+}
+
+/// Where the compiler looks for files of that kind: `which` is meshdir or texturedir.
+std::filesystem::path folder_of(TiXmlElement& root, const std::filesystem::path& file,
+                                const char* which) {
+  std::filesystem::path folder = file.parent_path();
+  for (const TiXmlElement* e : elements_of(root, "compiler")) {
+    const std::string own = attribute_of(*e, which), all = attribute_of(*e, "assetdir");
+    if (!own.empty() || !all.empty()) folder = file.parent_path() / (own.empty() ? all : own);
+  }
+  return folder;
+}
+
+/// Names of assets of a kind whose file isn't there, without which the file then is.
+std::vector<std::string> absent_assets(TiXmlElement& root, const std::filesystem::path& file,
+                                       const char* kind, const char* which) {
+  std::vector<std::string> names;
+  for (TiXmlElement* e : elements_of(root, kind)) {
+    const std::filesystem::path asset = attribute_of(*e, "file");
+    const std::filesystem::path folder = folder_of(root, file, which);
+    if (asset.empty() || std::filesystem::exists(folder / asset)) continue;
+    const std::string name = attribute_of(*e, "name");
+    names.push_back(name.empty() ? asset.stem().string() : name);
+    e->Parent()->RemoveChild(e);
+  }
+  return names;
+}
+
+/// Meshes and textures whose files aren't there, as where a robot's file comes without its folder.
+/// A link whose inertia is stated needs no mesh; another one has its mass from them.
+void leave_out_absent(TiXmlElement& root, const std::filesystem::path& file, Assumptions& assumed) {
+  for (const std::string& name : absent_assets(root, file, "texture", "texturedir"))
+    for (TiXmlElement* e : elements_of(root, "material"))
+      if (attribute_of(*e, "texture") == name) e->RemoveAttribute("texture");
+
+  for (const std::string& name : absent_assets(root, file, "mesh", "meshdir")) {
+    for (TiXmlElement* e : elements_of(root, "geom")) {
+      if (attribute_of(*e, "mesh") != name) continue;
+      const TiXmlNode& body = *e->Parent();
+      if (body.FirstChildElement("inertial") == nullptr && attribute_of(*e, "mass") != "0")
+        throw InputError({file.string(), e->Row(), "mesh"},
+                         fmt::format("the file of mesh '{}' isn't there, and its link has its "
+                                     "mass from it; allowed: the file, or <inertial>",
+                                     name));
+      assumed.assume(e->Row(), "a mesh whose file isn't there, on a link that states its inertia",
+                     "left out");
+      e->Parent()->RemoveChild(e);
+    }
+  }
+}
+
 std::string text_of(const TiXmlDocument& document) {
   TiXmlPrinter printer;
   document.Accept(&printer);
@@ -135,17 +189,20 @@ LoadedMjcf load_mjcf(const std::filesystem::path& file, Reading reading) {
   std::string message;
   LoadedMjcf out{load(file, nullptr, message), {}};
   if (out.model) return out;
-  const InputError refused(
-      fmt::format("{}: MuJoCo refuses the file: {}; allowed: MJCF that MuJoCo {} reads",
-                  file.string(), message, mj_versionString()));
+  const auto refused = [&file](const std::string& why) {
+    return InputError(
+        fmt::format("{}: MuJoCo refuses the file: {}; allowed: MJCF that MuJoCo {} reads",
+                    file.string(), why, mj_versionString()));
+  };
 
   TiXmlDocument document;
   if (reading == Reading::strict || !document.LoadFile(file.string()) ||
       document.RootElement() == nullptr)
-    throw refused;
+    throw refused(message);
   TiXmlElement& root = *document.RootElement();
   Assumptions assumed(file, false);
   state_limits(root, assumed);
+  leave_out_absent(root, file, assumed);
   for (int round = 0; round < kMostUnknown; ++round) {
     const std::string text = text_of(document);
     out.model = load(file, &text, message);
@@ -155,9 +212,9 @@ LoadedMjcf load_mjcf(const std::filesystem::path& file, Reading reading) {
     }
 
     const std::optional<Unknown> unknown = unknown_in(message);
-    if (!unknown || !leave_out(*unknown, root, assumed)) throw refused;
+    if (!unknown || !leave_out(*unknown, root, assumed)) throw refused(message);
   }
-  throw refused;
+  throw refused(message);
 }
 
 }  // namespace jaculus::model

@@ -71,7 +71,8 @@ class Checker {
 
   UrdfOutline run(TiXmlElement& robot) {
     if (robot.ValueStr() != "robot")
-      fail(robot, fmt::format("<{}> given; allowed: <robot>", robot.ValueStr()));
+      fail(robot, fmt::format("<{}> given; allowed: <robot>{}", robot.ValueStr(),
+                              robot.ValueStr() == "sdf" ? ", for SDF isn't read" : ""));
     if (!robot.Attribute("name")) {
       const std::string name = file_.stem().string();
       assume(robot, "<robot>: attribute 'name' is missing; it must be given",

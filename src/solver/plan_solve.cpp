@@ -83,47 +83,15 @@ NlpResult solve_directly(transcription::NonlinearProgram& program,
   return search_failed ? try_again(program, start.x, solver, std::move(result)) : result;
 }
 
-bool rubs_dry(const model::PlanarModel& model) {
-  return std::any_of(model.motors.begin(), model.motors.end(),
-                     [](const model::PlanarMotor& motor) { return motor.dry_friction > 0.0; });
-}
-
-/// The same. Dry friction builds up within a tenth of a radian a second (components/motor.h), by
-/// far the stiffest thing in the motion of a light link: it is taken on from the plan without it.
-NlpResult solve_with_friction(transcription::NonlinearProgram& program,
-                              const std::optional<EarlierPlan>& earlier, int index,
-                              std::uint64_t seed, const SolverOptions& solver) {
-  model::PlanarModel smooth = program.equations().model();
-  for (model::PlanarMotor& motor : smooth.motors) motor.dry_friction = 0.0;
-  transcription::NonlinearProgram easier(program.problem(), smooth);
-  NlpResult first = solve_directly(easier, earlier, index, seed, solver);
-  if (interrupt_requested()) {
-    first.status = Status::interrupted;
-    return first;
-  }
-
-  NlpResult result = first.converged() ? solve_nlp(program, {first.x()}, solver)
-                                       : solve_directly(program, earlier, index, seed, solver);
-  if (!result.converged() && first.converged() && !interrupt_requested()) {
-    const NlpResult failed = std::move(result);
-    result = solve_directly(program, earlier, index, seed, solver);
-    add_earlier(failed, result);
-  }
-  add_earlier(first, result);
-  return result;
-}
-
 /// By way of coarser meshes where the program's is fine, unless they lead nowhere or its very
 /// solution is at hand.
 NlpResult solve_start(transcription::NonlinearProgram& program,
                       const std::optional<EarlierPlan>& earlier, int index, std::uint64_t seed,
                       const SolverOptions& solver) {
-  const bool at_hand = index == 0 && earlier && earlier->fits(program);
   const auto directly = [&](transcription::NonlinearProgram& mesh, const SolverOptions& options) {
-    return rubs_dry(mesh.equations().model()) && !at_hand
-               ? solve_with_friction(mesh, earlier, index, seed, options)
-               : solve_directly(mesh, earlier, index, seed, options);
+    return solve_directly(mesh, earlier, index, seed, options);
   };
+  const bool at_hand = index == 0 && earlier && earlier->fits(program);
   if (at_hand || !is_fine(program.problem())) return directly(program, solver);
 
   NlpResult nested = solve_nested(program, solver, directly);

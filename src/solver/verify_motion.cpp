@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "jaculus/components/motor.h"
 #include "jaculus/dynamics/rigid_body.h"
 
 namespace jaculus::solver::detail {
@@ -12,12 +11,13 @@ namespace {
 constexpr int kLedger = 6;          // feet x, z; drag x, z; motors' work; drag's work
 constexpr int kMostSteps = 200000;  // of one call; a plan takes hundreds
 
-/// Power of the motors' own friction at these rates, left and right [W].
+/// Power of the motors' viscous friction at these rates, left and right [W]; dry friction they make
+/// up for, so that it is in no balance.
 double friction_power(const model::PlanarModel& model, const ConstVectorRef& v) {
   double power = 0.0;
   for (const model::PlanarMotor& motor : model.motors) {
     const double rate = model.joint_map.row(motor.body).dot(v);
-    power += motor.count * components::motor_friction(motor, rate).value * rate;
+    power -= motor.count * motor.viscous_friction * rate * rate;
   }
   return power;
 }

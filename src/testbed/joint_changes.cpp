@@ -29,7 +29,7 @@ double added_rotor_inertia(const Changes& changes, const Drive& drive) {
 }
 
 double viscous_friction(const Changes& changes, const Drive& drive) {
-  double sum = 0.0;
+  double sum = drive.motor.viscous_friction;
   for (const DryFriction& f : frictions_of(changes, drive)) sum += f.viscous;
   return sum;
 }
@@ -41,14 +41,14 @@ double torque_offset(const Changes& changes, const Drive& drive) {
 }
 
 bool rubs(const Changes& changes, const Drive& drive) {
-  double sum = drive.friction;
+  double sum = drive.friction + drive.motor.dry_friction;
   for (const DryFriction& f : frictions_of(changes, drive))
     sum += f.coulomb + f.stribeck + f.load + f.positive + f.negative;
   return sum > 0.0;
 }
 
 double dry_friction(const Changes& changes, const Drive& drive, double rate, double torque) {
-  double level = drive.friction;
+  double level = drive.friction + drive.motor.dry_friction;
   for (const DryFriction& f : frictions_of(changes, drive)) {
     const double ratio = rate / f.stribeck_rate;
     level += f.coulomb + f.stribeck * std::exp(-ratio * ratio) + f.load * torque;

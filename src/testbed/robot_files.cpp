@@ -7,6 +7,7 @@
 
 #include "jaculus/core/yaml.h"
 #include "jaculus/model/robot.h"
+#include "model/reduce.h"
 #include "testbed/limbs.h"
 
 namespace jaculus::testbed {
@@ -28,6 +29,25 @@ Sides read_sides(const yaml::Node& robot, const std::string& kind) {
 std::vector<std::string> sides_of(const Sides& sides, const std::string& name) {
   const auto found = sides.find(name);
   return found == sides.end() ? std::vector<std::string>{name} : found->second;
+}
+
+/// Links of a pair of joints are a pair too, and so is what is fixed to them, in the file's order:
+/// imports state pairs of joints alone.
+void pair_links(const model::SpatialTree& tree, int left, int right, Sides& links) {
+  const std::string& name = tree.links[left].name;
+  const auto has = [&](const auto& pair) { return pair.second.front() == name; };
+  if (std::none_of(links.begin(), links.end(), has)) links[name] = {name, tree.links[right].name};
+
+  const auto fixed_to = [&tree](int parent) {
+    std::vector<int> children;
+    for (const model::SpatialJoint& joint : tree.joints)
+      if (joint.parent == parent && joint.kind == model::SpatialJointKind::fixed)
+        children.push_back(joint.child);
+    return children;
+  };
+  const std::vector<int> a = fixed_to(left), b = fixed_to(right);
+  if (a.size() != b.size()) return;
+  for (std::size_t i = 0; i < a.size(); ++i) pair_links(tree, a[i], b[i], links);
 }
 
 model::Vec3 in_space(const Vec2& point) { return {point.x(), 0.0, point.y()}; }
@@ -164,18 +184,13 @@ RobotFiles read_robot_files(const std::filesystem::path& folder) {
   const yaml::Node node = yaml::Node::load(folder / "robot.yaml");
   RobotFiles files;
   files.name = robot.name;
-  if (const auto held = node.find("fixed_joints")) {
-    throw held->error(
-        "joints held by robot.yaml; allowed on the testbed: fixed joints in the URDF");
-  }
-
   for (const char* key : {"axes", "base_link"}) {
     if (const auto placed = node.find(key))
       throw placed->error(fmt::format(
           "{}; allowed on the testbed: a URDF whose root is the base, x forward, z up", key));
   }
 
-  files.tree = model::read_tree(folder);
+  files.tree = model::hold_joints(model::read_tree(folder), robot.planar.held);
   check_axes(files.tree);
   const auto& free = robot.planar.base_free;
   files.floating = free[0] && free[1] && free[2];
@@ -187,20 +202,21 @@ RobotFiles read_robot_files(const std::filesystem::path& folder) {
   files.tolerances = robot.tolerances;
   files.gravity = robot.planar.gravity;
   files.friction = robot.planar.friction;
-  const Sides joints = read_sides(node, "joints"), links = read_sides(node, "links");
+  const Sides joints = read_sides(node, "joints");
+  Sides links = read_sides(node, "links");
   check_frames(files.tree, joints);
+  for (const auto& [name, sides] : joints) {
+    const auto child = [&](const std::string& joint) {
+      return files.tree.joints.at(files.tree.joint_index(joint)).child;
+    };
+    pair_links(files.tree, child(sides.at(0)), child(sides.at(1)), links);
+  }
   for (const auto& [name, sides] : links) {
     for (const std::string& side : sides) files.link_pairs[side] = sides.front();
   }
   read_pins(node, joints, links, robot.planar, files);
   read_toes(node, links, files);
   for (const model::PlanarMotor& motor : robot.planar.motors) {
-    if (motor.viscous_friction != 0.0 || motor.dry_friction != 0.0) {
-      throw node.error(fmt::format(
-          "motor of '{}': friction stated; allowed on the testbed: none, its bearings have their "
-          "own",
-          motor.joint));
-    }
     files.planar_motors.push_back(motor.joint);
     for (const std::string& joint : sides_of(joints, motor.joint))
       files.drives.push_back({joint, motor.joint, motor});

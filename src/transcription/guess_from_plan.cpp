@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "jaculus/components/motor.h"
+
 namespace jaculus::transcription {
 
 namespace {
@@ -31,6 +33,14 @@ struct Source {
     }
   }
 
+  /// The input of motor m at sample k: its torque without what it gives against dry friction.
+  [[nodiscard]] double input(int m, int k, const model::PlanarMotor& motor) const {
+    const auto joint = std::find(plan.joints.begin(), plan.joints.end(), motor.joint);
+    if (joint == plan.joints.end()) return plan.torque(m, k);
+    const double rate = plan.joint_velocity(joint - plan.joints.begin(), k);
+    return plan.torque(m, k) - components::against_dry_friction(motor, rate).value;
+  }
+
   /// An input that is held over an interval of the earlier plan does not change up to its end.
   void copy_input(double t, int column, Vector& x) const {
     const auto [k, along] = locate(t);
@@ -38,7 +48,9 @@ struct Source {
     const int next = std::min(k + 1, span.last);
     for (int m = 0; m < count_of(plan.motors); ++m) {
       const int i = model.motor_index(plan.motors[m]);
-      if (i >= 0) x[column + i] = (1.0 - f) * plan.torque(m, k) + f * plan.torque(m, next);
+      if (i < 0) continue;
+      const model::PlanarMotor& motor = model.motors[i];
+      x[column + i] = (1.0 - f) * input(m, k, motor) + f * input(m, next, motor);
     }
   }
 };

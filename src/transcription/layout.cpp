@@ -58,10 +58,21 @@ NodeBlock append_node(Writer& w, int phase, int number) {
   return node;
 }
 
+/// What dry friction leaves of a motor's torque, at the joint.
+double left_to_move(const Problem& problem, const model::PlanarMotor& motor) {
+  const double largest = usable_torque(problem, motor), left = largest - motor.dry_friction;
+  if (motor.dry_friction > 0.0 && !(left > 0.0))
+    throw InputError(fmt::format(
+        "motors.{}: dry_friction: {:g} given, and at most {:g} of torque at the joint, which "
+        "leaves nothing to move it with; allowed: less friction, or a stronger motor",
+        motor.joint, motor.dry_friction, largest));
+  return left;
+}
+
 int append_input(Writer& w, int phase, int number) {
   const int column = w.layout.columns();
   for (const model::PlanarMotor& motor : w.model.motors) {
-    const double limit = usable_torque(w.problem, motor);
+    const double limit = left_to_move(w.problem, motor);
     w.append(fmt::format("{}, {} {}: {} torque", w.problem.phases[phase].name,
                          w.layout.held ? "interval" : "node", number, motor.joint),
              w.model.bodies[motor.body].kind == model::JointKind::revolute ? "N m" : "N",

@@ -140,8 +140,12 @@ std::map<std::string, double> rest_coordinates(const model::Robot& robot) {
   const Matrix projector = solver.pseudoInverse() * rows;
   std::map<std::string, double> pose;
   constexpr double kRounding = 1e-9;
-  for (int c = 0; c < model.size(); ++c)  // those that the joints determine
-    if (std::abs(projector(c, c) - 1.0) < kRounding) pose[model.coordinates[c].name] = q[c];
+  for (int c = 0; c < model.size(); ++c) {
+    if (std::abs(projector(c, c) - 1.0) >= kRounding) continue;  // not determined by the joints
+    const Bounds& range = model.coordinates[c].range;
+    const double within = std::clamp(q[c], range.lower, range.upper);  // a pose at its range's end
+    pose[model.coordinates[c].name] = std::abs(q[c] - within) < kRounding ? within : q[c];
+  }
   return pose;
 }
 

@@ -48,7 +48,8 @@ void put_sample(const components::Equations& equations, const SamplePoint& s, in
 
   for (int m = 0; m < t.torque.rows(); ++m) {
     const model::PlanarMotor& motor = equations.model().motors[m];
-    const double torque = (*s.input)[m], rate = t.joint_velocity(motor.body - 1, k);
+    const double rate = t.joint_velocity(motor.body - 1, k);
+    const double torque = (*s.input)[m] + components::against_dry_friction(motor, rate).value;
     t.torque(m, k) = torque;
     t.motor_torque(m, k) = torque / (motor.gear * motor.efficiency);
     t.current(m, k) = components::motor_current(motor, torque);

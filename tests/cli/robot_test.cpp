@@ -71,6 +71,21 @@ TEST(RobotImport, TheLeapThatItProposesIsSolvedVerifiedAndExported) {
   const Outcome exported = run_program(
       {"export", folder / "leap", "--as", "csv", "--rate", "1000", "--out", folder / "t.csv"});
   EXPECT_EQ(exported.exit_code, 0) << exported.err;
+
+  // the testbed plays it on the same folder, its abduction held
+  const Outcome played = run_program({"testbed", "run", folder / "leap/plan.csv", "--robot", out,
+                                      "--trials", "1", "--out", folder / "bed"});
+  EXPECT_TRUE(played.exit_code == 0 || holds(played.err, "without MuJoCo")) << played.err;
+}
+
+TEST(RobotImport, FaultsOfItsLineAreItsOwn) {
+  const Outcome two = run_program({"robot", "import", "a.urdf", "b.urdf", "--tail", "10 %"});
+  EXPECT_EQ(two.exit_code, 2);
+  EXPECT_TRUE(holds(two.err, "robot import: ")) << two.err;
+  EXPECT_TRUE(holds(two.err, "b.urdf")) << two.err;
+  const Outcome flag = run_program({"robot", "import", "a.urdf", "--tial", "10 %"});
+  EXPECT_TRUE(holds(flag.err, "robot import: unknown flag '--tial', did you mean '--tail'?"))
+      << flag.err;
 }
 
 TEST(RobotImport, DryFrictionOnLightLinksIsNoHindranceToAPlan) {
@@ -88,13 +103,21 @@ TEST(RobotImport, DryFrictionOnLightLinksIsNoHindranceToAPlan) {
   ASSERT_EQ(import.exit_code, 0) << import.err;
   ASSERT_TRUE(holds(bytes_of(out + "/robot.yaml"), "dry_friction: 0.5"));
 
-  // directly, the second start does not converge
+  // in the equations of motion it keeps the second start from converging
   write(out + "/coarse.yaml",
         "format: jaculus-problem/1\nextends: leap.yaml\nname: coarse\n"
         "refinement: {max_rounds: 0}\nsolver: {starts: 2}\n");
   const Outcome solve = run_program({"solve", out + "/coarse.yaml", "--json"});
   ASSERT_EQ(solve.exit_code, 0) << solve.err;
   EXPECT_TRUE(holds(json::parse(solve.out)["warnings"].dump(), "2 of 2 starts converged"));
+
+  // a robot.yaml that has it not says what a plan can't know
+  const std::string yaml = bytes_of(out + "/robot.yaml");
+  write(out + "/robot.yaml", std::regex_replace(yaml, std::regex(", dry_friction: 0.5"), ""));
+  const Outcome unknowing = run_program({"solve", out + "/coarse.yaml", "--json"});
+  EXPECT_TRUE(holds(json::parse(unknowing.out)["warnings"].dump(),
+                    "robot.urdf states dry friction [N m] that robot.yaml has not"));
+  EXPECT_TRUE(holds(run_program({"check", out}).out, "plans and simulations don't know it"));
 }
 
 TEST(RobotImport, ALimbThatBearsNothingIsHeldByGainsOfItsOwn) {

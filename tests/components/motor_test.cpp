@@ -80,6 +80,8 @@ TEST(Motor, FrictionOpposesTheRateAndItsDerivativesAgreeWithDifferences) {
   EXPECT_NEAR(motor_friction(m, 10.0).value, -(0.2 + 0.3), 1e-12);
   EXPECT_NEAR(motor_friction(m, -10.0).value, 0.2 + 0.3, 1e-12);
   EXPECT_EQ(motor_friction(m, 0.0).value, 0.0);
+  // a motor that makes up for it pushes the way the joint turns
+  EXPECT_NEAR(against_dry_friction(m, 10.0).value, 0.2, 1e-12);
 
   const double h = 1e-4;
   for (const double w : {-2.0, -0.13, -0.02, 0.0, 0.05, 0.31, 4.0}) {

@@ -11,8 +11,12 @@
 // overrides that the plan was solved with.
 //
 // Prints one line of JSON: distance of the base [m] and pitch [rad] from the plan's end, what left
-// the plane [m, rad], largest torque that PD added over the joint's largest planned torque [-], and
-// the floor's friction.
+// the plane [m, rad], largest torque that PD added over the joint's largest planned torque [-], the
+// largest torque over the motor's limit [-], and the floor's friction. Exit 0; 1 where the robot
+// ends 1 cm or 2 deg or more from the plan: the JSON then has under `without` how far off it ends
+// freed of one part each (friction and armature of joints beyond those of the plan's model, feet
+// that slip) or with torques held within the motors' limits, and standard error says which of these
+// it is; 2 where it can't be played.
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
@@ -20,6 +24,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "jaculus/components/motor.h"
+#include "jaculus/core/angle.h"
 #include "jaculus/model/robot.h"
 #include "jaculus/trajectory/csv.h"
 #include "jaculus/transcription/problem.h"
@@ -32,6 +38,7 @@ using namespace jaculus;
 using model::PlanarModel;
 using Json = nlohmann::json;
 using test::Ends;
+using test::Part;
 using test::PlayedRobot;
 using Mat3 = Eigen::Matrix3d;
 using Vec3 = Eigen::Vector3d;
@@ -40,6 +47,17 @@ constexpr double kStiffness = 0.2;  ///< PD makes a joint's largest planned torq
 constexpr double kDamping = 0.02;   ///< kd over kp [s]
 /// Held over a sample, kd takes at most so much of a joint's speed; at 2 it rings for ever [-].
 constexpr double kBraking = 0.5;
+constexpr double kFar = 0.01;               ///< of the base from the plan's end [m]
+constexpr double kTurned = 2.0 / kDegrees;  ///< the same [rad]
+
+/// What is played, on which robot.
+struct Playing {
+  const PlanarModel& planar;
+  const model::SpatialTree& tree;
+  std::filesystem::path file;
+  Ends ends;
+  Json exported;
+};
 
 Ends ends_of(const fs::path& solved, const PlanarModel& model) {
   const trajectory::Table plan = trajectory::read_csv(solved / "plan.csv");
@@ -70,7 +88,8 @@ struct Played {
   int q = 0, v = 0;  ///< places in qpos and qvel
   double zero = 0.0;
   std::vector<double> position, velocity, torque;
-  double peak = 0.0;  ///< of the torque planned
+  double peak = 0.0;         ///< of the torque planned
+  double limit = kInfinity;  ///< of the motor, at the joint
   double kp = 0.0;
 };
 
@@ -83,7 +102,17 @@ Vector effective_inertias(PlayedRobot& robot) {
   return M.inverse().diagonal().cwiseInverse();
 }
 
-std::vector<Played> read_export(const Json& json, PlayedRobot& robot) {
+/// Largest torque of the motor behind a joint of the file.
+double limit_of(const PlanarModel& planar, const std::string& name) {
+  for (const model::PlanarMotor& motor : planar.motors) {
+    for (const model::FileJoint& side :
+         planar.bodies[static_cast<std::size_t>(motor.body)].file_joints)
+      if (side.name == name) return components::largest_joint_torque(motor).value;
+  }
+  return kInfinity;
+}
+
+std::vector<Played> read_export(const Json& json, const PlanarModel& planar, PlayedRobot& robot) {
   const mjModel& m = robot.model();
   const Vector inertias = effective_inertias(robot);
   const double rate = json.at("rate_hz").get<double>();
@@ -97,6 +126,7 @@ std::vector<Played> read_export(const Json& json, PlayedRobot& robot) {
     p.position = joint.at("position").get<std::vector<double>>();
     p.velocity = joint.at("velocity").get<std::vector<double>>();
     p.torque = joint.at("torque").get<std::vector<double>>();
+    p.limit = limit_of(planar, joint.at("name").get<std::string>());
 
     for (const double tau : p.torque) p.peak = std::max(p.peak, std::abs(tau));
     p.kp = std::min(p.peak / kStiffness, kBraking * inertias[p.v] * rate / kDamping);
@@ -148,10 +178,14 @@ void add_drag(const PlanarModel& planar, PlayedRobot& robot) {
   }
 }
 
-Json play(const PlanarModel& planar, const Ends& ends, const Json& exported, PlayedRobot& robot) {
+/// `limited`: motors give no more than their largest torque.
+Json play(const Playing& playing, Part freed_of, bool limited) {
+  const auto& [planar, tree, file, ends, exported] = playing;
+  PlayedRobot robot(planar, file, tree, ends);
+  robot.without(freed_of);
   mjModel& m = robot.model();
   mjData& d = robot.data();
-  const std::vector<Played> joints = read_export(exported, robot);
+  const std::vector<Played> joints = read_export(exported, planar, robot);
   double stiffest = 0.0;
   for (const Played& p : joints) stiffest = std::max(stiffest, p.peak / kStiffness);
   hold_joints(exported, robot, stiffest, m);
@@ -161,7 +195,7 @@ Json play(const PlanarModel& planar, const Ends& ends, const Json& exported, Pla
   const std::size_t samples = exported.at("time_s").size();
 
   std::vector<double> command(joints.size(), 0.0);
-  double added = 0.0;
+  double added = 0.0, of_limit = 0.0;
   std::size_t next = 0;
   while (d.time < duration - 1e-9) {
     if (next < samples && d.time >= static_cast<double>(next) / rate - 1e-9) {
@@ -170,6 +204,8 @@ Json play(const PlanarModel& planar, const Ends& ends, const Json& exported, Pla
         const double pd = p.kp * (p.position[next] - (d.qpos[p.q] - p.zero)) +
                           kDamping * p.kp * (p.velocity[next] - d.qvel[p.v]);
         command[j] = p.torque[next] + pd;
+        of_limit = std::max(of_limit, std::abs(command[j]) / p.limit);
+        if (limited) command[j] = std::clamp(command[j], -p.limit, p.limit);
         if (p.peak > 0.0) added = std::max(added, std::abs(pd) / p.peak);
       }
       ++next;
@@ -192,9 +228,41 @@ Json play(const PlanarModel& planar, const Ends& ends, const Json& exported, Pla
           {"sideways_m", std::abs(sideways)},
           {"lean_rad", lean},
           {"pd_share", added},
+          {"limit_share", of_limit},
           {"joints", joints.size()},
           {"friction", planar.friction},
           {"travelled_m", (ends.last_base - ends.first_base).head<2>().norm()}};
+}
+
+bool is_far(const Json& played) {
+  return !(played["distance_m"].get<double>() < kFar &&
+           played["pitch_rad"].get<double>() < kTurned);
+}
+
+/// How far off the robot ends freed of one part at a time.
+Json parts(const Playing& playing) {
+  Json without;
+  const auto add = [&](const char* name, Part part, bool limited) {
+    const Json played = play(playing, part, limited);
+    without[name] = {{"distance_m", played["distance_m"]}, {"pitch_rad", played["pitch_rad"]}};
+  };
+  add("friction of joints that the plan's model lacks", Part::friction, false);
+  add("armature of joints that the plan's model lacks", Part::armature, false);
+  add("slip of feet", Part::contact, false);
+  add("torques beyond the motors' limits", Part::none, true);
+  return without;
+}
+
+/// For people, on standard error.
+void explain(const Json& played) {
+  const auto distance = [](const Json& of) {
+    return fmt::format("{:.1f} mm and {:.2f} deg", 1e3 * of["distance_m"].get<double>(),
+                       kDegrees * of["pitch_rad"].get<double>());
+  };
+  fmt::print(stderr, "ends {} from its plan, torques reach {:.2f} of the motors' limits\n",
+             distance(played), played["limit_share"].get<double>());
+  for (const auto& [part, of] : played["without"].items())
+    fmt::print(stderr, "  without {}: {}\n", part, distance(of));
 }
 
 /// "attach.tail.kind=none" as an override.
@@ -218,9 +286,11 @@ Json run(const std::vector<std::string>& given) {
       !exported.at("joints_of_robot_file").get<bool>())
     throw InputError(export_file.string() + ": allowed: `export --as json` of joints of the file");
 
-  const Ends ends = ends_of(given[1], planar);
-  PlayedRobot robot(planar, read.urdf, model::read_tree(read.folder, problem.overrides), ends);
-  return play(planar, ends, exported, robot);
+  const model::SpatialTree tree = test::played_tree(read, problem.overrides);
+  const Playing playing{planar, tree, read.urdf, ends_of(given[1], planar), exported};
+  Json played = play(playing, Part::none, false);
+  if (is_far(played)) played["without"] = parts(playing);
+  return played;
 }
 
 }  // namespace
@@ -232,8 +302,11 @@ int main(int argc, char** argv) {
     return 2;
   }
   try {
-    fmt::print("{}\n", run({argv + 1, argv + argc}).dump());
-    return 0;
+    const Json played = run({argv + 1, argv + argc});
+    fmt::print("{}\n", played.dump());
+    if (!is_far(played)) return 0;
+    explain(played);
+    return 1;
   } catch (const std::exception& error) {
     fmt::print(stderr, "{}\n", error.what());
     return 2;

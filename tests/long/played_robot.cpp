@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "long/planar_pose.h"
+#include "model/sections.h"
 
 namespace jaculus::test {
 namespace {
@@ -52,9 +53,25 @@ model::PlanarModel played_model(const transcription::Problem& problem,
   return transcription::planning_model(unlimited, model);
 }
 
+model::SpatialTree played_tree(const model::Robot& robot,
+                               const std::vector<model::Override>& overrides) {
+  model::SpatialTree tree = model::read_tree(robot.folder, overrides);
+  const fs::path stated = robot.folder / "robot.yaml";
+  if (!fs::exists(stated)) return tree;
+  std::vector<std::string> notes;
+  const model::SpatialTree placed =
+      model::read_placement(yaml::Node::load(stated), model::read_urdf(robot.urdf), notes);
+  tree.links[static_cast<std::size_t>(tree.root)].R_BL =
+      placed.links[static_cast<std::size_t>(placed.root)].R_BL;
+  return tree;
+}
+
 PlayedRobot::PlayedRobot(const model::PlanarModel& planar, const fs::path& file,
                          const model::SpatialTree& tree, const Ends& ends)
-    : planar_(planar), model_(load_mujoco(file)), data_(nullptr, mj_deleteData) {
+    : planar_(planar),
+      axes_(tree.links[static_cast<std::size_t>(tree.root)].R_BL),
+      model_(load_mujoco(file)),
+      data_(nullptr, mj_deleteData) {
   text_ = as_mjcf();
   insert_after("<body name=\"" + name_of(kRoot) + "\"", "<freejoint/>");
   add_attached(tree);
@@ -80,13 +97,14 @@ int PlayedRobot::joint(const std::string& name) const {
 }
 
 Vec3 PlayedRobot::base() const {
-  const Mat3 R = rotation(kRoot);
+  const Mat3 R = rotation(kRoot) * axes_.transpose();
   const double* p = data_->xpos + 3 * kRoot;
   return {p[0], p[2], std::atan2(R(0, 2), R(0, 0))};
 }
 
 std::array<double, 2> PlayedRobot::out_of_plane() const {
-  return {data_->xpos[3 * kRoot + 1], std::acos(std::clamp(rotation(kRoot)(1, 1), -1.0, 1.0))};
+  const Mat3 R = rotation(kRoot) * axes_.transpose();
+  return {data_->xpos[3 * kRoot + 1], std::acos(std::clamp(R(1, 1), -1.0, 1.0))};
 }
 
 Mat3 PlayedRobot::rotation(int body) const {
@@ -148,7 +166,8 @@ void PlayedRobot::load() {
 
 void PlayedRobot::set_state(const Ends& ends) {
   mj_resetData(model_.get(), data_.get());
-  const Eigen::Quaterniond q(Eigen::AngleAxisd(ends.first_base[2], Vec3::UnitY()));
+  const Eigen::AngleAxisd pitch(ends.first_base[2], Vec3::UnitY());
+  const Eigen::Quaterniond q(Mat3(pitch * axes_));
   const std::array<double, 7> pose{
       ends.first_base[0], 0.0, ends.first_base[1], q.w(), q.x(), q.y(), q.z()};
   std::copy(pose.begin(), pose.end(), data_->qpos);
@@ -259,6 +278,31 @@ void PlayedRobot::settle_motors() {
       m.dof_armature[dof] += motor.gear * motor.gear * motor.rotor_inertia;
       if (motor.viscous_friction > 0.0) m.dof_damping[dof] = motor.viscous_friction;
       if (motor.dry_friction > 0.0) m.dof_frictionloss[dof] = motor.dry_friction;
+    }
+  }
+}
+
+void PlayedRobot::without(Part part) {
+  constexpr double kGrip = 10.0;  // [-]: more than any leg pushes forward of what it presses
+  mjModel& m = *model_;
+  if (part == Part::contact)
+    for (int g = 0; g < m.ngeom; ++g) m.geom_friction[3 * g] = kGrip;
+  if (part == Part::armature) mju_zero(m.dof_armature, m.nv);
+  if (part == Part::friction) {
+    mju_zero(m.dof_damping, m.nv);
+    mju_zero(m.dof_frictionloss, m.nv);
+  }
+
+  for (const model::PlanarMotor& motor : planar_.motors) {
+    const auto& body = planar_.bodies[static_cast<std::size_t>(motor.body)];
+    for (const model::FileJoint& side : body.file_joints) {
+      const int dof = m.jnt_dofadr[joint(side.name)];
+      if (part == Part::armature)
+        m.dof_armature[dof] = motor.gear * motor.gear * motor.rotor_inertia;
+      if (part == Part::friction) {
+        m.dof_damping[dof] = motor.viscous_friction;
+        m.dof_frictionloss[dof] = motor.dry_friction;
+      }
     }
   }
 }

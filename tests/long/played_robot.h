@@ -26,22 +26,38 @@ namespace jaculus::test {
 model::PlanarModel played_model(const transcription::Problem& problem,
                                 const model::PlanarModel& model);
 
+/// The bodies in space from the base on, with what is attached, lying as robot.yaml's `axes` say.
+model::SpatialTree played_tree(const model::Robot& robot,
+                               const std::vector<model::Override>& overrides);
+
 /// First state and last pose of the plan.
 struct Ends {
   Eigen::Vector3d first_base, last_base;  ///< x, z [m], pitch [rad]
   std::map<std::string, double> first;    ///< joints of the plan [rad or m]
 };
 
+/// What a robot of the files has beside the plan's model, of which a playing can be freed.
+enum class Part {
+  none,
+  friction,  ///< of joints: only what the plan's model has
+  armature,  ///< the same
+  contact    ///< feet grip, whatever the floor's friction
+};
+
 class PlayedRobot {
  public:
   static constexpr double kStep = 1e-4;  ///< of the integration [s]
 
-  /// `file`: of the robot's bodies; `tree`: the same with what is attached; `ends`: the plan's.
+  /// `file`: of the robot's bodies; `tree`: the same with what is attached, as played_tree() gives
+  /// it; `ends`: the plan's.
   PlayedRobot(const model::PlanarModel& planar, const std::filesystem::path& file,
               const model::SpatialTree& tree, const Ends& ends);
 
   [[nodiscard]] mjModel& model() { return *model_; }
   [[nodiscard]] mjData& data() { return *data_; }
+
+  /// From now on without that part.
+  void without(Part part);
 
   /// MuJoCo's number of a joint. InputError where there is none.
   [[nodiscard]] int joint(const std::string& name) const;
@@ -74,6 +90,7 @@ class PlayedRobot {
   void settle_motors();
 
   const model::PlanarModel& planar_;
+  Eigen::Matrix3d axes_;  ///< of the file's root in the robot's frame
   MujocoModel model_;
   Data data_;
   std::string text_;

@@ -158,6 +158,29 @@ TEST(Propose, AbductionIsHeldWhereItIsStated) {
                     "out of range; allowed: -0.8 to 0.8"));
 }
 
+TEST(Propose, RestsAsItsFileSaysWhereItStandsInThatPose) {
+  ProposeOptions options;
+  for (const char* leg : {"FL", "FR", "RL", "RR"}) {
+    options.file_pose[std::string(leg) + "_hip_joint"] = 0.8;
+    options.file_pose[std::string(leg) + "_knee_joint"] = -1.6;
+  }
+  const Imported standing = imported(test::quadruped_urdf(), options);
+  EXPECT_EQ(standing.proposal.rest.at("front_hip"), 0.8);
+  EXPECT_EQ(standing.proposal.rest.at("rear_knee"), -1.6);
+
+  // front legs lifted before the robot, as a keyframe to lie in has them
+  for (const char* leg : {"FL", "FR"}) options.file_pose[std::string(leg) + "_hip_joint"] = 3.0;
+  const Imported lying = imported(test::quadruped_urdf(), options);
+  const Imported drawn_in = imported(test::quadruped_urdf());
+  EXPECT_EQ(lying.proposal.rest, drawn_in.proposal.rest);
+  const std::string notes = fmt::format("{}", fmt::join(lying.proposal.notes, "\n"));
+  EXPECT_TRUE(holds(notes, "the file's pose is none to stand in"));
+
+  // what the user states counts
+  options.pose["FL_hip_joint"] = 0.6;
+  EXPECT_EQ(imported(test::quadruped_urdf(), options).proposal.rest.at("front_hip"), 0.6);
+}
+
 TEST(Propose, LeftAndRightMayStayApart) {
   ProposeOptions options;
   options.pairs = false;
@@ -330,6 +353,35 @@ TEST(Mjcf, OfANewerFileWhatMujocoDoesNotKnowIsLeftOutAndSaid) {
   folder.write("hopper.xml",
                testing::replaced(newer, "<worldbody>", "<worldbody><body mass=\"1\""));
   EXPECT_THROW((void)read_mjcf(folder.path() / "hopper.xml"), InputError);
+}
+
+TEST(Mjcf, WithoutItsMeshesIsReadWhereLinksStateTheirInertias) {
+  const std::optional<MjcfRobot> usual = hopper();
+  if (!usual) GTEST_SKIP() << "no MuJoCo";
+  const std::string drawn =
+      testing::replaced(test::kHopperMjcf, "<worldbody>",
+                        "<asset><mesh name=\"shell\" file=\"shell.stl\"/></asset>\n<worldbody>");
+  const std::string inertial =
+      "<inertial pos=\"0 0 0\" mass=\"4\" diaginertia=\"0.03 0.04 0.02\"/>";
+  const std::string box = "<geom name=\"box\"";
+  const std::string shell = "<geom type=\"mesh\" mesh=\"shell\"/>";
+  const testing::Folder folder;
+  folder.write("hopper.xml", testing::replaced(drawn, box, inertial + shell + box));
+  const MjcfRobot robot = read_mjcf(folder.path() / "hopper.xml");
+  const std::string notes = fmt::format("{}", fmt::join(robot.notes, "\n"));
+  EXPECT_TRUE(holds(notes, "a mesh whose file isn't there"));
+  const SpatialTree& tree = robot.tree;
+  EXPECT_NEAR(tree.links[tree.link_index("trunk")].inertia(1, 1), 0.04, 1e-12);
+  EXPECT_THROW((void)read_mjcf(folder.path() / "hopper.xml", Reading::strict), InputError);
+
+  // a link that has its mass from the mesh can't do without
+  folder.write("hopper.xml", testing::replaced(drawn, box, shell + box));
+  try {
+    (void)read_mjcf(folder.path() / "hopper.xml");
+    ADD_FAILURE() << "read";
+  } catch (const InputError& error) {
+    EXPECT_TRUE(holds(error.what(), "the file of mesh 'shell' isn't there"));
+  }
 }
 
 TEST(Mjcf, ComesBackFromItsUrdfAndIsPlanar) {

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "jaculus/model/propose.h"
@@ -153,6 +154,48 @@ TEST(PlayedRobot, FeetLieInThePlaneThatTheirLegTurnsInAsHighAsPlanned) {
     EXPECT_NEAR(above, planned, 1e-5) << name;  // MuJoCo's file has six digits
   }
   EXPECT_EQ(feet, 4);
+}
+
+/// The same robot in a file whose forward is its -x leaves the floor in the same pose.
+TEST(PlayedRobot, AFileThatLiesBackwardsIsTurnedAsItsAxesSay) {
+  const std::unique_ptr<Imported> m = imported(0.0);
+  const std::string yaml = read_text_file(m->folder.path() / "robot.yaml", "robot");
+  const std::string forwards = "\nformat: jaculus-robot/1\n";
+  const std::size_t at = yaml.find(forwards);
+  ASSERT_NE(at, std::string::npos);
+  std::string turned = yaml;
+  turned.insert(at + forwards.size(), "axes: {forward: -x, up: +z}\n");
+  m->folder.write("robot.yaml", turned);
+  m->ends.first_base[2] = 0.1;
+
+  const model::Robot robot = model::read_robot(m->folder.path());
+  PlayedRobot played(robot.planar, robot.urdf, played_tree(robot, {}), m->ends);
+  mj_kinematics(&played.model(), &played.data());
+  EXPECT_LT((played.base() - m->ends.first_base).norm(), 1e-12);
+  EXPECT_NEAR(played.out_of_plane()[1], 0.0, 1e-6);
+  const std::vector<Eigen::Vector3d> places =
+      place_bodies(robot.planar, m->ends.first_base, m->ends.first);
+  for (int b = 1; b < count_of(robot.planar.bodies); ++b) {
+    for (const int side : played.sides(b))
+      EXPECT_NEAR(played.data().xpos[3 * side], places[static_cast<std::size_t>(b)].x(), 1e-6);
+  }
+}
+
+/// Freed of friction, joints rub as the plan's model has it.
+TEST(PlayedRobot, IsFreedOfWhatThePlansModelLacks) {
+  const std::unique_ptr<Imported> m = imported(0.0);
+  m->robot.planar.motors[0].dry_friction = 0.3;
+  PlayedRobot robot(m->robot.planar, m->robot.urdf, played_tree(m->robot, {}), m->ends);
+  std::fill_n(robot.model().dof_frictionloss, robot.model().nv, 0.7);
+  robot.without(Part::friction);
+  const model::PlanarMotor& motor = m->robot.planar.motors[0];
+  const auto& joints = m->robot.planar.bodies[static_cast<std::size_t>(motor.body)].file_joints;
+  for (int j = 1; j < robot.model().njnt; ++j) {
+    const std::string name = mj_id2name(&robot.model(), mjOBJ_JOINT, j);
+    const bool rubs = std::any_of(joints.begin(), joints.end(),
+                                  [&](const auto& joint) { return joint.name == name; });
+    EXPECT_EQ(robot.model().dof_frictionloss[robot.model().jnt_dofadr[j]], rubs ? 0.3 : 0.0);
+  }
 }
 
 }  // namespace

@@ -18,6 +18,7 @@ cd "$root"
 "$work/venv/bin/python" -m pytest -q tests/python
 if [ -x build/test_cli ]; then
   say "Its program: tests/cli"
+  ninja -C build test_cli >&2  # one of older sources tests what was
   JACULUS_PROGRAM=$("$work/venv/bin/python" -c "from jaculus._command import program; print(program())")
   export JACULUS_PROGRAM
   build/test_cli --gtest_brief=1

@@ -4,10 +4,14 @@
 
 #include <cmath>
 #include <numbers>
+#include <regex>
 
+#include "jaculus/model/propose.h"
+#include "jaculus/model/urdf.h"
 #include "jaculus/testbed/blinded_cases.h"
 #include "jaculus/testbed/effects.h"
 #include "support/input_error.h"
+#include "support/robot_texts.h"
 #include "support/temporary_folder.h"
 #include "testbed/both_engines.h"
 #include "testbed/draws.h"
@@ -89,6 +93,49 @@ TEST_F(HopperOnBothEngines, HasEffectsOnItsLegAndNoneOnATail) {
   EXPECT_EQ(changes.joint_offset, (std::map<std::string, double>{{"hip", 0.05}, {"knee", 0.05}}));
   EXPECT_TRUE(jaculus::test::holds(
       jaculus::test::input_error_of([] { (void)self_righting(kHopper); }), "no tail"));
+}
+
+/// A quadruped as `robot import` writes it: abduction held, pairs of joints alone, knees that rub.
+/// Its legs straighten within 0.15 s, feet under the hips.
+TEST(ImportedQuadruped, AgreesToHalfTheNoiseFloor) {
+  if (!available()) GTEST_SKIP() << "built without MuJoCo";
+  const jaculus::test::TemporaryFolder folder;
+  const std::string urdf =
+      std::regex_replace(jaculus::test::quadruped_urdf(),
+                         std::regex("(upper=\"-0.9\" effort=\"25\" velocity=\"20\"/>)"),
+                         "$1<dynamics damping=\"0.1\" friction=\"0.3\"/>");
+  const model::Proposal proposal = model::propose_robot(model::parse_urdf(urdf, "robot.urdf"));
+  folder.write("robot.urdf", urdf);
+  folder.write("robot.yaml", proposal.yaml);
+  const RobotFiles files = read_robot_files(folder.path());
+  EXPECT_EQ(files.toes.size(), 4U);  // of left and right legs
+  EXPECT_EQ(files.drives.front().motor.dry_friction + files.drives.back().motor.dry_friction, 0.3);
+
+  trajectory::Table plan = hop();
+  plan.columns.resize(4);
+  // the knee from 99 to 57 deg, within its range
+  const double straight = plan.values(plan.values.rows() - 1, 5);
+  const Vector knee = -(1.0 + 0.6 * (plan.values.col(5).array() - straight)).matrix();
+  const Vector rate = -0.6 * plan.values.col(7);
+  Matrix values(plan.values.rows(), 16);
+  values.leftCols(4) = plan.values.leftCols(4);
+  values.col(2) = 0.4 * (0.5 * knee.array()).cos();
+  int at = 4;
+  for (const char* leg : {"front", "rear"}) {
+    for (const auto& [joint, share] : {std::pair{"hip", -0.5}, std::pair{"knee", 1.0}}) {
+      const std::string name = fmt::format("{}_{}", leg, joint);
+      plan.columns.push_back({name, "rad"});
+      plan.columns.push_back({name + "_velocity", "rad/s"});
+      plan.columns.push_back({name + "_torque", "N m"});
+      values.col(at++) = share * knee;
+      values.col(at++) = share * rate;
+      values.col(at++).setZero();
+    }
+  }
+  plan.values = values;
+  trajectory::write_csv(plan, folder / "plan.csv");
+  test::expect_agreement(leap(folder.path(), folder / "plan.csv", trajectory::Quantity::torque),
+                         0.03);
 }
 
 TEST(Lizard, ItsLimbsAreFoundByWhatTheyCarry) {

@@ -74,6 +74,19 @@ TEST(RobotSize, CoordinatesOfLegsFollowFromTheirMotors) {
   EXPECT_NEAR(pose.at("rear_angle"), 0.0, 1e-12);
 }
 
+TEST(RobotSize, ARestPoseAtTheEndOfARangeIsWithinIt) {
+  model::Robot robot = shipped("quadruped25");
+  const int hip = robot.planar.coordinate_index("front_hip");
+  for (int k = 1; k <= 30; ++k) {
+    const double end = 0.1 * k;
+    robot.rest_pose["front_hip"] = end;
+    robot.planar.coordinates[hip].range = {end, end + 1.0};
+    EXPECT_GE(rest_coordinates(robot).at("front_hip"), end);
+    robot.planar.coordinates[hip].range = {end - 1.0, end};
+    EXPECT_LE(rest_coordinates(robot).at("front_hip"), end);
+  }
+}
+
 TEST(RobotSize, NumbersOfAProblemAreInUnitsOfItsOwnRobot) {
   const RobotSize big = robot_size(shipped("quadruped25")), small = robot_size(shipped("minitaur"));
   const Problem first = extended_problem("leap_template", "");

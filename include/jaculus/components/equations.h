@@ -9,8 +9,9 @@
 // and the system, G^T C^T = 0 having removed l, is
 //     [ M  -J^T ] [a]   [ B u - G^T r(A = gamma, f = l = 0) ]        M = G^T M_abs G + armature,
 //     [ J    0  ] [f] = [ -(J_f gamma + V^T d2p V)          ]        J = J_f G.
-// u (n_u) is one motor's torque at the joint; B counts left and right. Friction of the motors
-// (motor.h) stands beside it: u + tau_f(omega), omega = W v the rates of their joints.
+// u (n_u) is one motor's torque at the joint beside what it gives against dry friction (motor.h); B
+// counts left and right. Viscous friction stands beside it: u - b omega, omega = W v the rates of
+// their joints.
 //
 // First derivatives differentiate the whole system, loop forces and dependent joints included;
 // second derivatives use the adjoint
@@ -84,8 +85,6 @@ class Equations {
   template <class S>
   void add_friction_derivatives(EquationsPointOf<S>& p) const;
   template <class S>
-  void add_friction_hessian(const EquationsPointOf<S>& p, MatrixOf<S>& H) const;
-  template <class S>
   void add_drag(EquationsPointOf<S>& p) const;
   template <class S>
   void add_drag_derivatives(EquationsPointOf<S>& p) const;
@@ -95,7 +94,7 @@ class Equations {
   model::PlanarModel model_;
   dynamics::AbsoluteTree tree_;
   double smoothing_;
-  std::vector<int> rubbing_;  ///< motors with friction
+  std::vector<int> rubbing_;  ///< motors with viscous friction
 };
 
 /// How a tail meets the air, in the words of equations_drag.cpp. Rows and columns of its

@@ -16,6 +16,11 @@
 // s = 0.1 rad/s, as the friction of simulation/plant.h has it: dry friction as far as one can
 // differentiate it. Below s a joint creeps that a real one would hold.
 //
+// A plan lets the motor make up for the dry part, as controllers do that know it: its input u is
+// the torque beside that, the motor's torque u + c tanh(omega/s). On a light link the dry part is
+// the stiffest thing in the motion (0.5 N m on a shank of 4e-4 kg m^2: 0.1 rad/s within 0.1 ms),
+// which no mesh resolves; as a part of the torque it is a function of the state like any other.
+//
 // Limits of validity: winding inductance, rotor inertia (part of the joint's inertia) are not
 // here. Efficiency is applied as tau_m = tau / (G eta) in both directions of power flow,
 // which is how limits are usually set: where the joint drives the motor a real gear would give
@@ -51,7 +56,7 @@ struct MotorPower {
   double d_torque_rate = 0.0;  ///< [W s/(N m rad)]
 };
 
-/// Torque [N m] of friction at the joint with its derivatives by the joint's rate.
+/// Torque [N m] of friction at the joint, or against it, with its derivatives by the joint's rate.
 struct MotorFriction {
   double value = 0.0;    ///< [N m]
   double d_rate = 0.0;   ///< [N m s/rad]
@@ -76,6 +81,8 @@ MotorVoltage motor_voltage(const model::PlanarMotor& motor, double joint_torque,
 
 /// Friction at a joint rate [rad/s] of one motor.
 MotorFriction motor_friction(const model::PlanarMotor& motor, double joint_rate);
+/// What a motor gives against the dry part of it [N m], of the rate's sign.
+MotorFriction against_dry_friction(const model::PlanarMotor& motor, double joint_rate);
 /// Whether it has any.
 bool rubs(const model::PlanarMotor& motor);
 

@@ -15,6 +15,9 @@ namespace jaculus::model {
 
 struct ProposeOptions {
   std::map<std::string, double> pose;  ///< of joints that are held, or at rest [rad or m]
+  /// the same as the file has it: counts for joints that `pose` leaves out, of legs only where they
+  /// stand in it
+  std::map<std::string, double> file_pose;
   /// "+x" ... "-z" of the file; told by joints and names where empty. Both or none
   std::string forward, up;
   std::map<std::string, double> armature;  ///< inertia that a joint adds to its own [kg m^2]

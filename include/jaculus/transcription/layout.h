@@ -77,6 +77,7 @@ struct Layout {
 Layout make_layout(const Problem& problem, const components::Equations& equations);
 
 /// Largest joint torque a plan may use of a motor: the tighter of torque and current limits [N m].
+/// Of it an input is bounded by what dry friction leaves, whichever way the joint turns.
 double usable_torque(const Problem& problem, const model::PlanarMotor& motor);
 
 }  // namespace jaculus::transcription

@@ -19,9 +19,11 @@ constexpr double kPlace = 2e-3;
 constexpr double kMiddle = 1e-3;
 
 double held_value(const SpatialJoint& joint, const ProposeOptions& options) {
-  const auto stated = options.pose.find(joint.name);
-  return stated != options.pose.end() ? stated->second
-                                      : std::clamp(0.0, joint.range.lower, joint.range.upper);
+  for (const auto* pose : {&options.pose, &options.file_pose}) {
+    const auto stated = pose->find(joint.name);
+    if (stated != pose->end()) return stated->second;
+  }
+  return std::clamp(0.0, joint.range.lower, joint.range.upper);
 }
 
 /// Why a joint can't move in the plane; empty where it can.

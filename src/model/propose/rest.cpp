@@ -10,6 +10,10 @@
 namespace jaculus::model {
 namespace {
 
+/// A pose in which a foot is less than this share of its leg's length below its hip is one to lie
+/// in, as keyframes of files may be [-].
+constexpr double kLeast = 0.3;
+
 /// Share of a leg's length at which it stands: knees bent by about 80 degrees, as quadrupeds are
 /// carried by their controllers [-].
 constexpr double kDrawnIn = 0.75;
@@ -235,6 +239,29 @@ void stand(Draft& draft) {
   for (const Leg& leg : legs) bend(draft, leg, height, draft.rest);
 }
 
+/// Whether all legs stand in a pose.
+bool stands(const Draft& draft, const Pose& pose) {
+  return std::all_of(draft.feet.begin(), draft.feet.end(), [&](const DraftFoot& foot) {
+    const Leg leg = leg_of(draft, foot);
+    return leg.hip.y() - end_at(draft, leg, pose).y() > kLeast * leg.length;
+  });
+}
+
+/// The pose with what is stated of joints, in space or planar, in its place; whether anything is.
+bool take(const Draft& draft, const Pose& stated, Pose& pose) {
+  bool any = false;
+  for (const auto& [joint, value] : stated) {
+    for (const DraftJoint& known : joints_of(draft)) {
+      const bool spatial = std::any_of(known.spatial.begin(), known.spatial.end(),
+                                       [&](int j) { return draft.tree.joints[j].name == joint; });
+      if (known.name != joint && !spatial) continue;
+      pose[known.name] = value;
+      any = true;
+    }
+  }
+  return any;
+}
+
 }  // namespace
 
 Eigen::Vector3d pose_of(const Reduction& reduction, int body,
@@ -264,15 +291,17 @@ void find_rest(const ProposeOptions& options, Draft& draft) {
   stand(draft);
   for (DraftLoop& loop : draft.loops) loop.branch = branch_at_rest(draft, loop);
 
-  for (const auto& [joint, value] : options.pose) {
-    for (const DraftJoint& known : joints_of(draft)) {
-      const bool spatial = std::any_of(known.spatial.begin(), known.spatial.end(),
-                                       [&](int j) { return draft.tree.joints[j].name == joint; });
-      if (known.name != joint && !spatial) continue;
-      draft.rest[known.name] = value;
-      draft.rest_stated = true;
-    }
+  Pose of_file = draft.rest;
+  const bool stated = take(draft, options.file_pose, of_file);
+  if (stated && stands(draft, of_file)) {
+    draft.rest = of_file;
+    draft.rest_stated = true;
+  } else if (stated) {
+    draft.notes.push_back(
+        "the file's pose is none to stand in, a foot less than 30 % of its leg below its hip: legs "
+        "are drawn in instead (--pose states another)");
   }
+  if (take(draft, options.pose, draft.rest)) draft.rest_stated = true;
 }
 
 }  // namespace jaculus::model

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
 
 #include "jaculus/components/motor.h"
@@ -25,17 +26,24 @@ std::vector<double> instants(double sample_time) {
 /// Voltage of one motor: R i(tau) + k_t G (omega + t alpha), omega the joint's rate, alpha its
 /// acceleration, t each of the instants; linear in v and a. A controller that holds torques from
 /// sample to sample plays the mean over a sample, which is the torque in its middle to second
-/// order; between its ends the rate goes on.
+/// order; between its ends the rate goes on. Where the joint rubs dry, tau is the input and all of
+/// that friction, with it and against it.
 PathTerm motor_voltage_term(const model::PlanarModel& model, int m, double limit,
                             double sample_time) {
   const model::PlanarMotor motor = model.motors[m];
   const Vector rate = model.joint_map.row(motor.body).transpose();
-  const std::vector<double> when = instants(sample_time);
+  const double dry = motor.dry_friction;
+  const std::vector<double> sides = dry > 0.0 ? std::vector{-dry, dry} : std::vector{0.0};
+  std::vector<std::array<double, 2>> when;  // instant [s], torque beside the input [N m]
   PathTerm term;
   term.name = motor.joint + " voltage";
-  for (const double t : when) {
+  for (const double t : instants(sample_time)) {
     const char* at = t == 0.0 ? "" : t < 0.0 ? " where a sample begins" : " where a sample ends";
-    term.rows.push_back({term.name + at, "V", {-limit, limit}, limit});
+    for (const double side : sides) {
+      when.push_back({t, side});
+      const Bounds bounds{side > 0.0 ? -kInfinity : -limit, side < 0.0 ? kInfinity : limit};
+      term.rows.push_back({term.name + at, "V", bounds, limit});
+    }
   }
   term.reads.velocity = term.reads.input = true;
   term.reads.acceleration = sample_time > 0.0;
@@ -43,9 +51,10 @@ PathTerm motor_voltage_term(const model::PlanarModel& model, int m, double limit
   term.evaluate = [motor, rate, when, m](const PointView& view, VectorRef values, Matrix* J,
                                          const ConstVectorRef* multipliers, Matrix* H) {
     for (int i = 0; i < count_of(when); ++i) {
-      const double t = when[i], ahead = t == 0.0 ? 0.0 : t * rate.dot(view.point.a);
+      const auto [t, beside] = when[i];
+      const double ahead = t == 0.0 ? 0.0 : t * rate.dot(view.point.a);
       const components::MotorVoltage voltage =
-          components::motor_voltage(motor, view.u[m], rate.dot(view.point.v) + ahead);
+          components::motor_voltage(motor, view.u[m] + beside, rate.dot(view.point.v) + ahead);
       values[i] = voltage.value;
 
       const int u = view.u_at() + m;
@@ -200,21 +209,27 @@ void add_electrical_energy(const TermSpec& spec, TermContext& context) {
     values[0] = 0.0;
     for (int m = 0; m < view.n_u; ++m) {
       const model::PlanarMotor& motor = motors[m];
+      const double rate = rates.row(m).dot(view.point.v), count = motor.count;
+      const components::MotorFriction dry = components::against_dry_friction(motor, rate);
       const components::MotorPower power =
-          components::motor_power(motor, view.u[m], rates.row(m).dot(view.point.v));
-      const double count = motor.count;
+          components::motor_power(motor, view.u[m] + dry.value, rate);
       values[0] += count * power.value;
 
       const int u = view.u_at() + m, v = view.v_at();
       if (J) {
-        J->row(0).segment(v, view.n) += count * power.d_rate * rates.row(m);
+        const double d_rate = power.d_rate + power.d_torque * dry.d_rate;
+        J->row(0).segment(v, view.n) += count * d_rate * rates.row(m);
         (*J)(0, u) += count * power.d_torque;
       }
       if (H) {
         const double w = count * (*multipliers)[0];
+        const double d_torque_rate = power.d_torque_rate + power.d_torque2 * dry.d_rate;
+        const double d_rate2 =
+            (d_torque_rate + power.d_torque_rate) * dry.d_rate + power.d_torque * dry.d_rate2;
         (*H)(u, u) += w * power.d_torque2;
-        H->row(u).segment(v, view.n) += w * power.d_torque_rate * rates.row(m);
-        H->col(u).segment(v, view.n) += w * power.d_torque_rate * rates.row(m).transpose();
+        H->row(u).segment(v, view.n) += w * d_torque_rate * rates.row(m);
+        H->col(u).segment(v, view.n) += w * d_torque_rate * rates.row(m).transpose();
+        H->block(v, v, view.n, view.n) += w * d_rate2 * rates.row(m).transpose() * rates.row(m);
       }
     }
   };
@@ -265,7 +280,9 @@ TermType joint_range() {
 
 TermType torque_squared() {
   return {.name = "torque_squared",
-          .meaning = "integral of the squared motor torques, summed over motors",
+          .meaning =
+              "integral of the squared motor torques, without what they give against dry friction, "
+              "summed over motors",
           .cost = true,
           .unit = "N^2 m^2 s",
           .keys = {{"at",
