@@ -27,7 +27,7 @@ class Preflight(Result):
             (changes anything that is recorded); stated, the value at work [unit]; named (whether it
             would be), log_odds against no effect, gap [noise floors]; least, the value from which it
             would be named [unit], None where there is none within its bounds.
-        pairs: a dict each: effects, tellable, at_work, expected_log_bayes_factor both ways, told_by:
+        pairs: a dict each: effects, tellable, at_work, chance_told and expected_log_bayes_factor both ways, told_by:
             sensors and motions that would tell them apart, best first.
         sets: names of effects that pairs not tellable connect.
         next: experiments that could follow, the most informative first: experiment, information_bit,

@@ -182,7 +182,7 @@ void add_run(CLI::App& parent, Action& chosen) {
 
 struct ScoreFlags {
   Common common;
-  std::string folder, key;
+  std::string folder, key, answers;
   bool resume = false, no_baselines = false;
   int limit = 0;  ///< 0: all
 };
@@ -226,6 +226,7 @@ int score(const ScoreFlags& flags) {
   options.jobs = common.jobs;
   options.resume = flags.resume;
   options.baselines = !flags.no_baselines;
+  options.answers = flags.answers;
   options.provenance = provenance;
   if (flags.limit > 0) options.limit = flags.limit;
   options.progress = progress_bar(common, "cases");
@@ -262,6 +263,10 @@ void add_score(CLI::App& parent, Action& chosen) {
   command->add_option("--key", options->key, "file of key and salt; FOLDER.key unless given");
   command->add_flag("--resume", options->resume,
                     "go on with what an interrupted run has finished in --out");
+  command
+      ->add_option("--answers", options->answers,
+                   "score the answers that an earlier run kept (its OUT/answers), diagnose nothing")
+      ->check(CLI::ExistingDirectory);
   command->add_flag("--no-baselines", options->no_baselines, "leave the baselines out");
   command
       ->add_option("--limit", options->limit,

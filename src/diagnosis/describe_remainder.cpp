@@ -5,26 +5,13 @@
 #include "diagnosis/build_problem.h"
 #include "diagnosis/remainder/box_states.h"
 #include "diagnosis/remainder/events.h"
+#include "diagnosis/remainder/motion_patterns.h"
 #include "diagnosis/remainder/remainder.h"
 
 namespace jaculus::diagnosis {
 namespace {
 
 constexpr int kAllWindows = 1'000'000;  // of a trial
-
-/// The parameters of the model that is stated, in a problem about other windows of the same data.
-Vector parameters_of(const Diagnosis& found, const Hypotheses& hypotheses) {
-  const Vector& stated = names_effects(found.verdict) ? found.model.p : found.none.p;
-  const std::vector<FreeParameter>& known = found.problem->hypotheses.parameters;
-  Vector p = hypotheses.nominal();
-  for (int i = 0; i < count_of(hypotheses.parameters); ++i) {
-    const FreeParameter& own = hypotheses.parameters[i];
-    for (int k = 0; k < count_of(known); ++k)
-      if (own.owner != "force" && known[k].owner == own.owner && known[k].name == own.name)
-        p[i] = stated[k];
-  }
-  return p;
-}
 
 /// The problem over boxes that follow one another over all of every trial; without a forward model
 /// where it can't be had.
@@ -68,7 +55,21 @@ std::vector<trajectory::Dataset> as_logged(std::vector<trajectory::Dataset> data
 }
 
 std::vector<std::vector<MotionBox>> boxes_about(const Diagnosis& found, const BuiltProblem& all) {
-  return motion_boxes(*all.problem, *all.forward, parameters_of(found, all.problem->hypotheses));
+  return motion_boxes(*all.problem, *all.forward,
+                      stated_parameters(found, all.problem->hypotheses));
+}
+
+/// Where every motor's torque is logged and nothing touches the ground.
+std::vector<RemainderPlace> places_in_boxes(const std::vector<trajectory::Dataset>& datasets,
+                                            const DiagnoseOptions& options,
+                                            const Diagnosis& found) {
+  const Observations& observations = found.problem->observations;
+  const std::vector<trajectory::Dataset> logged = as_logged(datasets, observations);
+  if (logged.empty()) return {};
+  const BuiltProblem fine =
+      in_boxes(logged, options, pattern_box(observations.datasets, options.settings));
+  if (!fine.forward) return {};
+  return described_places(*fine.problem, boxes_about(found, fine));
 }
 
 }  // namespace
@@ -85,14 +86,14 @@ void describe_remainder(const std::vector<trajectory::Dataset>& datasets,
       found.events.push_back(event);
   }
 
-  const Observations& observations = found.problem->observations;
-  const std::vector<trajectory::Dataset> logged = as_logged(datasets, observations);
-  if (logged.empty()) return;
   if (options.progress) options.progress("what is left");
-  const BuiltProblem fine =
-      in_boxes(logged, options, pattern_box(observations.datasets, options.settings));
-  if (fine.forward)
-    found.remainder.places = described_places(*fine.problem, boxes_about(found, fine));
+  std::vector<RemainderPlace>& places = found.remainder.places;
+  places = places_in_boxes(datasets, options, found);
+  const bool followed = std::any_of(places.begin(), places.end(),
+                                    [](const RemainderPlace& p) { return !p.follows.empty(); });
+  if (followed) return;
+  for (RemainderPlace& place : patterns_of_motion(datasets, options, found))
+    places.push_back(std::move(place));
 }
 
 }  // namespace jaculus::diagnosis

@@ -60,6 +60,7 @@ struct Plan {
   SignatureSpace space;
   std::vector<SignatureCurve> curves;  ///< a candidate each
   std::vector<bool> seen;              ///< a candidate each: named as stated
+  std::vector<double> chance;          ///< a candidate each: share of the data that name it
   std::vector<CandidatePair> pairs;
 
   [[nodiscard]] const Hypotheses& hypotheses() const { return space.problem->hypotheses; }
@@ -154,8 +155,9 @@ void try_motions(const Plan& plan, Preflight& out) {
       const auto there = changed({plan.experiment, motion.experiment}, options, out.size);
       if (!there) continue;
       const int told = add_told(plan, *there, "motion", motion.name, out);
-      out.following.push_back(
-          {motion.name, information_of(there->factors, there->curves, plan.settings()), told});
+      // Both together tell no less than the planned one; the bound of each may be looser.
+      const double both = information_of(there->factors, there->curves, plan.settings());
+      out.following.push_back({motion.name, std::max(out.information, both), told});
     } catch (const InputError&) {
       continue;  // the robot or its stated controller does not allow this experiment
     }
@@ -164,13 +166,26 @@ void try_motions(const Plan& plan, Preflight& out) {
                    [](const auto& a, const auto& b) { return a.information > b.information; });
 }
 
+PlannedPair planned_pair(const CandidatePair& pair, const std::vector<Candidate>& candidates,
+                         const std::vector<double>& seen, const Settings& settings) {
+  PlannedPair out{candidates[pair.a].name, candidates[pair.b].name, pair.told_a, pair.told_b};
+  out.with_a = telling_of(pair.told_a, pair.spread_a, seen[pair.a], settings);
+  out.with_b = telling_of(pair.told_b, pair.spread_b, seen[pair.b], settings);
+  if (out.with_a != Telling::not_judged)
+    out.chance_a = telling_chances(pair.told_a, pair.spread_a, seen[pair.a], settings).told;
+  if (out.with_b != Telling::not_judged)
+    out.chance_b = telling_chances(pair.told_b, pair.spread_b, seen[pair.b], settings).told;
+  out.structural = pair.structural(settings);
+  const auto told = [](Telling way) { return way == Telling::told || way == Telling::not_judged; };
+  out.tellable = told(out.with_a) && told(out.with_b);
+  return out;
+}
+
 void add_pairs(const Plan& plan, Preflight& out) {
   const Settings& settings = plan.settings();
   const std::vector<Candidate>& candidates = plan.hypotheses().candidates;
   for (const CandidatePair& pair : plan.pairs)
-    out.pairs.push_back({candidates[pair.a].name, candidates[pair.b].name, pair.told_a, pair.told_b,
-                         telling_of(pair.told_a, settings), telling_of(pair.told_b, settings),
-                         pair.structural(settings), !pair.not_tellable(settings)});
+    out.pairs.push_back(planned_pair(pair, candidates, plan.chance, settings));
   for (const std::vector<int>& set : connected_sets(not_told(plan), count_of(candidates))) {
     out.sets.emplace_back();
     for (const int c : set) out.sets.back().push_back(candidates[c].name);
@@ -198,7 +213,7 @@ Preflight preflight(const Experiment& experiment, const PreflightOptions& option
   if (!planned.space || !out.reasons.empty()) return out;
 
   tell("signatures of effects");
-  Plan plan{experiment, options, std::move(*planned.space), {}, {}, {}};
+  Plan plan{experiment, options, std::move(*planned.space), {}, {}, {}, {}};
   plan.curves = curves_of(plan.space, out.size, kFineShares);
   tell("least sizes");
   const int n = count_of(plan.curves);
@@ -211,11 +226,13 @@ Preflight preflight(const Experiment& experiment, const PreflightOptions& option
     const Vector departure = stated_departure(*plan.space.problem, c, out.size);
     out.effects.push_back(planned_effect(*plan.space.problem, c, departure, found[c]));
     plan.seen.push_back(found[c].stated.named);
+    plan.chance.push_back(found[c].stated.chance);
   }
 
   tell("pairs of effects");
-  const Matrix factors = expected_log_bayes_factors(plan.space, plan.curves);
-  plan.pairs = candidate_pairs(plan.curves, factors, plan.seen);
+  Matrix spread;
+  const Matrix factors = expected_log_bayes_factors(plan.space, plan.curves, &spread);
+  plan.pairs = candidate_pairs(plan.curves, factors, plan.seen, spread);
   add_pairs(plan, out);
   // By the coarser sizes that what may follow is judged by, or more data could seem to tell less.
   const auto alone = changed({experiment}, plan.with_all_candidates(), out.size);

@@ -34,6 +34,7 @@ Json planned_pair_json(const PlannedPair& p) {
   return {{"effects", {p.a, p.b}},
           {"tellable", p.tellable},
           {"at_work", {name_of(p.with_a), name_of(p.with_b)}},
+          {"chance_told", {json_number(p.chance_a), json_number(p.chance_b)}},
           {"structural", p.structural},
           {"expected_log_bayes_factor", {json_number(p.told_a), json_number(p.told_b)}},
           {"told_by", by}};
@@ -42,7 +43,7 @@ Json planned_pair_json(const PlannedPair& p) {
 }  // namespace
 
 const char* name_of(Telling telling) {
-  constexpr std::array<const char*, 4> names = {"not_judged", "told", "ambiguous", "taken"};
+  constexpr std::array<const char*, 5> names = {"not_judged", "told", "ambiguous", "taken", "open"};
   return names[static_cast<std::size_t>(telling)];
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "jaculus/core/json.h"
 
@@ -12,7 +13,8 @@ using Json = nlohmann::ordered_json;
 
 Json interval(const Bounds& b) { return Json::array({json_number(b.lower), json_number(b.upper)}); }
 
-Json dependence_json(const Dependence& d) {
+/// `weight`: by which parts are ordered where no force is known.
+Json dependence_json(const Dependence& d, const std::optional<double>& weight) {
   Json json = {{"regressor", to_text(d.regressor)}};
   if (!d.of.empty()) json["of"] = d.of;
   if (std::isfinite(d.period)) {
@@ -22,6 +24,7 @@ Json dependence_json(const Dependence& d) {
   json["share"] = json_number(d.share);
   json["ci95"] = interval(d.ci95);
   json["selected"] = json_number(d.selected);
+  if (weight) json["weight"] = json_number(*weight);
   json["coefficients"] = d.coefficients;
   return json;
 }
@@ -30,10 +33,14 @@ Json dependence_json(const Dependence& d) {
 /// stated where they do.
 Json place_json(const RemainderPlace& place, const std::vector<LackingForce>& lacking) {
   Json follows = Json::array();
-  for (const Dependence& d : place.follows) follows.push_back(dependence_json(d));
+  for (const Dependence& d : place.follows)
+    follows.push_back(
+        dependence_json(d, place.by_simulation ? std::optional<double>(d.share) : std::nullopt));
   const auto own = std::find_if(lacking.begin(), lacking.end(),
                                 [&](const LackingForce& f) { return f.name == place.joint; });
   return {{"joint", place.joint},
+          {"place", place.place},
+          {"share_of", place.by_simulation ? "gap" : "force"},
           {"rms", json_number(place.rms)},
           {"unit", place.unit},
           {"boxes", place.boxes},

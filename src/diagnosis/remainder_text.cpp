@@ -56,6 +56,9 @@ std::string dependence_text(const Dependence& d) {
       return "grows with the acceleration of " + of;
     case Regressor::channel:
       return "follows " + of;
+    case Regressor::periodic_in_time:
+      return fmt::format("repeats in time, {:.3g} times a second: what it stands on sways",
+                         1.0 / d.period);
   }
   return "";
 }
@@ -66,6 +69,17 @@ std::string per_cent_of(const Dependence& d) {
                      shown(d.ci95.upper), dependence_text(d));
 }
 
+/// "Of the gap that is left, a force on the body along x explains 62 % (40 to 84 %): it ...".
+std::string simulated_sentence(const RemainderPlace& place) {
+  std::vector<std::string> parts;
+  for (const Dependence& d : place.follows) parts.push_back(per_cent_of(d));
+  const std::string where = place.place == "body"   ? "the body, along " + in_words(place.joint)
+                            : place.place == "feet" ? "the foot " + in_words(place.joint)
+                                                    : in_words(place.joint);
+  return fmt::format("A force at {} would explain what is left of the gap: {}.", where,
+                     fmt::join(parts, "; "));
+}
+
 }  // namespace
 
 std::vector<std::string> remainder_sentences(const Diagnosis& diagnosis) {
@@ -73,6 +87,10 @@ std::vector<std::string> remainder_sentences(const Diagnosis& diagnosis) {
       diagnosis.verdict == Verdict::partial || diagnosis.verdict == Verdict::unexplained;
   std::vector<std::string> sentences;
   for (const RemainderPlace& place : diagnosis.remainder.places) {
+    if (place.by_simulation) {
+      sentences.push_back(simulated_sentence(place));
+      continue;
+    }
     if (!std::isfinite(place.rms) || (place.follows.empty() && !remains)) continue;
     std::vector<std::string> parts;
     for (const Dependence& d : place.follows) parts.push_back(per_cent_of(d));

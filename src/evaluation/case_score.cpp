@@ -6,6 +6,7 @@
 #include <cmath>
 #include <set>
 
+#include "evaluation/descriptions.h"
 #include "evaluation/events.h"
 #include "evaluation/names.h"
 #include "jaculus/effects/select.h"
@@ -275,6 +276,11 @@ CaseScore score_case(const CaseTruth& truth, const Prediction& prediction) {
   const EventCounts events = count_events(truth, prediction);
   score.events_found = events.found;
   score.events_invented = events.invented;
+  score.described = !prediction.described.empty();
+  if (const RightDescription* right = described_kind(truth)) {
+    score.place_right = place_right(*right, prediction);
+    score.family_credit = family_credit(*right, prediction);
+  }
   return score;
 }
 

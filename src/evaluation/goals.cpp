@@ -19,6 +19,9 @@ const std::vector<Goal>& goals_of_measures() {
       {"false alarms where there is nothing", {-kInfinity, 0.03}},
       {"mixed: named part named, plain gap", {0.85, kInfinity}},
       {"mixed: remainder said, plain gap", {0.85, kInfinity}},
+      {"descriptions: place right, plain gap", {0.9, kInfinity}},
+      {"descriptions: family right, plain gap", {0.75, kInfinity}},
+      {"descriptions where nothing is left", {-kInfinity, 0.05}},
       {"wrong and confident", {-kInfinity, 0.02}},
       {"calibration error", {-kInfinity, 0.05}},
       {"parameters covered by their intervals", {0.93, 0.97}}};

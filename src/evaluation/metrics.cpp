@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "evaluation/case_score.h"
+#include "evaluation/descriptions.h"
 #include "evaluation/estimates.h"
 
 namespace jaculus::evaluation {
@@ -114,6 +115,35 @@ void add_remainders(const std::vector<CaseTruth>& truths, Metrics& metrics) {
   metrics.by["remainder said where there is one"] = share(pick(truths, has_remainder), remainder);
 }
 
+/// Whether what was drawn has been named in full, so that nothing is left to describe.
+bool nothing_left(const CaseTruth& truth, const Prediction& prediction, const CaseScore& score) {
+  if (truth.kind == "none") return !is_parted(truth);
+  const bool listed = truth.kind == "single" || is_several(truth);
+  return listed && !is_parted(truth) && is_alarm(prediction) && score.credit == 1.0;
+}
+
+void add_descriptions(const std::vector<CaseTruth>& truths,
+                      const std::vector<Prediction>& predictions, Metrics& metrics) {
+  const auto place = [&](std::size_t i) { return metrics.scores[i].place_right; };
+  const auto family = [&](std::size_t i) { return metrics.scores[i].family_credit; };
+  const auto said = [&](std::size_t i) { return metrics.scores[i].described; };
+  const auto plain_beside = mixed_with_plain(1);
+  const Picks any = pick(truths, [](const CaseTruth& t) { return described_kind(t) != nullptr; });
+  const Picks plain = pick(truths, [&](const CaseTruth& t) {
+    return described_kind(t) != nullptr && (kind_is("outside", kPlainGap)(t) || plain_beside(t));
+  });
+  Picks complete;
+  for (std::size_t i = 0; i < truths.size(); ++i)
+    if (nothing_left(truths[i], predictions[i], metrics.scores[i])) complete.push_back(i);
+
+  metrics.by["descriptions: place right, plain gap"] = share(plain, place);
+  metrics.by["descriptions: place right, any gap"] = share(any, place);
+  metrics.by["descriptions: family right, plain gap"] = mean_of(plain, family);
+  metrics.by["descriptions: family right, any gap"] = mean_of(any, family);
+  metrics.by["descriptions: something said, plain gap"] = share(plain, said);
+  metrics.by["descriptions where nothing is left"] = share(complete, said);
+}
+
 void add_overall(const std::vector<CaseTruth>& truths, const std::vector<Prediction>& predictions,
                  Metrics& metrics) {
   const Picks all = pick(truths, [](const CaseTruth&) { return true; });
@@ -203,6 +233,7 @@ Metrics compute_metrics(const std::string& predictor, const std::vector<CaseTrut
   add_names(truths, metrics);
   add_abstentions(truths, predictions, metrics);
   add_remainders(truths, metrics);
+  add_descriptions(truths, predictions, metrics);
   add_overall(truths, predictions, metrics);
   add_quality(truths, predictions, metrics);
   add_events(truths, metrics);

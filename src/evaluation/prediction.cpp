@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <iterator>
@@ -96,6 +97,25 @@ std::vector<SaidEvent> events_of(const json& root) {
   return events;
 }
 
+/// Parts without a weight of their own are ordered by the size of what they explain.
+std::vector<SaidPart> parts_of(const json& root) {
+  std::vector<SaidPart> parts;
+  for (const json& place : root.value("/remainder/places"_json_pointer, json::array())) {
+    const std::string at = place.value("joint", "");
+    const bool of_body = at == "x" || at == "z" || at == "pitch";
+    const std::string where = place.value("place", of_body ? "body" : "joint");
+    const double rms = number_of(place.value("rms", json()), "rms");
+    if (!place.contains("follows") || !place.at("follows").is_array()) continue;
+    for (const json& follows : place.at("follows")) {
+      const double share = number_of(follows.value("share", json()), "share");
+      const double weight = follows.contains("weight") ? number_of(follows.at("weight"), "weight")
+                                                       : rms * std::sqrt(std::max(0.0, share));
+      parts.push_back({where, at, follows.value("regressor", ""), weight});
+    }
+  }
+  return parts;
+}
+
 Prediction prediction_of(const json& root, const std::string& path) {
   Prediction prediction;
   prediction.verdict = diagnosis::verdict_from(text_in(root, "verdict", path), path + ".verdict");
@@ -125,6 +145,7 @@ Prediction prediction_of(const json& root, const std::string& path) {
   }
   prediction.channels = channels_of(root);
   prediction.events = events_of(root);
+  prediction.described = parts_of(root);
   prediction.remainder = prediction.verdict == diagnosis::Verdict::unexplained ||
                          root.value("/remainder/established"_json_pointer, false);
   return prediction;
@@ -142,6 +163,17 @@ json events_json(const std::vector<SaidEvent>& said) {
                       {"peak", number_or_null(e.peak)}});
   }
   return events;
+}
+
+/// As a diagnosis.json has places, one a part.
+json parts_json(const std::vector<SaidPart>& parts) {
+  json places = json::array();
+  for (const SaidPart& part : parts)
+    places.push_back({{"place", part.place},
+                      {"joint", part.at},
+                      {"follows", json::array({{{"regressor", part.family},
+                                                {"weight", number_or_null(part.weight)}}})}});
+  return places;
 }
 
 }  // namespace
@@ -184,19 +216,20 @@ std::string prediction_to_text(const Prediction& prediction) {
   for (const auto& [name, p] : prediction.ranking)
     ranking.push_back({{"effect", name}, {"probability", p}});
   const diagnosis::Verdict verdict = prediction.verdict.value_or(diagnosis::Verdict::insufficient);
-  const json root = {
-      {"verdict", to_text(verdict)},
-      {"failed", !prediction.verdict},
-      {"message", prediction.message},
-      {"effects", effects},
-      {"ranking", ranking},
-      {"where", {{"components", prediction.components}}},
-      {"gap",
-       {{"before", number_or_null(prediction.gap_before)},
-        {"after", number_or_null(prediction.gap_after)}}},
-      {"remainder",
-       {{"established", prediction.remainder}, {"events", events_json(prediction.events)}}},
-      {"seconds", number_or_null(prediction.seconds)}};
+  const json root = {{"verdict", to_text(verdict)},
+                     {"failed", !prediction.verdict},
+                     {"message", prediction.message},
+                     {"effects", effects},
+                     {"ranking", ranking},
+                     {"where", {{"components", prediction.components}}},
+                     {"gap",
+                      {{"before", number_or_null(prediction.gap_before)},
+                       {"after", number_or_null(prediction.gap_after)}}},
+                     {"remainder",
+                      {{"established", prediction.remainder},
+                       {"places", parts_json(prediction.described)},
+                       {"events", events_json(prediction.events)}}},
+                     {"seconds", number_or_null(prediction.seconds)}};
 
   return root.dump();
 }

@@ -159,6 +159,17 @@ bool add_possible_gaps(const fs::path& folder, int sealed, const std::string& ke
   return true;
 }
 
+/// The answers that an earlier run kept; one that is missing is none.
+std::vector<Prediction> kept_answers(const fs::path& answers,
+                                     const std::vector<std::string>& case_ids) {
+  std::vector<Prediction> predictions;
+  for (const std::string& id : case_ids) {
+    const fs::path file = answers / id / "diagnosis.json";
+    predictions.push_back(fs::exists(file) ? read_prediction(file) : Prediction());
+  }
+  return predictions;
+}
+
 void check_cases(const fs::path& folder, const std::vector<std::string>& case_ids) {
   if (case_ids.empty())
     throw InputError(fmt::format("{}: no case; allowed: one or more", folder.string()));
@@ -193,14 +204,17 @@ Score score_cases(const fs::path& folder, const std::vector<std::string>& case_i
   check_cases(folder, case_ids);
   fs::create_directories(options.out);
   const std::string key = fingerprint(folder, case_ids, options);
-  std::map<std::string, std::vector<Prediction>> predictions;
-  if (!diagnose_all(folder, case_ids, key, options, predictions)) return {};
-  if (options.baselines && !run_baselines(folder, case_ids, key, options, predictions)) return {};
-
   const std::vector<std::string> first(case_ids.begin(),
                                        case_ids.begin() + scored(case_ids, options));
+  std::map<std::string, std::vector<Prediction>> predictions;
+  const bool kept = !options.answers.empty();
+  if (kept) predictions["diagnosis"] = kept_answers(options.answers, first);
+  if (!kept && !diagnose_all(folder, case_ids, key, options, predictions)) return {};
+  if (!kept && options.baselines && !run_baselines(folder, case_ids, key, options, predictions))
+    return {};
+
   std::vector<CaseTruth> truths = in_order(open_labels(), first);
-  if (!add_possible_gaps(folder, count_of(case_ids), key, options, truths)) return {};
+  if (!kept && !add_possible_gaps(folder, count_of(case_ids), key, options, truths)) return {};
   Score score = score_predictions(truths, predictions);
   score.sealed = count_of(case_ids);
   score.provenance = options.provenance;

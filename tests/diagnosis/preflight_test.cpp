@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 
 #include "diagnosis/preflight/detection.h"
 #include "diagnosis/preflight/isolability.h"
@@ -94,6 +95,61 @@ TEST(Isolability, OfWhatIsNotSeenIsNotJudged) {
   ASSERT_EQ(pairs.size(), 1u);
   EXPECT_FALSE(std::isnan(pairs[0].told_a));
   EXPECT_TRUE(std::isnan(pairs[0].told_b));
+}
+
+TEST(Telling, NoiseMovesTheBayesFactorByWhatTheRivalLeaves) {
+  // The deviation over draws of noise of what is stated on their mean.
+  const SignatureSpace space = toy_space();
+  const SignatureCurve first = toy_curve(space, kFirst, 1.0),
+                       second = toy_curve(space, kSecond, 1.0);
+  const Vector& g = first.stated()->signature;
+  const diagnosis::ExpectedEvidence rival = diagnosis::evidence_along(space, g, second);
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> normal;
+  constexpr int kDraws = 400;
+  double sum = 0.0, squares = 0.0;
+  for (int i = 0; i < kDraws; ++i) {
+    const Vector data = g + Vector::NullaryExpr(g.size(), [&] { return normal(random); });
+    const double factor = expected_log_evidence(data, first) - expected_log_evidence(data, second);
+    sum += factor;
+    squares += factor * factor;
+  }
+  const double mean = sum / kDraws, deviation = std::sqrt(squares / kDraws - mean * mean);
+  EXPECT_NEAR(deviation, rival.left, 0.15 * rival.left);
+}
+
+TEST(MisfitShape, CountsWhatIsMissedByValuesAndNotByRows) {
+  const diagnosis::MisfitShape none;
+  EXPECT_EQ(none.cost(170.0), 170.0);
+  EXPECT_EQ(none.variance(170.0), 1.0);
+
+  const diagnosis::MisfitShape misfit{6.0, 3000.0, 0.3};
+  const double least = 1.0 + 0.09 * 3000.0 / 6.0;
+  EXPECT_NEAR(misfit.variance(0.0), least, 1e-12);
+  EXPECT_EQ(misfit.cost(0.0), 0.0);
+  // Below the least misfit it is L over its variance, far beyond n log L.
+  EXPECT_NEAR(misfit.cost(100.0), 100.0 / least, 1e-12);
+  EXPECT_NEAR(misfit.cost(2e6) - misfit.cost(1e6), 6.0 * std::log(2.0), 1e-4);
+  EXPECT_LT(misfit.cost(172.0), 10.0) << "what 86 nats of rows are worth";
+  // The likely variance is the one of least cost.
+  const auto at = [](double L, double v) { return (L + 6.0) / v + 6.0 * std::log(v); };
+  const double v = misfit.variance(5000.0);
+  EXPECT_LE(at(5000.0, v), std::min(at(5000.0, 1.01 * v), at(5000.0, 0.99 * v)));
+}
+
+TEST(Telling, IsOpenWhereNoiseDecides) {
+  const diagnosis::Settings settings;
+  using diagnosis::Telling;
+  // P(N(2.5, sqrt 5) >= 3) = 0.41: neither told nor ambiguous for sure.
+  const auto chances = diagnosis::telling_chances(2.5, std::sqrt(5.0), 1.0, settings);
+  EXPECT_NEAR(chances.told, 0.4115, 1e-3);
+  EXPECT_NEAR(chances.told + chances.ambiguous + chances.taken, 1.0, 1e-12);
+  EXPECT_EQ(telling_of(2.5, std::sqrt(5.0), 1.0, settings), Telling::open);
+  EXPECT_EQ(telling_of(2.5, 0.1, 1.0, settings), Telling::ambiguous);
+  EXPECT_EQ(telling_of(40.0, 9.0, 1.0, settings), Telling::told);
+  EXPECT_EQ(telling_of(-9.0, 1.0, 1.0, settings), Telling::taken);
+  EXPECT_EQ(telling_of(40.0, 9.0, 0.6, settings), Telling::open) << "not named in four of ten";
+  EXPECT_EQ(telling_of(kNaN, 1.0, 1.0, settings), Telling::not_judged);
 }
 
 TEST(SineToSpan, IsZeroWithinAndOneAcross) {

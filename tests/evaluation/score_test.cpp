@@ -352,7 +352,7 @@ TEST(Score, GoalsAreMissedFirstAndSayTheirAim) {
   const Score score = score_predictions(truths, {{"diagnosis", std::vector(200, right)}});
   const std::vector<GoalResult> goals = goal_results(score);
 
-  ASSERT_EQ(goals.size(), 8u);
+  ASSERT_EQ(goals.size(), 11u);
   EXPECT_EQ(goals[0].what, "parameters covered by their intervals");
   EXPECT_EQ(goals[0].met, false);
   EXPECT_EQ(aim_text(goals[0]), "0.93 to 0.97");

@@ -49,7 +49,8 @@ enum class Telling {
   not_judged,  ///< it would not be named as stated
   told,        ///< it is named, the other is not
   ambiguous,   ///< either may be at work
-  taken        ///< for the other, which imitates it with fewer or likelier parameters
+  taken,       ///< for the other, which imitates it with fewer or likelier parameters
+  open         ///< any of these: the noise of the data decides
 };
 const char* name_of(Telling telling);
 
@@ -60,6 +61,8 @@ struct PlannedPair {
   double told_b = kNaN;  ///< the same the other way round
   Telling with_a = Telling::not_judged;  ///< a at work
   Telling with_b = Telling::not_judged;  ///< b at work
+  double chance_a = kNaN;                ///< that data with a at work are told from b
+  double chance_b = kNaN;                ///< the same the other way round
   bool structural = false;               ///< one is the same as the other in exact data
   bool tellable = false;                 ///< told in every way that is judged
   std::vector<TellingChange> by{};  ///< of a pair that is not tellable: what would tell, best first

@@ -24,7 +24,8 @@ enum class Regressor {
   time,                ///< since the trial's start
   other_speed,         ///< of another joint
   other_acceleration,  ///< of another joint
-  channel              ///< a logged one: bus voltage, temperature
+  channel,             ///< a logged one: bus voltage, temperature
+  periodic_in_time
 };
 /// "sign of speed", "periodic in position".
 const char* to_text(Regressor regressor);
@@ -40,16 +41,21 @@ struct Dependence {
   double selected = 0.0;  ///< share of random halves of the data that choose it as well [-]
   /// Force a unit of each of its functions: amplitudes of sine and cosine, slope and constant, ...
   std::vector<double> coefficients;
+  std::string hypothesis{};  ///< the file of an effect, where one was simulated to find it
 };
 
-/// What is left along one coordinate.
+/// What is left along one coordinate, or at one place.
 struct RemainderPlace {
-  std::string joint;                  ///< a coordinate
+  std::string joint;                  ///< a coordinate; a group of joints, a foot
   double rms = kNaN;                  ///< of the missing force, without what sensors' noise makes
   std::string unit;                   ///< "N m", "N"
   int boxes = 0;                      ///< of time in which it is known
   double rest = kNaN;                 ///< speed below which its sign counts in part [rad/s or m/s]
   std::vector<Dependence> follows{};  ///< the largest share first; empty: no pattern in it
+  std::string place = "joint";        ///< "joint", "body", "feet"
+  /// Found by simulation of the whole motion: shares are of the gap's energy that the model leaves,
+  /// and no force is known box by box.
+  bool by_simulation = false;
 };
 
 struct Remainder {

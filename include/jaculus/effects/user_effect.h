@@ -24,6 +24,8 @@ struct UserEffect {
 /// InputError, with file, line and key, where the file says what none may: unknown names in a
 /// formula, other units than a key has, bounds in the wrong order, an effect at nominal.
 UserEffect read_user_effect(const std::filesystem::path& file);
+/// The same of a file's text; `name`: what errors call it.
+UserEffect parse_user_effect(const std::string& text, const std::string& name);
 
 /// The library's effects, those of files and `coded` ones (coded_effect.h), which all of `robots`
 /// must be able to have. InputError as of read_user_effect, and where two have one name.

@@ -27,6 +27,10 @@ struct CaseScore {
   double energy_ratio = kNaN;
   bool remainder = false;  ///< whether the prediction says that more is there than it names
   int events_found = 0, events_invented = 0;  ///< pushes told rightly; said and not there
+  bool described = false;                     ///< whether a pattern is said of what is left
+  /// of the kind that no catalogue holds (descriptions.h)
+  bool place_right = false;
+  double family_credit = 0.0;
 };
 CaseScore score_case(const CaseTruth& truth, const Prediction& prediction);
 

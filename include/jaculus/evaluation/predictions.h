@@ -58,6 +58,14 @@ struct SaidEvent {
   double peak = 0.0;            ///< signed [N m or N]
 };
 
+/// A part of the description of what is left.
+struct SaidPart {
+  std::string place;    ///< "joint", "body", "feet", "sensor", "commands"
+  std::string at;       ///< the joint, foot or coordinate
+  std::string family;   ///< what it follows, as a regressor's name
+  double weight = 0.0;  ///< by which parts are ordered
+};
+
 /// The gap of one channel on held-out time, root mean square.
 struct ChannelGap {
   std::string unit;                    ///< SI
@@ -75,6 +83,7 @@ struct Prediction {
   double gap_before = kNaN, gap_after = kNaN;  ///< [noise floors]
   std::map<std::string, ChannelGap> channels;  ///< by channel
   std::vector<SaidEvent> events;
+  std::vector<SaidPart> described;  ///< what is left, as it is described
   /// whether it says that more is there than it names: verdict unexplained, or a remainder that it
   /// calls established
   bool remainder = false;

@@ -66,6 +66,9 @@ struct ScoreOptions {
   int jobs = 0;
   bool resume = false;    ///< go on from the journal in `out`; else one that is there is an error
   bool baselines = true;  ///< run the baselines too
+  /// answers of an earlier run, DIR/CASE/diagnosis.json: they are scored, nothing is diagnosed, and
+  /// what could have been reached is left out; empty: the cases are diagnosed
+  std::filesystem::path answers = {};
   std::optional<int> limit = {};  ///< only the first so many cases; a later run can go on to more
   std::string provenance = {};    ///< of the batch, for the result
   double time_limit_s = 900.0;    ///< of one diagnosis

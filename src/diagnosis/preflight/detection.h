@@ -20,7 +20,9 @@ namespace jaculus::diagnosis {
 struct Sight {
   double log_odds = -kInfinity;  ///< against none, prior odds included
   double gap = 1.0;              ///< [noise floors]
-  bool named = false;            ///< whether a diagnosis would name it
+  bool named = false;            ///< whether a diagnosis would name it, on the mean
+  /// Share of the data that would: noise e adds g . e to the log odds, of deviation |g|.
+  double chance = 0.0;
 };
 /// `curve`: the effect's own, a point of it at work.
 Sight sight_of(const SignatureSpace& space, const SignatureCurve& curve, const CurvePoint& at_work);

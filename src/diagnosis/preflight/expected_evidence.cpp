@@ -9,6 +9,8 @@
 namespace jaculus::diagnosis {
 namespace {
 
+constexpr int kMisfitRounds = 4;  ///< of the misfit that a model's best point leaves
+
 /// How much of a step from `from` keeps every parameter within its bounds and its reach: from
 /// nominal to twice as far, or a prior scale where that is more.
 double share_of_step(const Vector& from, const Vector& step, const SignatureCurve& curve) {
@@ -31,30 +33,48 @@ struct PointEvidence {
   Vector u;                      ///< the most probable
 };
 
-PointEvidence evidence_at(const Vector& signature, const SignatureCurve& curve,
+/// With the misfit's variance of all rows; r: what is left at the point.
+PointEvidence evidence_by(double variance, const Vector& r, const SignatureCurve& curve,
                           const CurvePoint& point) {
-  const Vector r = signature - point.signature;
   const Matrix& Y = point.slopes;
-  if (Y.cols() == 0) return {-0.5 * r.squaredNorm(), -0.5 * r.squaredNorm(), kInfinity, point.u};
-
-  Matrix A = Y.transpose() * Y;
+  Matrix A = Y.transpose() * Y / variance;
   A.diagonal().array() += 1.0;
   const Eigen::LLT<Matrix> factor(A);
   const Matrix covariance = factor.solve(Matrix::Identity(A.rows(), A.cols()));
-  const Vector step = factor.solve(Y.transpose() * r - point.u);
+  const Vector step = factor.solve(Y.transpose() * r / variance - point.u);
   const Vector moved = share_of_step(point.u, step, curve) * step;
 
   const double log_det = 2.0 * factor.matrixLLT().diagonal().array().log().sum();
   const double told = static_cast<double>(A.rows()) - covariance.trace();
   const auto evidence = [&](const Vector& u, double missed) {
     const double mass = log_mass_ratio(curve.bounds[0], u[0], std::sqrt(covariance(0, 0)));
-    return -0.5 * (missed + u.squaredNorm() + log_det - told) + mass;
+    return -0.5 * (curve.misfit.cost(missed) + u.squaredNorm() + log_det - told / variance) + mass;
   };
   PointEvidence out;
   out.u = point.u + moved;
   out.missed = (r - Y * moved).squaredNorm();
   out.expected = evidence(out.u, out.missed);
   out.achieved = evidence(point.u, r.squaredNorm());
+  return out;
+}
+
+PointEvidence evidence_at(const Vector& signature, const SignatureCurve& curve,
+                          const CurvePoint& point) {
+  const Vector r = signature - point.signature;
+  const Matrix& Y = point.slopes;
+  if (Y.cols() == 0) {
+    const double value = -0.5 * curve.misfit.cost(r.squaredNorm());
+    return {value, value, r.squaredNorm(), point.u};
+  }
+
+  PointEvidence out;
+  double variance = curve.misfit.variance(r.squaredNorm());
+  for (int round = 0; round < kMisfitRounds; ++round) {
+    out = evidence_by(variance, r, curve, point);
+    const double likely = curve.misfit.variance(out.missed);
+    if (likely == variance) break;
+    variance = likely;
+  }
   return out;
 }
 
@@ -75,6 +95,11 @@ double expected_log_evidence(const Vector& signature, const SignatureCurve& curv
 
 double expected_log_evidence(const SignatureSpace& space, const Vector& signature,
                              const SignatureCurve& curve) {
+  return evidence_along(space, signature, curve).value;
+}
+
+ExpectedEvidence evidence_along(const SignatureSpace& space, const Vector& signature,
+                                const SignatureCurve& curve) {
   const Problem& problem = *space.problem;
   const double energy = signature.squaredNorm();
   PointEvidence best = best_of(signature, curve);
@@ -91,17 +116,17 @@ double expected_log_evidence(const SignatureSpace& space, const Vector& signatur
     if (nearer) best = std::move(next);
     if (!nearer || std::abs(gained) < problem.settings.lower_valley) break;
   }
-  return best.expected;
+  return {best.expected, std::sqrt(best.missed) / curve.misfit.variance(best.missed)};
 }
 
-double expected_log_evidence_of_none(const Vector& signature) {
-  return -0.5 * signature.squaredNorm();
+double expected_log_evidence_of_none(const Vector& signature, const MisfitShape& misfit) {
+  return -0.5 * misfit.cost(signature.squaredNorm());
 }
 
 double expected_log_weight_of_none(const SignatureSpace& space, const Vector& signature) {
   const Settings& settings = space.problem->settings;
   const double complete =
-      std::log1p(-settings.prior_lacking) + expected_log_evidence_of_none(signature);
+      std::log1p(-settings.prior_lacking) + expected_log_evidence_of_none(signature, space.misfit);
   if (space.random.size() == 0) return complete;
 
   // Rows of a misfit hold their noise as well, N in the mean; in blocks it adds half of the told.
@@ -119,8 +144,11 @@ double expected_log_weight_of_none(const SignatureSpace& space, const Vector& si
   double of_forces = 0.0;
   for (int g = 0; g < space.random.size(); ++g)
     if (space.random.groups[g].force >= 0) of_forces += told[g];
+  // as costs are counted from the least misfit on
+  const double v = space.misfit.variance(0.0), n = space.misfit.values;
+  const double least_misfit = n > 0.0 ? n / v + n * std::log(v) - n : 0.0;
   const double lacking = linear_evidence(space.random, products, estimate.scales).log_evidence +
-                         estimate.log_cost + 0.5 * (of_forces + noise);
+                         estimate.log_cost + 0.5 * (of_forces + noise + least_misfit);
   return log_of_sum(complete, std::log(settings.prior_lacking) + lacking);
 }
 

@@ -22,10 +22,23 @@ Vector single_priors(int singles, const Settings& settings) {
 
 }  // namespace
 
-Telling telling_of(double log_factor, const Settings& settings) {
-  if (std::isnan(log_factor)) return Telling::not_judged;
-  if (log_factor >= settings.indistinguishable_below) return Telling::told;
-  return log_factor > -settings.indistinguishable_below ? Telling::ambiguous : Telling::taken;
+TellingChances telling_chances(double expected, double spread, double seen,
+                               const Settings& settings) {
+  const double least = settings.indistinguishable_below;
+  const auto below = [&](double level) {
+    if (!(spread > 0.0)) return expected < level ? 1.0 : 0.0;
+    return 0.5 * std::erfc((expected - level) / (spread * std::numbers::sqrt2));
+  };
+  const double under = below(least), taken = below(-least);
+  return {seen * (1.0 - under), seen * (under - taken), taken};
+}
+
+Telling telling_of(double expected, double spread, double seen, const Settings& settings) {
+  if (std::isnan(expected)) return Telling::not_judged;
+  const TellingChances chances = telling_chances(expected, spread, seen, settings);
+  if (chances.told >= settings.telling_chance) return Telling::told;
+  if (chances.ambiguous >= settings.telling_chance) return Telling::ambiguous;
+  return chances.taken >= settings.telling_chance ? Telling::taken : Telling::open;
 }
 
 bool CandidatePair::not_tellable(const Settings& settings) const {
@@ -49,30 +62,35 @@ double sine_to_span(const Vector& slope, const Matrix& columns) {
 }
 
 Matrix expected_log_bayes_factors(const SignatureSpace& space,
-                                  const std::vector<SignatureCurve>& curves) {
+                                  const std::vector<SignatureCurve>& curves, Matrix* spread) {
   const int n = count_of(curves);
+  if (spread != nullptr) *spread = Matrix::Zero(n, n);
   Matrix factors = Matrix::Constant(n, n + 1, kNaN);
   Vector own = Vector::Constant(n, kNaN);  // evidence of each effect where it is at work
   for (int a = 0; a < n; ++a) {
     const CurvePoint* stated = curves[a].stated();
     if (stated == nullptr) continue;
     own[a] = expected_log_evidence(stated->signature, curves[a]);
-    factors(a, n) = own[a] - expected_log_evidence_of_none(stated->signature);
+    factors(a, n) = own[a] - expected_log_evidence_of_none(stated->signature, curves[a].misfit);
   }
 
   tbb::parallel_for(0, n * n, [&](int i) {
     const int a = i / n, b = i % n;
     const CurvePoint* stated = curves[a].stated();
-    if (a == b)
+    if (a == b) {
       factors(a, b) = 0.0;
-    else if (stated != nullptr && !curves[b].points.empty())
-      factors(a, b) = own[a] - expected_log_evidence(space, stated->signature, curves[b]);
+    } else if (stated != nullptr && !curves[b].points.empty()) {
+      const ExpectedEvidence rival = evidence_along(space, stated->signature, curves[b]);
+      factors(a, b) = own[a] - rival.value;
+      if (spread != nullptr && std::isfinite(rival.left)) (*spread)(a, b) = rival.left;
+    }
   });
   return factors;
 }
 
 std::vector<CandidatePair> candidate_pairs(const std::vector<SignatureCurve>& curves,
-                                           const Matrix& factors, const std::vector<bool>& seen) {
+                                           const Matrix& factors, const std::vector<bool>& seen,
+                                           const Matrix& spread) {
   std::vector<CandidatePair> pairs;
   for (int a = 0; a < count_of(curves); ++a)
     for (int b = a + 1; b < count_of(curves); ++b) {
@@ -82,6 +100,10 @@ std::vector<CandidatePair> candidate_pairs(const std::vector<SignatureCurve>& cu
       pair.sine_b = sine_to_span(curves[b].plain.col(0), curves[a].plain);
       if (seen[a]) pair.told_a = factors(a, b);
       if (seen[b]) pair.told_b = factors(b, a);
+      if (spread.size() > 0) {
+        pair.spread_a = spread(a, b);
+        pair.spread_b = spread(b, a);
+      }
       pairs.push_back(pair);
     }
   return pairs;

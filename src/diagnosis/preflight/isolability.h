@@ -16,14 +16,25 @@
 
 namespace jaculus::diagnosis {
 
-/// By an expected log Bayes factor; NaN: not judged.
-Telling telling_of(double log_factor, const Settings& settings);
+/// What a diagnosis would make of data with an effect at work beside another. Its log Bayes factor
+/// L is normal, of mean `expected` and deviation `spread` (expected_evidence.h), and the effect is
+/// named at all in a share `seen` of the data:
+///   told seen P(L >= 3), ambiguous seen P(-3 < L < 3), taken P(L <= -3).
+/// The mean alone does not decide: of L = 2.5 +- 2.2 four in ten are told.
+struct TellingChances {
+  double told = 0.0, ambiguous = 0.0, taken = 0.0;
+};
+TellingChances telling_chances(double expected, double spread, double seen,
+                               const Settings& settings);
+/// The one whose chance is settings.telling_chance or more, else open; NaN: not judged.
+Telling telling_of(double expected, double spread, double seen, const Settings& settings);
 
 /// Two candidates. What is of `a` is with a at work and b as rival.
 struct CandidatePair {
-  int a = 0, b = 0;                     ///< candidates
-  double sine_a = kNaN, sine_b = kNaN;  ///< of its slope to the other's span
-  double told_a = kNaN, told_b = kNaN;  ///< expected log Bayes factors; NaN: not judged
+  int a = 0, b = 0;                       ///< candidates
+  double sine_a = kNaN, sine_b = kNaN;    ///< of its slope to the other's span
+  double told_a = kNaN, told_b = kNaN;    ///< expected log Bayes factors; NaN: not judged
+  double spread_a = 0.0, spread_b = 0.0;  ///< their deviations by noise
 
   /// Whether either can't be told where it is at work.
   [[nodiscard]] bool not_tellable(const Settings& settings) const;
@@ -36,13 +47,16 @@ double sine_to_span(const Vector& slope, const Matrix& columns);
 
 /// Expected log Bayes factors D(a, b) of curves, a at work as stated and b as rival; NaN where one
 /// can't be simulated. The last column is against none.
+/// `spread`: their deviations by noise, a x b, where that is given.
 Matrix expected_log_bayes_factors(const SignatureSpace& space,
-                                  const std::vector<SignatureCurve>& curves);
+                                  const std::vector<SignatureCurve>& curves,
+                                  Matrix* spread = nullptr);
 
 /// All pairs of candidates with a curve of which one at least is `seen`; what is not seen is not
 /// judged as at work. `factors`: D.
 std::vector<CandidatePair> candidate_pairs(const std::vector<SignatureCurve>& curves,
-                                           const Matrix& factors, const std::vector<bool>& seen);
+                                           const Matrix& factors, const std::vector<bool>& seen,
+                                           const Matrix& spread = {});
 
 /// Candidates that pairs can't tell, as connected components: each is not told from one other of
 /// its set at least. Sorted.

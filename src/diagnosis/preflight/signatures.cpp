@@ -66,6 +66,19 @@ std::optional<std::vector<std::vector<Vector>>> raw_slopes(const SignatureSpace&
 
 }  // namespace
 
+double MisfitShape::variance(double missed) const {
+  if (values <= 0.0) return 1.0;
+  return 1.0 + std::max(least * least * rows, missed) / values;
+}
+
+double MisfitShape::cost(double missed) const {
+  if (values <= 0.0) return missed;
+  const auto own = [this](double energy, double v) {
+    return (energy + values) / v + values * std::log(v);
+  };
+  return own(missed, variance(missed)) - own(0.0, variance(0.0));
+}
+
 PlannedSpace space_of_data(const std::vector<trajectory::Dataset>& datasets,
                            const DiagnoseOptions& options, MissingForces forces) {
   PlannedSpace out;
@@ -79,9 +92,12 @@ PlannedSpace space_of_data(const std::vector<trajectory::Dataset>& datasets,
   if (!out.reasons.empty()) return out;
 
   const Problem& problem = *prepared.built.problem;
+  const auto plain = [&] {  // misfits need no simulation
+    return in_windows(problem) ? prepared.noise : with_random_effects(problem, prepared.noise);
+  };
   const Comparison comparison = forces == MissingForces::granted
                                     ? first_comparison(problem, prepared.noise)
-                                    : comparison_about(problem, prepared.noise);
+                                    : comparison_about(problem, plain());
   SignatureSpace space;
   space.problem = prepared.built.problem;
   space.whitening = comparison.whitening;
@@ -91,6 +107,11 @@ PlannedSpace space_of_data(const std::vector<trajectory::Dataset>& datasets,
   if (forces == MissingForces::granted)
     space.random =
         without_tolerances(space.whitening.random, space.tolerances, space.whitening.rows);
+  for (const Misfit& misfit : space.whitening.random.misfits) {
+    space.misfit.values += misfit.values;
+    space.misfit.rows += misfit.rows;
+    space.misfit.least = problem.settings.least_misfit;
+  }
   number_channels(space);
   out.space = std::move(space);
   return out;
@@ -155,6 +176,7 @@ SignatureCurve signature_curve(const SignatureSpace& space, const std::vector<in
   const Vector nominal = hypotheses.nominal();
   SignatureCurve curve;
   curve.free = hypotheses.parameters_of(candidates);
+  curve.misfit = space.misfit;
   for (const int i : curve.free) curve.bounds.push_back(hypotheses.parameters[i].scaled_bounds());
   if (curve.free.empty()) {
     curve.points.push_back(

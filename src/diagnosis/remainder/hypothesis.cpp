@@ -158,12 +158,18 @@ std::vector<std::string> hypotheses_of(const Remainder& remainder,
   std::vector<Part> parts;
   for (const RemainderPlace& place : remainder.places)
     for (const Dependence& d : place.follows)
-      parts.push_back({&place, &d, place.rms * std::sqrt(std::max(0.0, d.share))});
+      parts.push_back(
+          {&place, &d,
+           place.by_simulation ? d.share : place.rms * std::sqrt(std::max(0.0, d.share))});
   std::stable_sort(parts.begin(), parts.end(),
                    [](const Part& a, const Part& b) { return a.size > b.size; });
 
   std::vector<std::string> files;
   for (const Part& part : parts) {
+    if (!part.dependence->hypothesis.empty()) {
+      if (files.size() < kMost) files.push_back(part.dependence->hypothesis);
+      continue;
+    }
     const bool turns = part.place->unit == "N m";
     if (robot.body_of_joint(part.place->joint) < 0) continue;
     const Body body =

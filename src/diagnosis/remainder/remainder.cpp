@@ -23,7 +23,8 @@ constexpr std::array kNames = {"constant",
                                "time",
                                "other speed",
                                "other acceleration",
-                               "channel"};
+                               "channel",
+                               "periodic in time"};
 
 }  // namespace
 

@@ -325,7 +325,10 @@ void take_code(const yaml::Node& root, EffectSpec& spec) {
 }  // namespace
 
 EffectSpec read_spec(const std::filesystem::path& file) {
-  const yaml::Node root = yaml::Node::load(file);
+  return read_spec(yaml::Node::load(file), file.parent_path());
+}
+
+EffectSpec read_spec(const yaml::Node& root, const std::filesystem::path& folder) {
   yaml::refuse_other_kind(root, kFormat);
   root.only({"format", "name", "caption", "at", "component", "experiment", "parameters",
              "constants", "states", "values", "torque", "force", "moment", "torque_scale",
@@ -334,7 +337,7 @@ EffectSpec read_spec(const std::filesystem::path& file) {
   read_head(root, spec);
   spec.place.slides = spec.place.at_joints() && root.has("force");
   if (const auto experiment = root.find("experiment")) {
-    spec.experiment = file.parent_path() / experiment->text();
+    spec.experiment = folder / experiment->text();
     if (!std::filesystem::is_regular_file(spec.experiment))
       throw experiment->error(fmt::format(
           "'{}' given, and there is no such file; allowed: an experiment, from this file's folder",

@@ -84,6 +84,8 @@ struct EffectSpec {
 /// Reads a file; InputError where it says what no file may. Formulas are read, their units aren't
 /// checked yet.
 EffectSpec read_spec(const std::filesystem::path& file);
+/// `folder`: from which its experiment is named.
+EffectSpec read_spec(const yaml::Node& root, const std::filesystem::path& folder);
 /// The same of a program's effect. Its actions have no formulas, its states no derivatives.
 EffectSpec read_spec(const yaml::Node& node, const EffectCode& code);
 

@@ -218,6 +218,11 @@ UserEffect read_user_effect(const std::filesystem::path& file) {
   return user;
 }
 
+UserEffect parse_user_effect(const std::string& text, const std::string& name) {
+  const yaml::Node root = yaml::Node::parse(text, name);
+  return user_effect(std::make_shared<const EffectSpec>(read_spec(root, ".")), "");
+}
+
 UserEffect coded_effect(const yaml::Node& node, const EffectCode& code) {
   return user_effect(std::make_shared<const EffectSpec>(read_spec(node, code)), "");
 }
