@@ -85,7 +85,8 @@ Explanation rival_of(const Problem& problem, const FittedModel& model) {
 Diagnosis run_pipeline(BuiltProblem built, const ProblemBuilder& rebuild,
                        const trajectory::Dataset* present, const DiagnoseOptions& options) {
   tell(options, "noise and alignment");
-  const Searched searched = search_with_pushes(prepare(std::move(built), rebuild), rebuild, options);
+  const Searched searched =
+      search_with_pushes(prepare(std::move(built), rebuild), rebuild, options);
   const Prepared& prepared = searched.prepared;
   if (!prepared.reasons.empty()) return unanswered(prepared);
 

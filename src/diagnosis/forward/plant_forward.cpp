@@ -307,7 +307,6 @@ Prediction simulate_segment(const Model& model, int dataset, int segment, const 
     if (event.time > 0.0 && impact) prediction.impacts.push_back(event.time);
   }
   prediction.steps = command_steps(setup);
-
   prediction.valid = prediction.values.allFinite();
   if (!prediction.valid) prediction.message = "the simulation gave values that are not finite";
   return prediction;

@@ -23,10 +23,12 @@
 
 namespace jaculus::diagnosis {
 
-/// The misfit that a diagnosis grants every model under a plan (noise/random_effects.h): n of N rows.
+/// The misfit that a diagnosis grants every model under a plan (noise/random_effects.h): n of N
+/// rows.
 /// Of a model that misses L = |g_A - g_B|^2 on data of the mean energy L + N, at the most likely
 /// variance v = 1 + m, max(1 + L/n, that of the least misfit v_0),
-///   -2 log density = c(L) + what all models share,   c = (L + n)/v + n log v - (n/v_0 + n log v_0),
+///   -2 log density = c(L) + what all models share,
+///   c = (L + n)/v + n log v - (n/v_0 + n log v_0),
 /// so that differences count by n values and not by rows. n = 0: c(L) = L.
 struct MisfitShape {
   double values = 0.0, rows = 0.0;  ///< n, N
