@@ -3,9 +3,9 @@
 #include <algorithm>
 
 #include "diagnosis/build_problem.h"
+#include "diagnosis/motion_patterns.h"
 #include "diagnosis/remainder/box_states.h"
 #include "diagnosis/remainder/events.h"
-#include "diagnosis/remainder/motion_patterns.h"
 #include "diagnosis/remainder/remainder.h"
 
 namespace jaculus::diagnosis {

@@ -15,7 +15,7 @@ namespace jaculus::diagnosis {
 /// ground, both sought over all of every trial. Under a plan or a script the logged torques drive
 /// the model then: a fault between command and log is none of the forces that are missing. Where
 /// that finds no pattern or can't be had, and a plan or script drives the robot, patterns are
-/// sought by simulation of the whole motion (remainder/motion_patterns.h).
+/// sought by simulation of the whole motion (motion_patterns.h).
 void describe_remainder(const std::vector<trajectory::Dataset>& datasets,
                         const DiagnoseOptions& options, Diagnosis& found);
 

@@ -18,10 +18,14 @@ Selection selected(const Prepared& prepared, const ProblemBuilder& rebuild,
   const Problem& problem = *prepared.built.problem;
   const int most = problem.settings.search_windows;
   Comparison comparison = first_comparison(problem, prepared.noise);
-  if (in_windows(problem) && windows_of(problem.observations) > most) {
+  // A second search pays where the first is on half of the windows at most.
+  if (prepared.built.forward && in_windows(problem) &&
+      windows_of(problem.observations) >= 2 * most) {
     const BuiltProblem part = rebuild(with_windows(problem.observations, most));
+    const Hypotheses& all = problem.hypotheses;
+    const bool same = part.problem->hypotheses.parameters.size() == all.parameters.size();
     NoiseModel noise = estimate_noise(*part.problem, part.problem->hypotheses.nominal());
-    if (noise.valid()) {
+    if (same && noise.valid()) {
       const Selection found = select_models(
           *part.problem, first_comparison(*part.problem, std::move(noise)), options.progress);
       if (!found.search.models.empty())

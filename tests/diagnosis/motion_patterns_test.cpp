@@ -1,6 +1,6 @@
 // What is left of leaps, described by simulation: forces on the body and at feet that no list has.
 
-#include "diagnosis/remainder/motion_patterns.h"
+#include "diagnosis/motion_patterns.h"
 
 #include <gtest/gtest.h>
 

@@ -80,6 +80,7 @@ Fit fit_from(const Problem& problem, const Whitening& whitening, const std::vect
   fit.scales = squares ? Vector(Vector::Zero(random.size())) : scales_of(options, random);
 
   for (int round = 0;; ++round) {
+    const Fit before_round = fit;
     double fell = kInfinity;
     if (!free.empty() && (round > 0 || !squares || !random.misfits.empty())) {
       fell = minimise(residual, random, fit.scales, misfits_of(options),
@@ -88,7 +89,7 @@ Fit fit_from(const Problem& problem, const Whitening& whitening, const std::vect
     }
     fit.valid = !std::isnan(fell) && residual.value(u, fit.residual) &&
                 residual.renewed_slopes(u, fit.jacobian);
-    if (!fit.valid) return fit;
+    if (!fit.valid) return before_round;  // what stands; not valid in the first round
 
     fit.p = residual.full(u);
     fit.simulated = residual.simulated(u);

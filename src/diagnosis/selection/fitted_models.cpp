@@ -111,11 +111,12 @@ std::vector<Probe> FittedModels::probe(const ModelFit& base) {
     if (!base.candidates.empty() || !again) continue;
 
     // Steps that were searched for stay good starts where the noise is told anew.
+    // Not what another number of rows gained.
     const Probe& before = earlier_->probes[c];
     probes[c].step = before.step;
+    if (before.small.rows() != comparison_.whitening.rows) continue;
     probes[c].score = std::max(probes[c].score, before.score);
-    const bool same_data = before.small.rows() == comparison_.whitening.rows;
-    if (probes[c].valid || !before.valid || !same_data) continue;
+    if (probes[c].valid || !before.valid) continue;
     probes[c].valid = true;
     probes[c].small = before.small;
     probes[c].full = before.full;
@@ -271,10 +272,11 @@ void FittedModels::share_valleys(const std::set<Members>& refined) {
 }
 
 void FittedModels::fit_within(const ModelFit& larger, ModelFit& model) {
+  if (in_windows(problem_)) return;  // there, slopes are told anew in every round
   const bool within = std::includes(larger.candidates.begin(), larger.candidates.end(),
                                     model.candidates.begin(), model.candidates.end());
   if (!within || larger.candidates == model.candidates ||
-      value(larger) < value(model) + problem_.settings.scales_settled)
+      larger.fit.log_evidence < model.fit.log_evidence + problem_.settings.scales_settled)
     return;
   Vector start = larger.fit.p;
   for (const int c : larger.candidates)

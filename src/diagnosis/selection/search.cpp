@@ -333,9 +333,19 @@ Selection select_models(const Problem& problem, Comparison comparison,
 Selection select_models_from(const Problem& problem, Comparison comparison,
                              const SearchResult& part,
                              const std::function<void(const std::string&)>& progress) {
+  const auto fitted = [&](const Fit& fit) {
+    return fit_model(problem, comparison.whitening, fit.free, {fit.p});
+  };
+  const Fit none = fitted(part.models.front().fit);
   const Posterior posterior = posterior_of(part, problem.settings);
-  const ModelFit* leader = clear_leader(posterior, problem.settings);
-  comparison = told_anew(problem, comparison, part.models.front().fit, leader);
+  std::optional<ModelFit> leader;
+  if (const ModelFit* own = clear_leader(posterior, problem.settings)) {
+    leader = *own;
+    leader->fit = fitted(own->fit);
+  }
+  if (!none.valid || (leader && !leader->fit.valid))
+    return select_models(problem, std::move(comparison), progress);
+  comparison = told_anew(problem, comparison, none, leader ? &*leader : nullptr);
   const SearchOptions options{problem.settings.largest_set, &part, false, 1, progress};
   SearchResult search = search_models(problem, comparison, options);
   search.predictions += part.predictions;

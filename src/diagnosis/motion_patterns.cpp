@@ -1,4 +1,4 @@
-#include "diagnosis/remainder/motion_patterns.h"
+#include "diagnosis/motion_patterns.h"
 
 #include <tbb/parallel_for.h>
 
