@@ -11,6 +11,10 @@
 namespace jaculus::diagnosis {
 namespace {
 
+/// Times settings.slope_renewed under a logged input: what a slope that is off by a tenth leaves
+/// there, forces take that are granted to every model.
+constexpr double kForcesTake = 10.0;
+
 /// A step of the nuisances below which a secant says nothing [prior scales].
 constexpr double kLeastSecant = 1e-6;
 
@@ -137,11 +141,12 @@ bool Residual::renewed_slopes(const Vector& u, Matrix& J) {
     return true;
   }
 
+  const double least = problem_.settings.slope_renewed * (in_windows(problem_) ? kForcesTake : 1.0);
   J = anew ? Matrix(whitening_.rows, size()) : slopes_;
   std::vector<Eigen::Index> columns;
   for (Eigen::Index i = 0; i < (anew ? size() : nuisances_ + followed()); ++i) {
     // Effects' anew too: their steps are told by now.
-    const bool strong = i < tolerances_ || J.col(i).norm() > problem_.settings.slope_renewed;
+    const bool strong = i < tolerances_ || J.col(i).norm() > least;
     if (anew || strong) columns.push_back(i);
   }
 
