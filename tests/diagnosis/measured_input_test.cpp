@@ -72,5 +72,31 @@ TEST(MeasuredInput, AnEarlyLogActsAheadOfItsStamps) {
     EXPECT_NEAR(early.feedforward(0, i), 10.0 * (0.04 + early.time[i]), 1e-9) << early.time[i];
 }
 
+/// A dataset of windows that begin at 0, 1, 2, ... s.
+ObservedDataset windows(int count, bool measured_input) {
+  ObservedDataset observed;
+  observed.measured_input = measured_input;
+  for (int s = 0; s < count; ++s) {
+    observed.segments.emplace_back();
+    observed.segments.back().start = s;
+  }
+  return observed;
+}
+
+TEST(WindowsOfAPart, AreSpreadEvenlyOverEachDataset) {
+  const Observations all{{windows(40, true), windows(8, true), windows(5, false)}, {}, {}};
+  EXPECT_EQ(windows_of(all), 48);
+
+  const Observations part = with_windows(all, 12);
+  ASSERT_EQ(part.datasets.size(), 3U);
+  ASSERT_EQ(part.datasets[0].segments.size(), 10U);
+  for (int k = 0; k < 10; ++k) EXPECT_EQ(part.datasets[0].segments[k].start, 4 * k + 2);
+  ASSERT_EQ(part.datasets[1].segments.size(), 2U);
+  EXPECT_EQ(part.datasets[1].segments[0].start, 2);
+  EXPECT_EQ(part.datasets[1].segments[1].start, 6);
+  EXPECT_EQ(part.datasets[2].segments.size(), 5U);  // a plan's: no windows
+  EXPECT_EQ(windows_of(with_windows(all, 48)), 48);
+}
+
 }  // namespace
 }  // namespace jaculus::diagnosis
