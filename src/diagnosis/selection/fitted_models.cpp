@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numeric>
 #include <set>
 
@@ -23,6 +24,12 @@ Fit fit_beside(const Problem& problem, const Whitening& whitening, const Fit& ba
 /// p with the nuisances of another point.
 Vector with_nuisances(const Hypotheses& hypotheses, Vector p, const Vector& of) {
   for (const int i : hypotheses.nuisances()) p[i] = of[i];
+  return p;
+}
+
+/// p with the parameters of some candidates at nominal.
+Vector without_effects(const Hypotheses& hypotheses, Vector p, const Members& members) {
+  for (const int i : hypotheses.parameters_of(members)) p[i] = hypotheses.parameters[i].nominal;
   return p;
 }
 
@@ -188,10 +195,7 @@ void FittedModels::fit_sets(const ModelFit& about, const std::vector<LinearSet>&
 
 std::vector<Vector> FittedModels::starts_of(const ModelFit& about, const LinearSet& set,
                                             const std::vector<Probe>& probes) const {
-  Vector estimated = about.fit.p;
-  for (const int c : about.candidates)
-    for (const int i : problem_.hypotheses.candidates[c].parameters)
-      estimated[i] = problem_.hypotheses.parameters[i].nominal;
+  Vector estimated = without_effects(problem_.hypotheses, about.fit.p, about.candidates);
   Eigen::Index k = 0;
   for (const int c : set.members) {
     for (const int i : problem_.hypotheses.candidates[c].parameters) {
@@ -278,11 +282,10 @@ void FittedModels::fit_within(const ModelFit& larger, ModelFit& model) {
   if (!within || larger.candidates == model.candidates ||
       larger.fit.log_evidence < model.fit.log_evidence + problem_.settings.scales_settled)
     return;
-  Vector start = larger.fit.p;
-  for (const int c : larger.candidates)
-    if (index_of(model.candidates, c) < 0)
-      for (const int i : problem_.hypotheses.candidates[c].parameters)
-        start[i] = problem_.hypotheses.parameters[i].nominal;
+  Members more;
+  std::set_difference(larger.candidates.begin(), larger.candidates.end(), model.candidates.begin(),
+                      model.candidates.end(), std::back_inserter(more));
+  const Vector start = without_effects(problem_.hypotheses, larger.fit.p, more);
   Fit fit =
       fit_model(problem_, comparison_.whitening, problem_.hypotheses.freed_by(model.candidates),
                 {start}, exact_options(model));
