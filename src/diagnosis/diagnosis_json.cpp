@@ -36,18 +36,39 @@ Json share_json(const std::optional<EffectShare>& share) {
           {"ci95", pair(share->ci95)}};
 }
 
+/// Joints that an effect acts at, or whose links it acts on; none where it acts elsewhere.
+std::vector<std::string> joints_of(const Diagnosis& d, const std::string& effect) {
+  if (!d.problem || d.problem->observations.datasets.empty()) return {};
+  const int c = d.problem->hypotheses.candidate(effect);
+  if (c < 0) return {};
+  const effects::Effect* own = d.problem->hypotheses.candidates[c].effect;
+  if (own == nullptr || !own->joints) return {};
+  return own->joints(d.problem->observations.datasets.front().model);
+}
+
+/// What stands in for an effect, each a set of effects.
+Json stand_ins(const FoundEffect& effect) {
+  Json sets = Json::array();
+  for (const std::string& other : effect.indistinguishable) sets.push_back(Json::array({other}));
+  return sets;
+}
+
 Json effects_json(const Diagnosis& d) {
   Json list = Json::array();
   for (const FoundEffect& e : d.effects) {
     Json parameters = Json::object();
     for (const FoundParameter& p : e.parameters)
-      parameters[p.name] = {
-          {"value", json_number(p.value)}, {"ci95", pair(p.ci95)}, {"unit", p.unit}};
+      parameters[p.name] = {{"value", json_number(p.value)},
+                            {"ci95", pair(p.ci95)},
+                            {"unit", p.unit},
+                            {"at_bound", p.at_bound}};
     list.push_back({{"name", e.name},
+                    {"at", joints_of(d, e.name)},
                     {"caption", e.caption},
                     {"probability", e.probability},
                     {"parameters", parameters},
                     {"share", share_json(e.share)},
+                    {"indistinguishable", stand_ins(e)},
                     {"like", e.indistinguishable}});
   }
   return list;
@@ -103,8 +124,33 @@ Json shares(const std::vector<ComponentShare>& list, bool detail) {
   return out;
 }
 
+/// What the judged model lacks along each coordinate.
+Json lacking_json(const Diagnosis& d) {
+  Json joints = Json::object();
+  for (const LackingForce& force : d.lacking)
+    joints[force.name] = {{"residual_rms", json_number(force.rms)}, {"unit", force.unit}};
+  return joints;
+}
+
+/// Of each of several datasets the gap, predicted by what was fitted to the others, and whether the
+/// account holds there.
+Json datasets_json(const Diagnosis& d) {
+  Json list = Json::array();
+  for (std::size_t i = 0; i < d.agreement.sets.size(); ++i) {
+    const SetAgreement& set = d.agreement.sets[i];
+    const bool judged = d.gap.over == "conditions" && i < d.gap.by_fold.size();
+    const FoldGap gap = judged ? d.gap.by_fold[i] : FoldGap{};
+    list.push_back(
+        {{"name", set.dataset},
+         {"gap", {{"before", json_number(gap.before)}, {"after", json_number(gap.after)}}},
+         {"agrees", set.agrees}});
+  }
+  return list;
+}
+
 Json where_json(const Diagnosis& d) {
   Json where = {{"components", Json::object()},
+                {"joints", lacking_json(d)},
                 {"phases", Json::object()},
                 {"first_departure_s", nullptr},
                 {"channels", channels_json(d)}};
@@ -217,6 +263,7 @@ std::string diagnosis_json(const Diagnosis& d) {
                {"where", where_json(d)},
                {"gap", gap_json(d)},
                {"remainder", remainder_json(d)},
+               {"datasets", datasets_json(d)},
                {"agreement", agreement_json(d.agreement)},
                {"disturbances", disturbances},
                {"notes", d.notes}};

@@ -41,8 +41,9 @@ std::string effects_text(const Diagnosis& d) {
   for (const FoundEffect& e : d.effects) {
     text += fmt::format("  {:<26} p {:.2f}", e.name, e.probability);
     for (const FoundParameter& p : e.parameters)
-      text += fmt::format("  {} {} [{}, {}] {}", p.name, shown_number(p.value),
-                          shown_number(p.ci95.lower), shown_number(p.ci95.upper), p.unit);
+      text += fmt::format("  {} {} [{}, {}] {}{}", p.name, shown_number(p.value),
+                          shown_number(p.ci95.lower), shown_number(p.ci95.upper), p.unit,
+                          p.at_bound ? ", at its bound" : "");
     text += "\n";
     if (e.share) text += share_text(*e.share);
     if (!e.indistinguishable.empty())

@@ -105,6 +105,9 @@ std::string effect_phrase(const FoundEffect& effect) {
       fmt::format(" ({} {:.3g}{}", in_words(p.name), p.value, p.unit == "-" ? "" : " " + p.unit);
   if (std::isfinite(p.ci95.lower) && std::isfinite(p.ci95.upper))
     text += fmt::format(", {:.3g} to {:.3g}", p.ci95.lower, p.ci95.upper);
+  for (const FoundParameter& own : effect.parameters)
+    if (own.at_bound)
+      text += fmt::format("; {} is at its bound, so this is not all of it", in_words(own.name));
   return text + ")";
 }
 

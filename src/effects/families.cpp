@@ -4,6 +4,10 @@
 
 namespace jaculus::effects {
 
+std::function<std::vector<std::string>(const PlanarModel&)> joints_of(const JointScope& scope) {
+  return [select = scope.select](const PlanarModel& model) { return select(model).joints; };
+}
+
 Effect effect_on_joints(const JointScope& scope, const std::string& kind,
                         const std::string& caption) {
   Effect effect;
@@ -11,6 +15,7 @@ Effect effect_on_joints(const JointScope& scope, const std::string& kind,
   effect.caption = caption + " " + scope.caption;
   effect.where = scope.where;
   effect.excited_by = scope.excited_by;
+  effect.joints = joints_of(scope);
   effect.applies = [select = scope.select](const PlanarModel& model) {
     return !select(model).joints.empty();
   };

@@ -42,6 +42,9 @@ std::vector<Row> inertia();
 std::vector<Row> contact();
 std::vector<Row> sensing();
 
+/// A scope's joints with a motor, by name.
+std::function<std::vector<std::string>(const PlanarModel&)> joints_of(const JointScope& scope);
+
 /// An effect on a scope's joints, without parameters and apply: "tail_" and `kind`, `caption` and
 /// "the tail's joint". It applies where the robot has such a joint.
 Effect effect_on_joints(const JointScope& scope, const std::string& kind,

@@ -53,6 +53,7 @@ Effect on_links(const JointScope& scope, const std::string& kind, const std::str
   effect.caption = caption + " of every link beyond " + scope.caption + " is other than stated";
   effect.where = scope.links_where;
   effect.excited_by = scope.excited_by;
+  effect.joints = joints_of(scope);
   effect.applies = [select = scope.select](const PlanarModel& model) {
     return !select(model).joints.empty();
   };

@@ -69,6 +69,18 @@ TEST(Diagnose, PairIsFound) {
   EXPECT_LT(d.gap.after, 0.2 * d.gap.before);
 }
 
+TEST(Diagnose, ValueAtItsBoundIsSaid) {
+  for (const double upper : {1.0, 0.0999}) {
+    auto problem = toy_problem(toy_truth(0.0, 0.1));
+    problem->hypotheses.parameters[1].bounds.upper = upper;
+    const Diagnosis d = diagnose_problem(*problem);
+    ASSERT_EQ(names(d), std::vector<std::string>{"second"}) << diagnosis_text(d);
+    EXPECT_EQ(d.effects[0].parameters[0].at_bound, upper < 0.1) << diagnosis_text(d);
+    const bool said = diagnosis_text(d).find("at its bound") != std::string::npos;
+    EXPECT_EQ(said, upper < 0.1);
+  }
+}
+
 TEST(Diagnose, WhatNoCandidateHasIsUnexplained) {
   ToyData data;
   data.extra = [](int channel, double t) {

@@ -26,6 +26,7 @@ struct FoundParameter {
   std::string name, unit;
   double value = 0.0;
   Bounds ci95;
+  bool at_bound = false;  ///< the value is where its range ends, and says no more than that
 };
 
 struct FoundEffect {

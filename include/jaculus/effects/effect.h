@@ -83,6 +83,8 @@ struct Effect {
   /// them does something by itself.
   std::vector<EffectParameter> parameters;
   std::vector<trajectory::ExperimentKind> excited_by;  ///< experiments that show it
+  /// The joints that it acts at, or whose links it acts on; null where it acts elsewhere.
+  std::function<std::vector<std::string>(const model::PlanarModel&)> joints;
   /// Whether this robot can have it at all (a tail to flex, a battery to sag).
   std::function<bool(const model::PlanarModel&)> applies;
   /// Sets the effect's parameters `theta` (in the order of `parameters`) on a plant whose robot it

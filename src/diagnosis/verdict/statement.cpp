@@ -19,6 +19,7 @@ namespace jaculus::diagnosis {
 namespace {
 
 constexpr int kRivals = 2;
+constexpr double kBoundRounding = 1e-9;  // of a prior scale
 
 std::vector<std::string> names_of(const Problem& problem, const std::vector<int>& candidates) {
   std::vector<std::string> names;
@@ -58,6 +59,14 @@ Bounds with_form_error(const FreeParameter& parameter, double value, const Bound
           std::min(parameter.bounds.upper, value + std::hypot(ci.upper - value, form))};
 }
 
+/// Whether a fit stopped where a parameter's range ends, short of what the data ask for. Nominal
+/// is no such end: there the effect does nothing.
+bool at_bound(const FreeParameter& parameter, double value) {
+  const double rounding = kBoundRounding * parameter.scale;
+  if (std::abs(value - parameter.nominal) <= rounding) return false;
+  return value <= parameter.bounds.lower + rounding || value >= parameter.bounds.upper - rounding;
+}
+
 /// An effect as `model` fitted it, or the most probable model that has it.
 FoundEffect found_effect(const Problem& problem, const Whitening& whitening,
                          const Posterior& posterior, int c, const ModelFit* model,
@@ -85,6 +94,7 @@ FoundEffect found_effect(const Problem& problem, const Whitening& whitening,
     const Bounds ci =
         with_form_error(parameter, own[k].value, own[k].ci95, problem.settings.form_error);
     found.parameters.push_back(shown(candidate, k, own[k].value, ci));
+    found.parameters.back().at_bound = at_bound(parameter, model->fit.p[candidate.parameters[k]]);
   }
   return found;
 }

@@ -130,6 +130,7 @@ Effect entry(const Spec& spec, std::function<std::vector<std::string>(const Plan
                        ExperimentKind::tail_bench, ExperimentKind::pendulum};
   for (const SpecParameter& p : spec->parameters) effect.parameters.push_back(p.own);
 
+  if (spec->place.at_joints()) effect.joints = select;
   effect.applies = [spec](const PlanarModel& model) {
     try {
       require_robot(*spec, model);
