@@ -259,17 +259,42 @@ void place(Machine& machine, const RobotFiles& files, const StartPose& pose) {
   mj_forward(machine.model.get(), &d);
 }
 
+/// What pulls at a joint at rest where it stands at q; there it stays.
+double pull_at(Machine& machine, int joint, double q) {
+  const mjModel& m = *machine.model;
+  mjData& d = *machine.data;
+  d.qpos[m.jnt_qposadr[joint]] = q;
+  kinematics(machine);
+  mj_rne(&m, &d, 0, d.qfrc_bias);
+  return -d.qfrc_bias[m.jnt_dofadr[joint]];
+}
+
+/// A play at the flank that its load rests on, or within where it hangs free of both.
+void lean(Machine& machine, int joint) {
+  double low = machine.model->jnt_range[2 * joint], high = machine.model->jnt_range[2 * joint + 1];
+  if (pull_at(machine, joint, high) >= 0.0 || pull_at(machine, joint, low) <= 0.0) {
+    const double pull = pull_at(machine, joint, 0.0);
+    if (pull != 0.0) pull_at(machine, joint, pull > 0.0 ? high : low);
+    return;
+  }
+  for (int k = 0; k < 50; ++k) {
+    const double middle = 0.5 * (low + high);
+    (pull_at(machine, joint, middle) > 0.0 ? low : high) = middle;
+  }
+}
+
 void settle(Machine& machine) {
   const mjModel& m = *machine.model;
   mjData& d = *machine.data;
   for (int pass = 0; pass < 20; ++pass) {
+    for (int j = 0; j < m.njnt; ++j)
+      if (std::string(mj_id2name(&m, mjOBJ_JOINT, j)).ends_with("_play")) lean(machine, j);
     kinematics(machine);
     mj_rne(&m, &d, 0, d.qfrc_bias);
     for (int j = 0; j < m.njnt; ++j) {
       const std::string name = mj_id2name(&m, mjOBJ_JOINT, j);
       const double pull = -d.qfrc_bias[m.jnt_dofadr[j]];
       double& q = d.qpos[m.jnt_qposadr[j]];
-      if (name.ends_with("_play")) q = pull > 0.0 ? m.jnt_range[2 * j + 1] : m.jnt_range[2 * j];
       const bool sags = name.starts_with("tail_bend") || name == "sliding_load";
       if (sags) q = pull / m.jnt_stiffness[j];
     }

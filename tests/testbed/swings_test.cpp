@@ -3,9 +3,12 @@
 
 #include "testbed/swings.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "jaculus/core/installation.h"
 #include "jaculus/simulation/experiment.h"
@@ -42,9 +45,9 @@ TrialSpec exact_joints() {
   return spec;
 }
 
-JointMotion joints_on_testbed(const trajectory::Dataset& asked) {
+JointMotion joints_on_testbed(const trajectory::Dataset& asked, const Changes& changes = {}) {
   const RobotFiles files = read_robot_files(model::find_robot(asked.robot, kModels));
-  const trajectory::Dataset run = run_trials(asked, {}, exact_joints());
+  const trajectory::Dataset run = run_trials(asked, changes, exact_joints());
   const trajectory::Stream& joints = *run.trials.front().stream(trajectory::kJointStream);
   const auto motors = std::ssize(files.planar_motors);
   JointMotion out{joints.time, Matrix(motors, joints.time.size()),
@@ -57,8 +60,10 @@ JointMotion joints_on_testbed(const trajectory::Dataset& asked) {
   return out;
 }
 
-/// Angles of the motors' joints on the plant at some times; gains amid their ranges.
-Matrix joints_on_plant(trajectory::Dataset asked, const Vector& time) {
+/// Angles of the motors' joints on the plant at some times; gains amid their ranges. `change`: of
+/// the plant, where it isn't nominal.
+Matrix joints_on_plant(trajectory::Dataset asked, const Vector& time,
+                       const std::function<void(simulation::Plant&)>& change = {}) {
   if (asked.controller.kind == ControllerKind::measured)
     asked.controller.kind = ControllerKind::torque;
   for (auto* gains : {&asked.controller.kp, &asked.controller.kd})
@@ -66,7 +71,8 @@ Matrix joints_on_plant(trajectory::Dataset asked, const Vector& time) {
       gain.range.lower = gain.range.upper = std::sqrt(gain.range.lower * gain.range.upper);
 
   const model::PlanarModel model = simulation::dataset_robot(asked).planar;
-  const simulation::Plant plant = simulation::dataset_plant(asked, model);
+  simulation::Plant plant = simulation::dataset_plant(asked, model);
+  if (change) change(plant);
   const simulation::Controller controller = simulation::stated_controller(asked, model, {});
   simulation::SimulationOptions options;
   options.duration = time[time.size() - 1];
@@ -156,6 +162,55 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& info) {
       return std::string(info.param.robot) + "_" + swing_inputs().name(info.param.input);
     });
+
+/// What is wrong at one joint moves the double pendulum alike on both engines: the same name and
+/// number mean the same thing where joints are light, too.
+TEST(Swing, IsMovedAlikeByEachEffectAtAJoint) {
+  if (!available()) GTEST_SKIP() << "built without MuJoCo";
+  const trajectory::Dataset asked = swing(kModels / "double_pendulum", SwingInput::torque);
+  const RobotFiles files = read_robot_files(kModels / "double_pendulum");
+  const std::vector<BenchEffect> bench = bench_effects(files);
+  const model::PlanarModel model = simulation::dataset_robot(asked).planar;
+  const JointMotion still = joints_on_testbed(asked);
+  const Matrix nominal = joints_on_plant(asked, still.time);
+
+  struct Wrong {
+    const char *name, *joint;
+    double value;
+  };
+  for (const Wrong& wrong : {Wrong{"joint_backlash", "elbow", 0.014},
+                             {"joint_backlash", "elbow", 0.05},
+                             {"joint_backlash", "shoulder", 0.03},
+                             {"joint_coulomb_friction", "elbow", 0.02},
+                             {"joint_viscous_friction", "shoulder", 0.01},
+                             {"joint_load_friction", "elbow", 0.1},
+                             {"joint_torque_offset", "elbow", 0.02},
+                             {"joint_rotor_inertia", "elbow", 3e-5},
+                             {"torque_constant", "elbow", 0.9}}) {
+    const std::string name = fmt::format("{}@{}", wrong.name, wrong.joint);
+    Changes changes;
+    const BenchEffect* effect = find_bench_effect(bench, name);
+    ASSERT_NE(effect, nullptr) << name;
+    std::vector<double> values{wrong.value};
+    for (std::size_t k = 1; k < effect->parameters.size(); ++k)
+      values.push_back(effect->parameters[k].usual);
+    effect->apply(values, changes);
+
+    const std::vector<effects::Effect> sized =
+        effects::sized_for(*effects::find_effect(wrong.name), model, {});
+    const auto own = std::find_if(sized.begin(), sized.end(),
+                                  [&](const effects::Effect& e) { return e.name == name; });
+    ASSERT_NE(own, sized.end()) << name;
+    Vector theta = own->nominal();
+    theta[0] = wrong.value;
+    const Matrix there = joints_on_testbed(asked, changes).angles - still.angles;
+    const Matrix here =
+        joints_on_plant(asked, still.time, [&](simulation::Plant& p) { own->apply(theta, p); }) -
+        nominal;
+    EXPECT_GT(there.norm(), 1e-3) << name;
+    EXPECT_LT((here - there).norm(), 0.12 * there.norm()) << name;
+  }
+}
 
 TEST(Swing, LogsTheTorquesThatDroveItAndNotItsCommands) {
   if (!available()) GTEST_SKIP() << "built without MuJoCo";

@@ -41,7 +41,7 @@ struct JointFriction {
 /// coordinate's name, carries the reflected rotor inertia) and a hinge coordinate `<joint>_hinge`
 /// [rad] between it and the link, at which
 ///   tau = -d(hinge)/compliance - damping d(hinge)',
-///     d: the hinge angle beyond the dead band +-play/2 (smoothed).
+///     d: the hinge angle beyond the dead band +-play/2, round at its corners.
 /// compliance 0 and play 0: no hinge is there. With play alone, the flanks have a stiffness that
 /// grows as 1/play, so that the influence of a small play is proportional to it.
 struct Transmission {

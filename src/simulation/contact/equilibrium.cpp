@@ -2,6 +2,7 @@
 
 #include <Eigen/QR>
 #include <algorithm>
+#include <cmath>
 
 namespace jaculus::simulation::detail {
 
@@ -41,6 +42,24 @@ bool unbalanced(PlantEquations& equations, double t, const State& y,
   return out.allFinite();
 }
 
+constexpr double kBalanced = 1e-9;  // of the weight
+
+/// Hinges within their play to the flank that their load rests on, for within it nothing tells how
+/// far that is.
+bool lean_on_flanks(PlantEquations& equations, double t, const std::vector<Touch>& modes,
+                    const std::vector<int>& rows, State& y) {
+  Vector force;
+  for (const Hinge& hinge : equations.hinges()) {
+    const int row = index_of(rows, hinge.coordinate);
+    double& angle = y[hinge.coordinate];
+    if (row < 0 || std::abs(angle) >= hinge.half_play) continue;
+    if (!unbalanced(equations, t, y, modes, rows, force)) return false;
+    if (std::abs(force[row]) > kBalanced * equations.force_scale())
+      angle = std::copysign(hinge.half_play, force[row]);
+  }
+  return true;
+}
+
 }  // namespace
 
 bool settle_loose_parts(PlantEquations& equations, double t, const std::vector<Touch>& modes,
@@ -52,11 +71,10 @@ bool settle_loose_parts(PlantEquations& equations, double t, const std::vector<T
   const bool moves = std::any_of(v, v + equations.size(), [](double rate) { return rate != 0.0; });
   if (rows.empty() || moves) return true;
 
-  constexpr double kStep = 1e-9;      // of differences; springs are stiff [rad, m]
-  constexpr double kBalanced = 1e-9;  // of the weight
+  constexpr double kStep = 1e-9;  // of differences; springs are stiff [rad, m]
   const auto forces = [&](Vector& out) { return unbalanced(equations, t, y, modes, rows, out); };
   Vector force, moved;
-  if (!forces(force)) return false;
+  if (!lean_on_flanks(equations, t, modes, rows, y) || !forces(force)) return false;
 
   const int size = count_of(rows);
   const double scale = equations.force_scale();

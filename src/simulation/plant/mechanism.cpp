@@ -129,7 +129,7 @@ void Mechanism::add_transmissions(const Plant& plant) {
       spins_.push_back(spin);
     }
     link.map[n] = 1.0;
-    hinges.push_back({motor, m.body, n});
+    hinges.push_back({motor, m.body, n, 0.5 * t.play});
     ++n;
   }
 }

@@ -70,9 +70,10 @@ struct JointState {
 
 /// A hinge behind a motor.
 struct Hinge {
-  int motor = -1;       ///< index in model.motors
-  int body = -1;        ///< the link
-  int coordinate = -1;  ///< its index, n_model + k
+  int motor = -1;          ///< index in model.motors
+  int body = -1;           ///< the link
+  int coordinate = -1;     ///< its index, n_model + k
+  double half_play = 0.0;  ///< of its dead band [rad]
 };
 
 class Mechanism {

@@ -27,6 +27,22 @@ double angle_left(double cross, double dot, double& sense) {
   return folded;
 }
 
+/// What a hinge's angle has beyond a dead band, and its slope [rad, -].
+struct Beyond {
+  double angle, slope;
+};
+
+/// With x = |angle| - b at a band of +-b whose corners are round over +-s: 0 below -s,
+/// (x + s)^2/(4 s) between, x above s. Within the band nothing pulls at all: a law that is smooth
+/// everywhere holds the middle by a spring, which is stiff beside the torques of a light joint.
+Beyond beyond_play(double angle, double b, double s) {
+  const double x = std::abs(angle) - b;
+  if (x >= s) return {std::copysign(x, angle), 1.0};
+  if (x <= -s) return {0.0, 0.0};
+  const double in = x + s;
+  return {std::copysign(0.25 * in * in / s, angle), 0.5 * in / s};
+}
+
 /// Of dry friction at a rate, `sign` the smoothed sign of which, and a motor's torque `load`.
 double dry_level(const JointFriction& law, double rate, double sign, double load) {
   const double ratio = rate / law.stribeck_rate, slow = rate / law.load_stribeck_rate;
@@ -134,15 +150,8 @@ void PassiveForces::add_springs(const Mechanism& mechanism, const Inertia& inert
       spring.damping =
           2.0 * spring.damping_ratio * std::sqrt(spring.stiffness * inertia.diagonal(i));
 
-    const double angle = q[i], b = spring.half_play, s2 = spring.smoothing * spring.smoothing;
-    double beyond = angle, slope = 1.0;
-    if (b > 0.0) {
-      const double up = std::sqrt((angle - b) * (angle - b) + s2),
-                   down = std::sqrt((angle + b) * (angle + b) + s2);
-      beyond += 0.5 * (up - down);
-      slope += 0.5 * ((angle - b) / up - (angle + b) / down);
-    }
-    force[i] -= spring.stiffness * beyond + spring.damping * slope * v[i];
+    const Beyond d = beyond_play(q[i], spring.half_play, spring.smoothing);
+    force[i] -= spring.stiffness * d.angle + spring.damping * d.slope * v[i];
   }
 }
 
