@@ -114,23 +114,49 @@ Effect controller_gains() {
   return effect;
 }
 
-Effect torque_constant() {
+/// `joint`: of its motor alone; all motors where it is empty.
+Effect torque_constant_at(const std::string& joint) {
   Effect effect =
-      on_actuation("torque_constant", "motors turn current into another torque than stated");
+      joint.empty()
+          ? on_actuation("torque_constant", "motors turn current into another torque than stated")
+          : on_actuation(
+                "torque_constant@" + joint,
+                "joint " + joint + "'s motor turns current into another torque than stated");
+  const auto is_meant = [joint](const PlanarMotor& m) { return joint.empty() || m.joint == joint; };
   effect.parameters = {{"scale", "-", 1.0, {0.4, 1.6}, 0.1}};
-  effect.apply = [](const Vector& theta, Plant& plant) {
+  if (!joint.empty())
+    effect.joints = [joint](const PlanarModel&) { return std::vector<std::string>{joint}; };
+  effect.apply = [is_meant](const Vector& theta, Plant& plant) {
     for (PlanarMotor& motor : plant.model.motors) {
+      if (!is_meant(motor)) continue;
       motor.torque_constant *= theta[0];
       plant.actuation.torque_scale.try_emplace(motor.joint, 1.0).first->second *= theta[0];
     }
   };
-  effect.overrides =
-      of_motors([](const Vector& theta, const PlanarMotor& motor, Overrides& values) {
-        add_torque_constant(motor, theta[0], values);
-        // A driver limits torque by the current that it believes to make it.
-        if (motor.torque_limit < kInfinity)
-          add_value(motor, "torque_limit", motor.torque_limit * theta[0], values);
-      });
+  effect.overrides = [is_meant](const Vector& theta, const PlanarModel& model) {
+    Overrides values;
+    for (const PlanarMotor& motor : model.motors) {
+      if (motor.ideal() || !is_meant(motor)) continue;
+      add_torque_constant(motor, theta[0], values);
+      // A driver limits torque by the current that it believes to make it.
+      if (motor.torque_limit < kInfinity)
+        add_value(motor, "torque_limit", motor.torque_limit * theta[0], values);
+    }
+    return values;
+  };
+  return guarded(effect);
+}
+
+/// All motors alike, as of one batch; on a robot of several each by itself as well.
+Effect torque_constant() {
+  Effect effect = torque_constant_at("");
+  effect.sized = [](const PlanarModel& model, const JointRates&) {
+    std::vector<Effect> effects{torque_constant_at("")};
+    if (model.motors.size() < 2) return effects;
+    for (const PlanarMotor& motor : model.motors)
+      effects.push_back(torque_constant_at(motor.joint));
+    return effects;
+  };
   return effect;
 }
 

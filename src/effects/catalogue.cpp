@@ -38,17 +38,27 @@ Effect made_to_size(const Row& row, const JointScope& scope, const PlanarModel& 
   return effect;
 }
 
-/// An effect on a robot's joints together, and at each of them alone. Legs have front and rear for
-/// that; one joint's links that are all links say nothing of their own.
+/// The front or the rear legs where the joint is one of theirs, else the scope itself.
+const JointScope& part_with(const JointScope& scope, const std::string& joint,
+                            const PlanarModel& model) {
+  for (const JointScope& part : scope.parts)
+    if (index_of(part.select(model).joints, joint) >= 0) return part;
+  return scope;
+}
+
+/// An effect on a robot's joints together, and at each of them alone. One joint's links that are all
+/// links say nothing of their own, and links of a leg's loop no joint has for itself.
 std::vector<Effect> at_joints(const Row& row, const JointScope& scope, const PlanarModel& model,
                               const JointRates& rates) {
   std::vector<Effect> effects{made_to_size(row, scope, model, rates)};
   const JointSet all = scope.select(model);
-  if (!scope.parts.empty() || all.joints.size() < 2) return effects;
+  if (all.joints.size() < 2) return effects;
 
   const bool on_links = effects.front().where == scope.links_where;
+  const bool legs = !scope.parts.empty();
+  if (legs && on_links) return effects;
   for (const std::string& joint : all.joints) {
-    const JointScope one = one_joint(scope, joint);
+    const JointScope one = one_joint(part_with(scope, joint, model), joint);
     if (on_links && one.select(model).bodies.size() == all.bodies.size()) continue;
     Effect effect = made_to_size(row, one, model, rates);
     effect.name = effects.front().name + "@" + joint;

@@ -134,5 +134,36 @@ TEST(Parts, HaveTheParametersOfTheWhole) {
   }
 }
 
+TEST(LegEffects, HaveAnEntryForEachMotor) {
+  const simulation::Plant nominal = simulation::nominal_plant(tailed());
+  for (const char* kind : {"leg_coulomb_friction", "leg_rotor_inertia", "torque_constant"}) {
+    const std::vector<Effect> all = sized_for(*find_effect(kind), tailed(), {});
+    const std::string name = std::string(kind) + "@rear_a";
+    const auto own = std::find_if(all.begin(), all.end(),
+                                  [&](const Effect& effect) { return effect.name == name; });
+    ASSERT_NE(own, all.end()) << name;
+    ASSERT_TRUE(own->joints) << name;
+    EXPECT_EQ(own->joints(tailed()), Names{"rear_a"});
+    EXPECT_FALSE(own->acts_in(Component::front_legs)) << name;
+    simulation::Plant plant = nominal;
+    own->apply(own->probed(), plant);
+    for (const char* joint : {"front_a", "front_b", "rear_b", "tail"})
+      EXPECT_EQ(at_joint(plant, joint), at_joint(nominal, joint)) << name;
+    const auto strength = [](const simulation::Plant& p) {
+      return p.model.motors[p.model.motor_index("rear_a")].torque_constant;
+    };
+    const bool moved = at_joint(plant, "rear_a") != at_joint(nominal, "rear_a") ||
+                       strength(plant) != strength(nominal);
+    EXPECT_TRUE(moved) << name;
+  }
+}
+
+TEST(LegEffects, OnLinksOfALoopHaveNone) {
+  for (const Effect& effect : effect_catalogue())
+    if (effect.name.starts_with("leg_link")) {
+      EXPECT_EQ(sized_for(effect, tailed(), {}).size(), 1u) << effect.name;
+    }
+}
+
 }  // namespace
 }  // namespace jaculus::effects
