@@ -127,14 +127,15 @@ bool in_every_trial(const Whitening& whitening, const Fit& fit, Eigen::Index pea
   return true;
 }
 
-/// Whether a model has pushes, each of them one that every trial had and of a length within its
-/// bounds.
-bool has_pushes(const Problem& problem, const Whitening& whitening, const ModelFit& model) {
-  bool any = false;
+/// Whether a model has a push that every trial had, of a length within its bounds. One alone: forces
+/// that come at the same times in every trial of the same plan are told from forces that follow the
+/// motion by nothing but how few there are, and with several any missing force can be drawn.
+bool has_one_push(const Problem& problem, const Whitening& whitening, const ModelFit& model) {
+  int pushes = 0;
   for (const int c : model.candidates) {
     const Candidate& candidate = problem.hypotheses.candidates[c];
     if (!candidate.effect->event) continue;
-    any = true;
+    ++pushes;
     const int peak = candidate.parameters.front(), length = candidate.parameters.back();
     const FreeParameter& own = problem.hypotheses.parameters[length];
     const double value = model.fit.p[length];
@@ -142,7 +143,7 @@ bool has_pushes(const Problem& problem, const Whitening& whitening, const ModelF
     const double u = model.fit.p[peak] / problem.hypotheses.parameters[peak].scale;
     if (!in_every_trial(whitening, model.fit, index_of(model.fit.free, peak), u)) return false;
   }
-  return any;
+  return pushes == 1;
 }
 
 }  // namespace
@@ -163,7 +164,7 @@ Searched search_with_pushes(Prepared prepared, const ProblemBuilder& rebuild,
   Prepared with = with_effects(prepared, std::move(effects));
   Selection again = selected(with, rebuild, options);
   if (again.search.models.empty() ||
-      !has_pushes(*with.built.problem, again.comparison.whitening, leading(again.search)) ||
+      !has_one_push(*with.built.problem, again.comparison.whitening, leading(again.search)) ||
       lacks(*with.built.problem, leading(again.search).fit))
     return {std::move(prepared), std::move(effects_alone)};
   return {std::move(with), std::move(again)};
