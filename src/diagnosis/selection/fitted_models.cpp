@@ -250,9 +250,18 @@ void FittedModels::refine() {
     if (next == nullptr || value(*next) < best - problem_.settings.indistinguishable_below) break;
     refine(*next);
     refined.insert(next->candidates);
+    refine_within(*next, refined);
   }
 
   share_valleys(refined);
+}
+
+void FittedModels::refine_within(const ModelFit& larger, std::set<Members>& refined) {
+  for (const int dropped : larger.candidates) {
+    const Members rest = without_one(larger.candidates, dropped);
+    for (ModelFit& model : models_)
+      if (model.candidates == rest && model.fit.valid && refined.insert(rest).second) refine(model);
+  }
 }
 
 void FittedModels::share_valleys(const std::set<Members>& refined) {

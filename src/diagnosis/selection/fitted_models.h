@@ -65,6 +65,9 @@ class FittedModels {
   /// The best fit of what is left where one member of a set is dropped, or none's.
   [[nodiscard]] const Fit& contained_in(const Members& members) const;
   void refine(ModelFit& model);
+  /// The models that a refined one is compared with where one of its effects is dropped: by slopes
+  /// they would be judged at a poorer optimum than it is.
+  void refine_within(const ModelFit& larger, std::set<Members>& refined);
   /// Each of the models that were refined from the nuisances of every other, wherever the cost is
   /// lower there: tolerances have several valleys, and no model shall lead by its start alone.
   void share_valleys(const std::set<Members>& refined);
