@@ -76,12 +76,16 @@ FoundEffect found_effect(const Problem& problem, const Whitening& whitening,
   found.name = candidate.name;
   if (candidate.effect != nullptr) found.caption = candidate.effect->caption;
   found.probability = posterior.inclusion[c];
-  for (const std::vector<int>* list : {&others, &posterior.indistinguishable[c]}) {
-    for (const int other : *list) {
-      const std::string& name = problem.hypotheses.candidates[other].name;
-      if (other != c && index_of(found.indistinguishable, name) < 0)
-        found.indistinguishable.push_back(name);
-    }
+  std::vector<int> like = others;
+  // What a single effect does about none says nothing of its place beside others.
+  if (model->candidates.size() == 1) {
+    const std::vector<int>& alone = posterior.indistinguishable[c];
+    like.insert(like.end(), alone.begin(), alone.end());
+  }
+  for (const int other : like) {
+    const std::string& name = problem.hypotheses.candidates[other].name;
+    if (other != c && index_of(found.indistinguishable, name) < 0)
+      found.indistinguishable.push_back(name);
   }
 
   if (!std::binary_search(model->candidates.begin(), model->candidates.end(), c))
