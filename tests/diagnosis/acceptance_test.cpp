@@ -39,6 +39,16 @@ struct Fitted {
   SearchResult search;
 };
 
+TEST(Posterior, DoesNotCountAsNoneWhatPromisedMuch) {
+  Fitted toy(toy_truth(0.0, 0.0));
+  const Posterior fitted = posterior_of(toy.search, {});
+  toy.search.probes[3].valid = true;
+  toy.search.probes[3].score = 50.0;  // and no fit of it was valid
+  const Posterior posterior = posterior_of(toy.search, {});
+  EXPECT_EQ(posterior.untold[3], 0.0);
+  EXPECT_EQ(posterior.nothing_told(), fitted.nothing_told());
+}
+
 TEST(Posterior, LeavesRoomForWhatWasNotWorthAFit) {
   Fitted toy(toy_truth(0.0, 0.0));
   const Posterior fitted = posterior_of(toy.search, {});

@@ -31,14 +31,18 @@ double Posterior::nothing_told() const {
 namespace {
 
 /// log weight of every candidate alone that was not fitted so, by the linear evidence that
-/// screening about none found; -infinity of the others, and of those that these data don't show.
+/// screening about none found; -infinity of the others, of those that these data don't show, and of
+/// those that promised more than a bare mention: not fitted, or without a valid fit, they are
+/// nothing that is too small to be told.
 std::vector<double> untold_weights(const SearchResult& search, double none_complete,
                                    const Settings& settings) {
   const std::size_t n = search.probes.size();
   const double prior = log_prior(1, n, settings) - log_prior(0, n, settings);
   std::vector<double> weights;
-  for (const Probe& probe : search.probes)
-    weights.push_back(probe.valid ? none_complete + prior + probe.score : -kInfinity);
+  for (const Probe& probe : search.probes) {
+    const bool small = probe.valid && probe.score <= settings.bare_mention;
+    weights.push_back(small ? none_complete + prior + probe.score : -kInfinity);
+  }
   for (const ModelFit& m : search.models)
     if (m.candidates.size() == 1 && m.fit.valid) weights[m.candidates.front()] = -kInfinity;
   return weights;
