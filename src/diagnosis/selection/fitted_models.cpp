@@ -250,15 +250,16 @@ void FittedModels::refine() {
     if (next == nullptr || value(*next) < best - problem_.settings.indistinguishable_below) break;
     refine(*next);
     refined.insert(next->candidates);
-    refine_within(*next, refined);
   }
 
+  refine_within(*leading(), refined);
   share_valleys(refined);
 }
 
 void FittedModels::refine_within(const ModelFit& larger, std::set<Members>& refined) {
-  for (const int dropped : larger.candidates) {
-    const Members rest = without_one(larger.candidates, dropped);
+  const Members all = larger.candidates;
+  for (const int dropped : all) {
+    const Members rest = without_one(all, dropped);
     for (ModelFit& model : models_)
       if (model.candidates == rest && model.fit.valid && refined.insert(rest).second) refine(model);
   }
