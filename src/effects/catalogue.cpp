@@ -62,6 +62,8 @@ std::vector<Effect> at_joints(const Row& row, const JointScope& scope, const Pla
     if (on_links && one.select(model).bodies.size() == all.bodies.size()) continue;
     Effect effect = made_to_size(row, one, model, rates);
     effect.name = effects.front().name + "@" + joint;
+    if (!effect.special_case.empty())
+      effect.special_case = effects.front().special_case + "@" + joint;
     effects.push_back(effect);
   }
   return effects;

@@ -113,6 +113,7 @@ Effect directional_friction(const JointScope& scope) {
   const double scale = scope.usual.torque;
   Effect effect = effect_on_joints(scope, "directional_friction",
                                    "dry friction, more one way than the other, at");
+  effect.special_case = scope.prefix + "_coulomb_friction";
   effect.parameters = {{"torque", "N m", 0.0, {0.0, 10.0 * scale}, scale},
                        {"asymmetry", "-", 0.0, {-1.0, 1.0}, 0.3}};
   effect.apply = on_friction(scope, [](const Vector& theta, JointFriction& friction) {

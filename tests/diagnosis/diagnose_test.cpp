@@ -69,6 +69,45 @@ TEST(Diagnose, PairIsFound) {
   EXPECT_LT(d.gap.after, 0.2 * d.gap.before);
 }
 
+/// A candidate `more`, which is `second` where its further parameter is nominal.
+std::shared_ptr<Problem> with_more_than_second(const Vector& truth, const effects::Effect& more) {
+  auto problem = toy_problem(truth);
+  Hypotheses& h = problem->hypotheses;
+  h.parameters.push_back({"more", "strength", "-", 0.0, 0.1, {-1.0, 1.0}});
+  h.parameters.push_back({"more", "asymmetry", "-", 0.0, 0.3, {-1.0, 1.0}});
+  Candidate candidate;
+  candidate.name = "more";
+  candidate.parameters = {4, 5};
+  candidate.effect = &more;
+  h.candidates.push_back(candidate);
+  problem->forward = [inner = problem->forward](int dataset, int segment, const Vector& p) {
+    Vector own = p.head(4);
+    own[1] += p[4];
+    Prediction prediction = inner(dataset, segment, own);
+    const Vector time = Vector::LinSpaced(prediction.values.cols(), 0.0, 1.0);
+    prediction.values.row(0) +=
+        0.02 * p[4] * p[5] * (9.0 * time.array()).cos().matrix().transpose();
+    return prediction;
+  };
+  return problem;
+}
+
+TEST(Diagnose, AnEffectIsNoRivalOfItsOwnSpecialCase) {
+  effects::Effect more;
+  more.name = "more";
+  more.caption = "more";
+  more.parameters.resize(2);
+  more.special_case = "second";
+  const Diagnosis d = diagnose_problem(*with_more_than_second(toy_truth(0.0, 0.05), more));
+  EXPECT_EQ(d.verdict, Verdict::effect) << diagnosis_text(d);
+  EXPECT_EQ(names(d), std::vector<std::string>{"second"}) << diagnosis_text(d);
+  EXPECT_TRUE(d.effects[0].indistinguishable.empty()) << diagnosis_text(d);
+
+  more.special_case.clear();
+  const Diagnosis rivals = diagnose_problem(*with_more_than_second(toy_truth(0.0, 0.05), more));
+  EXPECT_EQ(rivals.verdict, Verdict::ambiguous) << diagnosis_text(rivals);
+}
+
 TEST(Diagnose, ValueAtItsBoundIsSaid) {
   for (const double upper : {1.0, 0.0999}) {
     auto problem = toy_problem(toy_truth(0.0, 0.1));

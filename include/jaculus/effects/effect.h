@@ -97,6 +97,8 @@ struct Effect {
   /// Whether it is about when a plan or script starts: a logged input has no such time.
   bool of_plan = false;
   std::string file{};  ///< that a user wrote it in; empty: the library's
+  /// Another effect that this one is with its parameters beyond the first at nominal, by name.
+  std::string special_case{};
   bool event = false;  ///< something that happened once: told as an event, no property of a robot
   /// Where it acts in front and rear legs: the same effect in each of them alone, of the same
   /// parameters.

@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
+#include "diagnosis/noise/quantiles.h"
 #include "diagnosis/selection/neighbouring_sets.h"
 
 namespace jaculus::diagnosis {
@@ -73,6 +75,26 @@ std::vector<int> predicting(HeldOutGaps& gaps, const ModelFit& model, const Esta
     if (std::any_of(exchanges.begin(), exchanges.end(), as_well)) kept.push_back(other);
   }
   return kept;
+}
+
+/// Whether a stand-in is the member itself with parameters more, of which the data tell none: dry
+/// friction that may differ by direction, and doesn't.
+bool says_no_more(const HeldOutGaps& gaps, const ModelFit& model, int member, int other) {
+  const Hypotheses& hypotheses = gaps.problem().hypotheses;
+  const Candidate& more = hypotheses.candidates[other];
+  if (more.effect == nullptr || more.effect->special_case != hypotheses.candidates[member].name)
+    return false;
+  const ModelFit* with = gaps.posterior().find(exchanged(model.candidates, member, other));
+  if (with == nullptr) return false;
+  for (std::size_t k = 1; k < more.parameters.size(); ++k) {
+    const FreeParameter& own = hypotheses.parameters[more.parameters[k]];
+    const int place = index_of(with->fit.free, more.parameters[k]);
+    const double deviation = own.scale * std::sqrt(with->fit.covariance(place, place));
+    if (std::abs(with->fit.p[more.parameters[k]] - own.nominal) >
+        quantiles::kTwoSided95 * deviation)
+      return false;
+  }
+  return true;
 }
 
 /// Everything that reaches a share of what effects explain, most probable first, as one place.
@@ -159,7 +181,11 @@ Proposal propose(HeldOutGaps& gaps) {
     return contains(leading->candidates, e.effect) && !contains(kept.candidates, e.effect);
   });
   for (Established& e : proposal.effects)
-    if (contains(leading->candidates, e.effect)) e.others = predicting(gaps, *leading, e);
+    if (contains(leading->candidates, e.effect)) {
+      e.others = predicting(gaps, *leading, e);
+      std::erase_if(e.others,
+                    [&](int other) { return says_no_more(gaps, *leading, e.effect, other); });
+    }
   const ModelFit* named = posterior.find(members_of(proposal.effects));
   const bool all = members_of(proposal.effects) == kept.candidates;
   proposal.chosen = all || named == nullptr ? kept : *named;

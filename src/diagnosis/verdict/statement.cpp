@@ -31,6 +31,15 @@ std::string joined(const std::vector<std::string>& names) {
   return names.empty() ? "none" : fmt::format("{}", fmt::join(names, " + "));
 }
 
+/// Whether an effect is a candidate with parameters more, so that it stands beside it as no other
+/// cause.
+bool extends(const Problem& problem, const std::string& effect, int candidate) {
+  const int c = problem.hypotheses.candidate(effect);
+  if (c < 0 || problem.hypotheses.candidates[c].effect == nullptr) return false;
+  return problem.hypotheses.candidates[c].effect->special_case ==
+         problem.hypotheses.candidates[candidate].name;
+}
+
 /// Most probable model that frees a candidate; null where none does.
 const ModelFit* best_with(const Posterior& posterior, int candidate) {
   const ModelFit* best = nullptr;
@@ -84,8 +93,8 @@ FoundEffect found_effect(const Problem& problem, const Whitening& whitening,
   }
   for (const int other : like) {
     const std::string& name = problem.hypotheses.candidates[other].name;
-    if (other != c && index_of(found.indistinguishable, name) < 0)
-      found.indistinguishable.push_back(name);
+    if (other == c || extends(problem, name, c)) continue;
+    if (index_of(found.indistinguishable, name) < 0) found.indistinguishable.push_back(name);
   }
 
   if (!std::binary_search(model->candidates.begin(), model->candidates.end(), c))
@@ -336,7 +345,12 @@ Statement state_verdict(const Problem& problem, const Selection& selection, bool
   if (out.verdict == Verdict::ambiguous) out.rivals = rivals_of(posterior);
   std::vector<Ranked> ranking = ranking_of(gaps, chosen);
   if (!out.events.empty()) ranking = ranked_without_events(problem, ranking);
-  const std::vector<std::string> doubted = doubts(out.verdict, out.gap, effects, ranking, settings);
+  std::vector<Ranked> others = ranking;
+  std::erase_if(others, [&](const Ranked& row) {
+    return !told.effects.empty() && row.members.size() == 1 &&
+           extends(problem, row.members.front(), told.effects.front().effect);
+  });
+  const std::vector<std::string> doubted = doubts(out.verdict, out.gap, effects, others, settings);
   append(doubted, out.reasons);
   const bool once_alone = out.verdict == Verdict::none && !out.events.empty();
   Calibrated calibrated = calibrate(out.verdict, once_alone || !doubted.empty(), std::move(effects),
