@@ -181,6 +181,26 @@ TEST(Propose, RestsAsItsFileSaysWhereItStandsInThatPose) {
   EXPECT_EQ(imported(test::quadruped_urdf(), options).proposal.rest.at("front_hip"), 0.6);
 }
 
+TEST(Propose, ARestPoseAtARangesEndIsReadBackWithinIt) {
+  // ends in degrees have more digits than a person writes
+  for (const double degrees : {0.4, 7.3, 29.0, 57.0, 61.9, 103.7}) {
+    for (const double sense : {1.0, -1.0}) {
+      const double end = sense * degrees * M_PI / 180.0;
+      const std::string range = fmt::format("lower=\"{}\" upper=\"{}\"", std::min(end, 2 * end),
+                                            std::max(end, 2 * end));
+      const std::string text = testing::replaced(
+          "<robot name=\"r\">" + link("base", 5, "0 0 0") + link("arm", 1, "0 0 -0.1") +
+              joint("turn", "revolute", "base", "arm", "0 0 0", "0 1 0") + "</robot>",
+          "lower=\"-2\" upper=\"2\"", range);
+      const Imported robot = imported(text);
+      const Bounds& allowed = robot.robot.planar.coordinates.back().range;
+      const double rest = robot.robot.rest_pose.at("turn");
+      EXPECT_TRUE(allowed.contains(rest)) << fmt::format("{}: {}", end, rest);
+      EXPECT_NEAR(rest, end, 1e-5);  // six digits of it
+    }
+  }
+}
+
 TEST(Propose, LeftAndRightMayStayApart) {
   ProposeOptions options;
   options.pairs = false;

@@ -247,6 +247,23 @@ bool stands(const Draft& draft, const Pose& pose) {
   });
 }
 
+/// What a file states of one joint of a pair may be out of the range that both have.
+void keep_in_ranges(Draft& draft) {
+  constexpr double kRounding = 1e-9;  // [rad or m]: of grids that reach from end to end
+  for (int b = 1; b < count_of(draft.reduction.bodies); ++b) {
+    const std::string& joint = draft.reduction.bodies[b].joint;
+    const Bounds& range = draft.reduction.ranges[b];
+    double& value = draft.rest.at(joint);
+    const double within = std::clamp(value, range.lower, range.upper);
+    if (std::abs(value - within) > kRounding)
+      draft.notes.push_back(
+          fmt::format("pose of '{}': {:.4g} is out of its range, {:.4g} to {:.4g}: its end is "
+                      "taken",
+                      joint, value, range.lower, range.upper));
+    value = within;
+  }
+}
+
 /// The pose with what is stated of joints, in space or planar, in its place; whether anything is.
 bool take(const Draft& draft, const Pose& stated, Pose& pose) {
   bool any = false;
@@ -302,6 +319,7 @@ void find_rest(const ProposeOptions& options, Draft& draft) {
         "are drawn in instead (--pose states another)");
   }
   if (take(draft, options.pose, draft.rest)) draft.rest_stated = true;
+  keep_in_ranges(draft);
 }
 
 }  // namespace jaculus::model

@@ -18,6 +18,12 @@ std::string number(double value) {
   return fmt::format("{:.6g}", std::abs(value) < 1e-9 ? 0.0 : value);
 }
 
+/// The same of a joint's value, with all digits where rounding would leave its range.
+std::string number_within(double value, const Bounds& range) {
+  const std::string rounded = number(value);
+  return range.contains(std::stod(rounded)) ? rounded : fmt::format("{}", value);
+}
+
 /// Of motors whose speed nobody stated, for plans; quadrupeds that state one turn their joints at
 /// 20 to 50 rad/s.
 constexpr double kAssumedSpeed = 30.0;
@@ -250,12 +256,19 @@ std::string motors(Draft& draft) {
                            none ? "# " : "", "", text);
 }
 
+Bounds range_of_joint(const Draft& draft, const std::string& joint) {
+  for (int b = 1; b < count_of(draft.reduction.bodies); ++b)
+    if (draft.reduction.bodies[b].joint == joint) return draft.reduction.ranges[b];
+  return {};
+}
+
 std::string rest(const Draft& draft, const std::string& motors) {
   std::string text;
   for (const auto& [joint, value] : draft.rest) {
     // rest_pose is of joints with motors
     if (motors.find("\n  " + quoted(joint) + ":") == std::string::npos) continue;
-    text += fmt::format("{}{}: {}", text.empty() ? "" : ", ", quoted(joint), number(value));
+    text += fmt::format("{}{}: {}", text.empty() ? "" : ", ", quoted(joint),
+                        number_within(value, range_of_joint(draft, joint)));
   }
   if (text.empty()) return "";
   std::string origin = draft.feet.empty() ? "Joints at zero, or at the nearest that they may have."
