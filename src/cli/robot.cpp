@@ -60,6 +60,7 @@ struct Source {
   model::SpatialTree tree;
   std::vector<std::string> notes;
   std::map<std::string, double> pose, armature;
+  std::vector<model::Surface> surfaces;
   std::optional<bool> floating;
 };
 
@@ -69,9 +70,11 @@ Source read_source(const fs::path& file, model::Reading reading) {
     model::MjcfRobot robot = model::read_mjcf(file, reading);
     source.urdf = model::write_urdf(robot.tree);
     source.tree = model::parse_urdf(source.urdf, file, reading);
+    model::keep_friction(robot.tree, source.tree);
     source.notes = robot.notes;
     source.pose = robot.pose;
     source.armature = robot.armature;
+    source.surfaces = robot.surfaces;
     // a fixed one may still carry its base on joints along x and z
     if (robot.floating) source.floating = true;
     return source;
@@ -90,7 +93,9 @@ void take_inertias_of_shapes(Source& source, const fs::path& file, model::Readin
   source.notes.push_back(fmt::format("assumed: inertias of {} links are those of their shapes: {}",
                                      names.size(), fmt::join(names, ", ")));
   source.urdf = model::write_urdf(source.tree);
+  const model::SpatialTree written = std::move(source.tree);
   source.tree = model::parse_urdf(source.urdf, file, reading);
+  model::keep_friction(written, source.tree);
 }
 
 model::ProposeOptions propose_options(const RobotOptions& options, const Source& source) {
@@ -98,6 +103,7 @@ model::ProposeOptions propose_options(const RobotOptions& options, const Source&
   propose.pose = read_pose(options.pose);
   propose.file_pose = source.pose;
   propose.armature = source.armature;
+  propose.surfaces = source.surfaces;
   propose.pairs = !options.apart;
   propose.loops = !options.open;
   propose.floating = source.floating;

@@ -186,8 +186,8 @@ TEST(Propose, ARestPoseAtARangesEndIsReadBackWithinIt) {
   for (const double degrees : {0.4, 7.3, 29.0, 57.0, 61.9, 103.7}) {
     for (const double sense : {1.0, -1.0}) {
       const double end = sense * degrees * M_PI / 180.0;
-      const std::string range = fmt::format("lower=\"{}\" upper=\"{}\"", std::min(end, 2 * end),
-                                            std::max(end, 2 * end));
+      const std::string range =
+          fmt::format("lower=\"{}\" upper=\"{}\"", std::min(end, 2 * end), std::max(end, 2 * end));
       const std::string text = testing::replaced(
           "<robot name=\"r\">" + link("base", 5, "0 0 0") + link("arm", 1, "0 0 -0.1") +
               joint("turn", "revolute", "base", "arm", "0 0 0", "0 1 0") + "</robot>",
@@ -325,6 +325,13 @@ TEST(Propose, NothingThatMovesIsSaid) {
   EXPECT_EQ(box.robot.planar.size(), 3);
 }
 
+Proposal proposed_of(const std::filesystem::path& file) {
+  const MjcfRobot robot = read_mjcf(file);
+  ProposeOptions options;
+  options.surfaces = robot.surfaces;
+  return propose_robot(robot.tree, options);
+}
+
 /// The hopper, or nothing where this build has no MuJoCo.
 std::optional<MjcfRobot> hopper() {
   const testing::Folder folder;
@@ -433,12 +440,47 @@ TEST(Mjcf, FeetHaveTheFrictionOfTheirGeoms) {
   EXPECT_TRUE(holds(assumed.yaml, "friction: 0.8   # fill in"));
   EXPECT_TRUE(holds(assumed.missing.at(0), "friction: 0.8"));
 
-  const testing::Folder folder;
-  folder.write("hopper.xml", testing::replaced(test::kHopperMjcf, "size=\"0.02\" mass=\"0.5\"",
-                                               "size=\"0.02\" mass=\"0.5\" friction=\"0.6\""));
-  const Proposal stated = propose_robot(read_mjcf(folder.path() / "hopper.xml").tree, {});
-  EXPECT_TRUE(holds(stated.yaml, "friction: 0.6   # of the feet, by the file"));
+  const std::string foot = "size=\"0.02\" mass=\"0.5\"", floor = "size=\"5 5 1\"";
+  const auto with = [&](const std::string& of_foot, const std::string& of_floor) {
+    const testing::Folder folder;
+    folder.write("hopper.xml",
+                 testing::replaced(testing::replaced(test::kHopperMjcf, foot, foot + " " + of_foot),
+                                   floor, floor + " " + of_floor));
+    return proposed_of(folder.path() / "hopper.xml");
+  };
+  // the larger of both, unless one has priority
+  const Proposal stated = with("friction=\"0.6\"", "friction=\"0.3\"");
+  EXPECT_TRUE(holds(stated.yaml,
+                    "friction: 0.6   # of the feet, by the file: 'foot' (0.6) on 'world' (0.3), "
+                    "of which MuJoCo takes the larger"))
+      << stated.yaml;
   for (const std::string& line : stated.missing) EXPECT_FALSE(holds(line, "friction: 0.8"));
+  EXPECT_TRUE(holds(with("friction=\"0.6\"", "").yaml, "friction: 1   # of the feet"));
+  EXPECT_TRUE(holds(with("friction=\"0.6\" priority=\"1\"", "").yaml, "friction: 0.6   # of the"));
+  EXPECT_TRUE(holds(with("friction=\"0.6\" condim=\"1\"", "condim=\"1\"").missing.at(0),
+                    "friction: 0.8, rubber on a dry floor, is assumed; the file has 'foot'"));
+}
+
+TEST(Mjcf, FrictionIsThatOfDefaultsAndOfPairs) {
+  const std::optional<MjcfRobot> usual = hopper();
+  if (!usual) GTEST_SKIP() << "no MuJoCo";
+  const testing::Folder folder;
+  const std::string rubbed =
+      testing::replaced(test::kHopperMjcf, "<worldbody>",
+                        "<default><geom friction=\".4 .1 .1\"/></default>\n<worldbody>");
+  folder.write("hopper.xml", rubbed);
+  const Proposal of_defaults = proposed_of(folder.path() / "hopper.xml");
+  EXPECT_TRUE(holds(of_defaults.yaml, "friction: 0.4   # of the feet"));
+
+  std::string paired = testing::replaced(rubbed, "type=\"plane\"", "name=\"floor\" type=\"plane\"");
+  paired = testing::replaced(paired, "size=\"0.02\" mass=\"0.5\"",
+                             "name=\"toe\" size=\"0.02\" mass=\"0.5\"");
+  paired = testing::replaced(paired, "<actuator>",
+                             "<contact><pair geom1=\"toe\" geom2=\"floor\" "
+                             "friction=\"0.7 0.7 0 0 0\"/></contact>\n<actuator>");
+  folder.write("hopper.xml", paired);
+  const Proposal of_pair = proposed_of(folder.path() / "hopper.xml");
+  EXPECT_TRUE(holds(of_pair.yaml, "friction: 0.7   # of the feet, by the file: <pair> of 'toe'"));
 }
 
 TEST(Mjcf, IsToldFromUrdfByItsFirstElement) {

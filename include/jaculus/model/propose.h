@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "jaculus/model/urdf.h"
+#include "jaculus/model/mjcf.h"
 
 namespace jaculus::model {
 
@@ -21,6 +21,7 @@ struct ProposeOptions {
   /// "+x" ... "-z" of the file; told by joints and names where empty. Both or none
   std::string forward, up;
   std::map<std::string, double> armature;  ///< inertia that a joint adds to its own [kg m^2]
+  std::vector<Surface> surfaces;           ///< what told the friction of the tree's shapes
   std::optional<bool> floating;            ///< base; told by the tree where absent
   bool pairs = true;                       ///< left and right are one planar joint
   /// two chains of two alike links from one hip are a five-bar, pinned where both end

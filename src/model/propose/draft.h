@@ -30,7 +30,7 @@ struct DraftFoot {
   int body = 0;               ///< of the reduction
   std::string source;         ///< what told where it is
   bool guessed = false;       ///< nothing in the file says where it is
-  double friction = kNaN;     ///< of what touches there, by the file [-]; NaN: it has none
+  Surface surface;            ///< of what touches there
 };
 
 /// Two chains from one hip whose last links are pinned together.
@@ -62,6 +62,7 @@ struct Draft {
   Reduction reduction;
   std::vector<DraftFoot> feet;
   std::map<std::string, double> armature;  ///< by joint of the file [kg m^2]
+  std::vector<Surface> surfaces;           ///< of links of the file
   std::vector<DraftLoop> loops;
   std::vector<DraftLoop> open_loops;   ///< that may be, for a user to close
   std::map<std::string, double> rest;  ///< by planar joint [rad or m]

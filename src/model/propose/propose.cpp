@@ -86,6 +86,7 @@ Proposal propose_robot(const SpatialTree& tree, const ProposeOptions& options) {
   check_pose(tree, options);
   Draft draft;
   draft.armature = options.armature;
+  draft.surfaces = options.surfaces;
   find_frame(tree, options, draft);
   find_held(options, draft);
   find_pairs(options, draft);

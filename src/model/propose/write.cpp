@@ -44,12 +44,12 @@ std::string head(const Draft& draft, const Dropped& d) {
   return text + "format: jaculus-robot/1\n";
 }
 
-/// The least of the feet's, where the file has it for each.
-std::optional<double> feet_friction(const Draft& draft) {
-  double least = kInfinity;
+/// The least of the feet's; NaN where the file doesn't have it for each, with why where it says.
+Surface feet_surface(const Draft& draft) {
+  Surface least{"", kInfinity, ""};
   for (const DraftFoot& foot : draft.feet) {
-    if (std::isnan(foot.friction)) return {};
-    least = std::min(least, foot.friction);
+    if (std::isnan(foot.surface.friction)) return foot.surface;
+    if (foot.surface.friction < least.friction) least = foot.surface;
   }
   return least;
 }
@@ -62,10 +62,12 @@ std::string frame(const Draft& draft) {
   text += fmt::format("base: {}\n", draft.floating ? "floating" : "fixed");
   if (draft.horizontal) text += "gravity: 0\n";
   if (draft.feet.empty()) return text;
-  const std::optional<double> friction = feet_friction(draft);
-  return text + (friction
-                     ? fmt::format("friction: {}   # of the feet, by the file\n", number(*friction))
-                     : "friction: 0.8   # fill in: rubber on a dry floor is assumed, 0.6 to 1\n");
+  const Surface feet = feet_surface(draft);
+  return text +
+         (std::isnan(feet.friction)
+              ? "friction: 0.8   # fill in: rubber on a dry floor is assumed, 0.6 to 1\n"
+              : fmt::format("friction: {}   # of the feet, by the file{}{}\n",
+                            number(feet.friction), feet.source.empty() ? "" : ": ", feet.source));
 }
 
 std::string held(const Draft& draft) {
@@ -280,8 +282,11 @@ std::string rest(const Draft& draft, const std::string& motors) {
 }  // namespace
 
 std::string write_proposal(Draft& draft, const Dropped& dropped) {
-  if (!draft.feet.empty() && !feet_friction(draft))
-    draft.missing.emplace_back("friction: 0.8, rubber on a dry floor, is assumed");
+  const Surface surface = feet_surface(draft);
+  if (!draft.feet.empty() && std::isnan(surface.friction))
+    draft.missing.push_back(fmt::format("friction: 0.8, rubber on a dry floor, is assumed{}{}",
+                                        surface.source.empty() ? "" : "; the file has ",
+                                        surface.source));
   const std::string drives = motors(draft);
   return head(draft, dropped) + frame(draft) + held(draft) + pairs(draft) + loops(draft) +
          coordinates(draft) + feet(draft) + drives + rest(draft, drives);
