@@ -175,6 +175,7 @@ std::vector<MotorFigures> motor_figures(const model::PlanarModel& model) {
     f.resistance = m.resistance;
     f.saturation_linear = m.saturation_linear;
     f.saturation_cubic = m.saturation_cubic;
+    f.dry_friction = m.dry_friction;
     figures.push_back(f);
   }
 
