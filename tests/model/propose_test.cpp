@@ -411,6 +411,33 @@ TEST(Mjcf, WithoutItsMeshesIsReadWhereLinksStateTheirInertias) {
   }
 }
 
+TEST(Mjcf, WithoutAMeshALinkKeepsItsStatedMassWhereGeomsGiveMasses) {
+  if (!hopper()) GTEST_SKIP() << "no MuJoCo";
+  const auto inertial = [](double mass) {
+    return fmt::format("<inertial pos=\"0 0 0\" mass=\"{}\" diaginertia=\"0.03 0.04 0.02\"/>",
+                       mass);
+  };
+  std::string text = testing::replaced(test::kHopperMjcf, "<compiler angle=\"radian\"/>",
+                                       "<compiler angle=\"radian\" inertiafromgeom=\"true\"/>"
+                                       "<asset><mesh name=\"shell\" file=\"shell.stl\"/></asset>");
+  text =
+      testing::replaced(text, "<geom name=\"box\"",
+                        inertial(6.0) + "<geom type=\"mesh\" mesh=\"shell\"/><geom name=\"box\"");
+  text =
+      testing::replaced(text, "<geom type=\"capsule\"", inertial(9.0) + "<geom type=\"capsule\"");
+  const testing::Folder folder;
+  folder.write("hopper.xml", text);
+  const MjcfRobot robot = read_mjcf(folder.path() / "hopper.xml");
+
+  const auto mass = [&](const char* link) {
+    return robot.tree.links[robot.tree.link_index(link)].mass;
+  };
+  EXPECT_EQ(mass("trunk"), 6.0) << "4 kg of its box are not all of it";
+  EXPECT_EQ(mass("thigh"), 1.0) << "of its geom, as MuJoCo has it";
+  EXPECT_TRUE(holds(fmt::format("{}", fmt::join(robot.notes, "\n")),
+                    "a mesh of link 'trunk' isn't there: the link's own <inertial> counts, 6 kg"));
+}
+
 TEST(Mjcf, ComesBackFromItsUrdfAndIsPlanar) {
   const std::optional<MjcfRobot> mjcf = hopper();
   if (!mjcf) GTEST_SKIP() << "no MuJoCo";
