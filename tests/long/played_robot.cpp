@@ -3,8 +3,10 @@
 #include <unistd.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 
+#include "jaculus/transcription/layout.h"
 #include "long/planar_pose.h"
 #include "model/sections.h"
 
@@ -51,6 +53,17 @@ model::PlanarModel played_model(const transcription::Problem& problem,
   transcription::Problem unlimited = problem;
   unlimited.friction = unlimited.voltage = unlimited.torque = unlimited.current = std::nullopt;
   return transcription::planning_model(unlimited, model);
+}
+
+double planned_limit(const transcription::Problem& problem, const model::PlanarModel& model,
+                     const std::string& joint) {
+  for (const model::PlanarMotor& motor : model.motors) {
+    const auto& sides = model.bodies[static_cast<std::size_t>(motor.body)].file_joints;
+    const bool drives = std::any_of(sides.begin(), sides.end(),
+                                    [&](const auto& side) { return side.name == joint; });
+    if (drives) return transcription::usable_torque(problem, motor);
+  }
+  return kInfinity;
 }
 
 model::SpatialTree played_tree(const model::Robot& robot,

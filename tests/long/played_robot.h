@@ -26,6 +26,11 @@ namespace jaculus::test {
 model::PlanarModel played_model(const transcription::Problem& problem,
                                 const model::PlanarModel& model);
 
+/// Largest torque that a plan of `problem` may ask of the motor behind a joint of the robot's file,
+/// at the joint, by the problem's limits where it has its own [N m or N]; infinite without a motor.
+double planned_limit(const transcription::Problem& problem, const model::PlanarModel& model,
+                     const std::string& joint);
+
 /// The bodies in space from the base on, with what is attached, lying as robot.yaml's `axes` say.
 model::SpatialTree played_tree(const model::Robot& robot,
                                const std::vector<model::Override>& overrides);

@@ -127,6 +127,15 @@ TEST(PlayedRobot, StandsOnItsOwnFloorNotOnThePlansLimitOfFriction) {
   EXPECT_FALSE(played.base_free[2]);  // what the plan locks is locked
 }
 
+TEST(PlayedRobot, TorquesAreHeldAgainstTheProblemsLimits) {
+  const std::unique_ptr<Imported> m = imported(0.0);
+  transcription::Problem problem;
+  EXPECT_EQ(planned_limit(problem, m->robot.planar, "front_right_a_motor"), 10.0);
+  problem.torque = 4.0;
+  EXPECT_EQ(planned_limit(problem, m->robot.planar, "front_right_a_motor"), 4.0);
+  EXPECT_EQ(planned_limit(problem, m->robot.planar, "front_right_a_knee"), kInfinity);
+}
+
 TEST(PlayedRobot, FeetLieInThePlaneThatTheirLegTurnsInAsHighAsPlanned) {
   const double lean = 0.05;
   const std::unique_ptr<Imported> m = imported(lean);
