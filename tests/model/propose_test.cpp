@@ -453,11 +453,30 @@ TEST(Mjcf, ComesBackFromItsUrdfAndIsPlanar) {
   EXPECT_NEAR(m.bodies[1].com.y(), -0.15 - 0.05, 1e-12);
   EXPECT_NEAR(m.bodies[2].origin.y(), -0.35, 1e-12);
   EXPECT_EQ(m.bodies[2].sign, -1.0);
-  ASSERT_EQ(m.feet.size(), 1u);
-  EXPECT_NEAR(m.feet[0].position.y(), -0.3, 1e-12);
   EXPECT_EQ(m.motors[0].rotor_inertia, 0.02);
   EXPECT_EQ(m.motors[0].viscous_friction, 0.1);
   EXPECT_EQ(m.motors[1].viscous_friction, 0.0);
+}
+
+TEST(Propose, ACapsulesFootIsItsLowestPointAtRest) {
+  const std::optional<MjcfRobot> mjcf = hopper();
+  if (!mjcf) GTEST_SKIP() << "no MuJoCo";
+  const Imported robot = imported(write_urdf(mjcf->tree));
+  const PlanarModel& m = robot.robot.planar;
+  ASSERT_EQ(m.feet.size(), 1u);
+
+  // the shank ends in a cap of 0.02 m about (0, -0.3)
+  const Vec2 from_cap = m.feet[0].position - Vec2(0.0, -0.3);
+  EXPECT_NEAR(from_cap.norm(), 0.02, 1e-6);
+  const std::vector<testing::Pose> at = testing::poses(m, {}, robot.proposal.rest);
+  const testing::Pose& shank = at[static_cast<std::size_t>(m.feet[0].body)];
+  const Vec2 down = shank.at(m.feet[0].position) - shank.at(Vec2(0.0, -0.3));
+  EXPECT_NEAR(down.x(), 0.0, 1e-6);
+  EXPECT_NEAR(down.y(), -0.02, 1e-6);
+
+  // links of 0.35 and 0.3 m and the cap, drawn in to three quarters, below the hip
+  EXPECT_NEAR(shank.at(m.feet[0].position).y(), -0.15 - 0.75 * (0.35 + 0.3 + 0.02), 1e-4);
+  EXPECT_TRUE(holds(fmt::format("{}", fmt::join(robot.proposal.notes, "\n")), "doesn't roll"));
 }
 
 TEST(Mjcf, FeetHaveTheFrictionOfTheirGeoms) {

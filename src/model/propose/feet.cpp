@@ -21,6 +21,7 @@ struct Chain {
   double length = 0.0;      ///< from joint to joint to its end, in the plane [m]
   std::string source;       ///< what told the end
   Surface surface;          ///< of the shape that ends it
+  double cap = 0.0;         ///< radius about its tip where a capsule ends it [m]
   bool guessed = false;
   bool wheel = false;
 };
@@ -59,6 +60,16 @@ bool names_foot(const std::string& name) {
     for (const char* foot : {"foot", "toe", "paw", "feet"})
       if (word.starts_with(foot)) return true;
   return false;
+}
+
+std::string end_text(const SpatialShape& shape, const SpatialLink& link) {
+  if (shape.kind == ShapeKind::sphere)
+    return fmt::format("centre of a sphere of '{}', radius {:.4g} m", link.name, shape.size[0]);
+  if (shape.kind == ShapeKind::capsule)
+    return fmt::format(
+        "lowest point at rest of a capsule's end, radius {:.4g} m, of '{}'; it doesn't roll",
+        shape.size[0], link.name);
+  return "far end of a shape of '" + link.name + "'";
 }
 
 /// What the file says of a shape's friction.
@@ -107,10 +118,12 @@ void find_tip(const Draft& draft, const SpatialTree& tree, int head, Chain& chai
             surface_of(draft, tree.links[l]));
   if (!chain.source.empty()) return;
   for (const int l : links)
-    for (const SpatialShape& shape : tree.links[l].shapes)
-      offer(far_end(shape, tree.links[l], joint),
-            "far end of a shape of '" + tree.links[l].name + "'",
+    for (const SpatialShape& shape : tree.links[l].shapes) {
+      const Vec3 before = chain.tip;
+      offer(far_end(shape, tree.links[l], joint), end_text(shape, tree.links[l]),
             surface_of(draft, tree.links[l], shape));
+      if (chain.tip != before) chain.cap = shape.kind == ShapeKind::capsule ? shape.size[0] : 0.0;
+    }
   if (!chain.source.empty()) return;
   for (const int l : links)
     offer(tree.links[l].p_BL, "origin of '" + tree.links[l].name + "'",
@@ -216,7 +229,8 @@ DraftFoot end_of(const Draft& draft, const SpatialTree& tree, const Chain& chain
           last,
           chain.source,
           chain.guessed,
-          chain.surface};
+          chain.surface,
+          chain.cap};
 }
 
 void add_foot(Draft& draft, const DraftFoot& foot) {
