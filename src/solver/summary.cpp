@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "jaculus/dynamics/rigid_body.h"
@@ -123,14 +124,19 @@ void add_warnings(const Plan& plan, Summary& s) {
                                            : "; more starts (--starts 10) tell whether another "
                                              "optimum is better"));
   }
+  if (plan.starts.ended < plan.starts.count)
+    s.warnings.push_back(
+        fmt::format("interrupted: {} of {} starts had ended, and the plan is the best of those; a "
+                    "better one may be among the others",
+                    plan.starts.ended, plan.starts.count));
   if (plan.starts.count > 1) {
-    const auto percent = [&](int part) { return 100.0 * part / plan.starts.count; };
+    const auto percent = [&](int part) { return 100.0 * part / std::max(1, plan.starts.ended); };
     s.warnings.push_back(
         fmt::format("{} of {} starts converged ({:.0f} %), {} within 0.5 % of the best ({:.0f} %); "
                     "start {} was taken; "
                     "every random "
                     "start went through a feasibility stage first",
-                    plan.starts.converged, plan.starts.count, percent(plan.starts.converged),
+                    plan.starts.converged, plan.starts.ended, percent(plan.starts.converged),
                     plan.starts.near_best, percent(plan.starts.near_best), plan.starts.best));
     if (!plan.starts.passed_over.empty())
       s.warnings.push_back(
