@@ -115,6 +115,34 @@ void fill_failure(const Plan& plan, Summary& s) {
   }
 }
 
+/// Bounds of the base at the plan's end that v/T is held at: such an end is the least or most that
+/// the problem allows, and seldom what one would want.
+void add_ends_at_bounds(const Plan& plan, Summary& s) {
+  if (std::isnan(s.average_acceleration)) return;
+  const transcription::Layout& layout = plan.program->layout();
+  const Vector& x = plan.result.last_iterate();
+  const transcription::NodeBlock& last = layout.nodes.back();
+  const std::vector<model::Coordinate>& coordinates = plan.program->equations().model().coordinates;
+
+  const auto add = [&](int column, const std::string& what) {
+    const double lower = layout.lower[column], upper = layout.upper[column];
+    if (lower == upper) return;  // imposed
+    const double slack = kAtBound * layout.scale[column];
+    const bool least = x[column] - lower < slack;
+    if (!least && upper - x[column] >= slack) return;
+    s.warnings.push_back(fmt::format(
+        "v/T stands at a bound: at the plan's end the {} is the {} that the problem allows, "
+        "{:.4g} {}",
+        what, least ? "least" : "largest", x[column], layout.units[column]));
+  };
+  for (int i = 0; i < layout.n; ++i) {
+    const std::string& name = coordinates[i].name;
+    if (name != "x" && name != "z" && name != "pitch") continue;
+    add(last.q + i, name == "z" ? "height z of the base" : "base's " + name);
+    add(last.v + i, "velocity of the base's " + name);
+  }
+}
+
 void add_warnings(const Plan& plan, Summary& s) {
   for (const PhaseFigures& phase : s.phases) {
     if (phase.at_bound)
@@ -124,6 +152,7 @@ void add_warnings(const Plan& plan, Summary& s) {
                                            : "; more starts (--starts 10) tell whether another "
                                              "optimum is better"));
   }
+  add_ends_at_bounds(plan, s);
   if (plan.starts.ended < plan.starts.count)
     s.warnings.push_back(
         fmt::format("interrupted: {} of {} starts had ended, and the plan is the best of those; a "

@@ -67,6 +67,24 @@ TEST(Plan, AnInterruptBetweenStartsIsSaidWithHowManyHadEnded) {
   EXPECT_EQ(warnings_of(whole, problem).find("interrupted"), std::string::npos);
 }
 
+TEST(Plan, AnEndAtTheLeastSpeedThatIsAskedForIsSaid) {
+  // v/T grows as leaps get shorter, so that the problem's least speed decides: [1.3, 20] m/s
+  const transcription::Problem bounded = coarse_leap("");
+  const Plan plan = solve(bounded);
+  ASSERT_TRUE(plan.converged());
+  EXPECT_NE(warnings_of(plan, bounded)
+                .find("v/T stands at a bound: at the plan's end the velocity of the base's x is "
+                      "the least that the problem allows, 1.3 m/s"),
+            std::string::npos)
+      << warnings_of(plan, bounded);
+
+  // what is imposed is no bound
+  const transcription::Problem imposed = coarse_leap("final: {velocity: {x: 1.4 m/s}}");
+  const Plan other = solve(imposed);
+  ASSERT_TRUE(other.converged());
+  EXPECT_EQ(warnings_of(other, imposed).find("v/T stands at a bound"), std::string::npos);
+}
+
 /// Times [s] at which the least normal force of the front foot is asked for.
 std::vector<double> window_times(transcription::NonlinearProgram& program, const Vector& x) {
   std::vector<double> times;
