@@ -26,12 +26,15 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
+/// Of --hold: all joints without a motor.
+constexpr const char* kPassive = "passive";
+
 struct RobotOptions {
   Common common;
   std::string file, base, forward, up;
   std::string tail;  ///< its mass, "10 %"; empty: none
   std::string inertias = "file";
-  std::vector<std::string> pose;
+  std::vector<std::string> pose, hold;
   bool strict = false, apart = false, open = false, replace = false;
 };
 
@@ -102,6 +105,11 @@ model::ProposeOptions propose_options(const RobotOptions& options, const Source&
   model::ProposeOptions propose;
   propose.pose = read_pose(options.pose);
   propose.file_pose = source.pose;
+  for (const std::string& joint : options.hold)
+    if (joint == kPassive)
+      propose.hold_passive = true;
+    else
+      propose.hold.push_back(joint);
   propose.armature = source.armature;
   propose.surfaces = source.surfaces;
   propose.pairs = !options.apart;
@@ -308,6 +316,9 @@ void add_robot_urdf(CLI::App& robot, Action& chosen) {
 void add_statements(CLI::App& import, RobotOptions& options) {
   import.add_option("--pose", options.pose,
                     "JOINT=VALUE of joints that are held, or of the pose at rest; 0 where absent");
+  import.add_option("--hold", options.hold,
+                    "joints that are held though they turn in the plane; `passive`: all without a "
+                    "motor, as springy spines and tails have them");
   import.add_option("--base", options.base, "floating or fixed; default: told by the limbs")
       ->check(one_of({"floating", "fixed"}));
 

@@ -158,6 +158,43 @@ TEST(Propose, AbductionIsHeldWhereItIsStated) {
                     "out of range; allowed: -0.8 to 0.8"));
 }
 
+TEST(Propose, JointsOfThePlaneAreHeldWhereAskedFor) {
+  const std::string limb = test::quadruped_with_limb(0.2, 0.1, "0.1 0 0.1");
+  const Imported usual = imported(limb);
+  ASSERT_EQ(usual.robot.planar.coordinates.size(), 9u);
+  std::vector<std::string> others;
+  for (const PlanarMotor& motor : usual.robot.planar.motors)
+    if (!motor.joint.starts_with("front_") && !motor.joint.starts_with("rear_"))
+      others.push_back(motor.joint);
+  ASSERT_EQ(others.size(), 2u);
+
+  ProposeOptions options;
+  options.hold = others;
+  const Imported held = imported(limb, options);
+  EXPECT_EQ(held.robot.planar.coordinates.size(), 7u);
+  EXPECT_TRUE(holds(held.proposal.yaml, "as asked for"));
+
+  // without a motor: loose, unless what is passive is held
+  const std::string loose = testing::replaced(
+      testing::replaced(limb, "effort=\"1e5\"", "effort=\"0\""), "effort=\"1e5\"", "effort=\"0\"");
+  const Imported hanging = imported(loose);
+  EXPECT_EQ(hanging.robot.planar.coordinates.size(), 9u);
+  EXPECT_TRUE(holds(fmt::format("{}", fmt::join(hanging.proposal.missing, "\n")),
+                    "shoulder, wrist; no motor is assumed there, so that they hang loose (--hold"));
+  ProposeOptions passive;
+  passive.hold_passive = true;
+  const Imported stiff = imported(loose, passive);
+  EXPECT_EQ(stiff.robot.planar.coordinates.size(), 7u);
+  EXPECT_TRUE(holds(fmt::format("{}", fmt::join(stiff.proposal.notes, "\n")),
+                    "held, 2 of 14 joints (no motor drives them)"))
+      << fmt::format("{}", fmt::join(stiff.proposal.notes, "\n"));
+
+  ProposeOptions wrong;
+  wrong.hold = {"sholder"};
+  EXPECT_TRUE(holds(input_error_of([&] { (void)imported(limb, wrong); }),
+                    "--hold: no joint 'sholder' moves, did you mean 'shoulder'?"));
+}
+
 TEST(Propose, RestsAsItsFileSaysWhereItStandsInThatPose) {
   ProposeOptions options;
   for (const char* leg : {"FL", "FR", "RL", "RR"}) {

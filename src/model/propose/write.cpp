@@ -213,6 +213,10 @@ void note_friction(Draft& draft, const DraftJoint& joint, bool driven) {
   }
 }
 
+/// Of joints that only springs hold, as of spines and tails.
+constexpr const char* kLoose =
+    "; no motor is assumed there, so that they hang loose (--hold passive holds them)";
+
 /// Files state an effort for joints that motors drive; where some have one, the others are passive.
 std::string motors(Draft& draft) {
   bool any = false;
@@ -246,7 +250,7 @@ std::string motors(Draft& draft) {
 
   if (!unknown.empty())
     draft.missing.push_back(fmt::format("motors: the file states no largest torque of {}{}",
-                                        unknown, any ? "; no motor is assumed there" : ""));
+                                        unknown, any ? kLoose : ""));
   if (!unknown_speed.empty())
     draft.missing.push_back(fmt::format(
         "motors: the file states no speed of {}; plans with motor_limits keep below {:.4g} rad/s",
