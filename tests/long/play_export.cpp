@@ -12,11 +12,11 @@
 //
 // Prints one line of JSON: distance of the base [m] and pitch [rad] from the plan's end, what left
 // the plane [m, rad], largest torque that PD added over the joint's largest planned torque [-], the
-// largest torque over the limit of the problem, or its motor's own [-], and the floor's friction. Exit 0; 1 where the robot
-// ends 1 cm or 2 deg or more from the plan: the JSON then has under `without` how far off it ends
-// freed of one part each (friction and armature of joints beyond those of the plan's model, feet
-// that slip) or with torques held within the motors' limits, and standard error says which of these
-// it is; 2 where it can't be played.
+// largest torque over the limit of the problem, or its motor's own [-], and the floor's friction.
+// Exit 0; 1 where the robot ends 1 cm or 2 deg or more from the plan: the JSON then has under
+// `without` how far off it ends freed of one part each (friction and armature of joints beyond
+// those of the plan's model, feet that slip) or with torques held within the limits, and standard
+// error says which of these it is; 2 where it can't be played.
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
@@ -280,7 +280,8 @@ Json run(const std::vector<std::string>& given) {
     throw InputError(export_file.string() + ": allowed: `export --as json` of joints of the file");
 
   const model::SpatialTree tree = test::played_tree(read, problem.overrides);
-  const Playing playing{problem, planar, tree, read.urdf, ends_of(given[1], planar), exported};
+  const test::BodiesFile bodies(read);
+  const Playing playing{problem, planar, tree, bodies.path(), ends_of(given[1], planar), exported};
   Json played = play(playing, Part::none, false);
   if (is_far(played)) played["without"] = parts(playing);
   return played;

@@ -35,6 +35,22 @@ double planned_limit(const transcription::Problem& problem, const model::PlanarM
 model::SpatialTree played_tree(const model::Robot& robot,
                                const std::vector<model::Override>& overrides);
 
+/// The file of a robot's bodies, to give to PlayedRobot: its own, or, where its base hangs on the
+/// slides and the hinge that planar files have for a floating one, what that holds from the base
+/// on, which is gone with the object.
+class BodiesFile {
+ public:
+  explicit BodiesFile(const model::Robot& robot);
+  ~BodiesFile();
+  BodiesFile(const BodiesFile&) = delete;
+  BodiesFile& operator=(const BodiesFile&) = delete;
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+  bool own_ = false;
+};
+
 /// First state and last pose of the plan.
 struct Ends {
   Eigen::Vector3d first_base, last_base;  ///< x, z [m], pitch [rad]
