@@ -14,8 +14,8 @@ namespace jaculus::model {
 
 /// Of a geom on the first plane or height field of the world that it collides with; its own where
 /// the file has no floor. NaN where nothing but MuJoCo's default of 1 stands in the file, which
-/// tells nothing of the robot, and where the contact is one without friction (condim 1). The link is
-/// left open.
+/// tells nothing of the robot, and where the contact is one without friction (condim 1). The link
+/// is left open.
 Surface surface_on_floor(const mjModel& model, int geom);
 
 }  // namespace jaculus::model

@@ -85,9 +85,9 @@ int turns(const Export& plan) {
   return count;
 }
 
-/// What a playing is off by without friction, by its mesh and the hold of its torques, and for each
-/// turn what the mean of friction over a sample leaves: a rate that is off by at most c h / I within
-/// the sample and back at its end, so that the angle is off by less than c h^2 / I.
+/// What a playing is off by without friction, by its mesh and the hold of its torques, and for
+/// each turn what the mean of friction over a sample leaves: a rate that is off by at most c h / I
+/// within the sample and back at its end, so that the angle is off by less than c h^2 / I.
 double allowed(double without_friction, int turned) {
   return without_friction + turned * kFriction / (kRate * kRate * kInertia);
 }

@@ -13,10 +13,10 @@
 // have. Limits are looked at where each sample begins and where it ends, with its torque.
 //
 // Where a motor makes up for dry friction (components/motor.h), that share of its torque follows
-// from the velocity v at each instant, not from samples of the plan, between which a joint may turn:
+// from the velocity v at each instant, not from samples of the plan, between which joints turn:
 //   tau(t) = u(t) + c tanh(v(t)/s),
-// u by the hold as above. Its mean over a sample is that of kSteps instants; the sample in which a
-// joint turns has a part of c.
+// u by the hold as above. Its mean over a sample is taken too; that in which a joint turns has a
+// part of c.
 //
 // Joints are those of the robot's file, and of what its robot.yaml attaches: a planar joint that
 // stands for a left and a right one is written out as both, each with its own sign. Of a joint that

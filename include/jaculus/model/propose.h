@@ -20,8 +20,8 @@ struct ProposeOptions {
   std::map<std::string, double> file_pose;
   /// joints that are held though the plane has a place for them, by the file's names
   std::vector<std::string> hold;
-  /// so are all without a motor, where others have one: springs, as of spines and tails, are no part
-  /// of the nominal robot
+  /// so are all without a motor, where others have one: springs, as of spines and tails, are no
+  /// part of the nominal robot
   bool hold_passive = false;
   /// "+x" ... "-z" of the file; told by joints and names where empty. Both or none
   std::string forward, up;

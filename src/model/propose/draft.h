@@ -31,8 +31,8 @@ struct DraftFoot {
   std::string source;         ///< what told where it is
   bool guessed = false;       ///< nothing in the file says where it is
   Surface surface;            ///< of what touches there
-  /// of a capsule's cap about `point` [m]: until the pose at rest is known, in which the foot is the
-  /// cap's lowest point; 0: the foot is `point` itself
+  /// of a capsule's cap about `point` [m]: until the pose at rest is known, in which the foot is
+  /// the cap's lowest point; 0: the foot is `point` itself
   double cap = 0.0;
 };
 
