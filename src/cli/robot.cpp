@@ -26,12 +26,15 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
+/// Of --hold: all joints without a motor.
+constexpr const char* kPassive = "passive";
+
 struct RobotOptions {
   Common common;
   std::string file, base, forward, up;
   std::string tail;  ///< its mass, "10 %"; empty: none
   std::string inertias = "file";
-  std::vector<std::string> pose;
+  std::vector<std::string> pose, hold;
   bool strict = false, apart = false, open = false, replace = false;
 };
 
@@ -60,6 +63,7 @@ struct Source {
   model::SpatialTree tree;
   std::vector<std::string> notes;
   std::map<std::string, double> pose, armature;
+  std::vector<model::Surface> surfaces;
   std::optional<bool> floating;
 };
 
@@ -69,9 +73,11 @@ Source read_source(const fs::path& file, model::Reading reading) {
     model::MjcfRobot robot = model::read_mjcf(file, reading);
     source.urdf = model::write_urdf(robot.tree);
     source.tree = model::parse_urdf(source.urdf, file, reading);
+    model::keep_friction(robot.tree, source.tree);
     source.notes = robot.notes;
     source.pose = robot.pose;
     source.armature = robot.armature;
+    source.surfaces = robot.surfaces;
     // a fixed one may still carry its base on joints along x and z
     if (robot.floating) source.floating = true;
     return source;
@@ -90,14 +96,22 @@ void take_inertias_of_shapes(Source& source, const fs::path& file, model::Readin
   source.notes.push_back(fmt::format("assumed: inertias of {} links are those of their shapes: {}",
                                      names.size(), fmt::join(names, ", ")));
   source.urdf = model::write_urdf(source.tree);
+  const model::SpatialTree written = std::move(source.tree);
   source.tree = model::parse_urdf(source.urdf, file, reading);
+  model::keep_friction(written, source.tree);
 }
 
 model::ProposeOptions propose_options(const RobotOptions& options, const Source& source) {
   model::ProposeOptions propose;
   propose.pose = read_pose(options.pose);
   propose.file_pose = source.pose;
+  for (const std::string& joint : options.hold)
+    if (joint == kPassive)
+      propose.hold_passive = true;
+    else
+      propose.hold.push_back(joint);
   propose.armature = source.armature;
+  propose.surfaces = source.surfaces;
   propose.pairs = !options.apart;
   propose.loops = !options.open;
   propose.floating = source.floating;
@@ -302,6 +316,9 @@ void add_robot_urdf(CLI::App& robot, Action& chosen) {
 void add_statements(CLI::App& import, RobotOptions& options) {
   import.add_option("--pose", options.pose,
                     "JOINT=VALUE of joints that are held, or of the pose at rest; 0 where absent");
+  import.add_option("--hold", options.hold,
+                    "joints that are held though they turn in the plane; `passive`: all without a "
+                    "motor, as springy spines and tails have them");
   import.add_option("--base", options.base, "floating or fixed; default: told by the limbs")
       ->check(one_of({"floating", "fixed"}));
 

@@ -34,8 +34,8 @@ std::string tail_section(const model::Robot& robot, const std::string& mass) {
   if (motor < 0) {
     throw InputError(
         "--tail: the robot has no rear_foot on a leg with a motor at its hip; allowed: a "
-        "quadruped, "
-        "or `attach` in robot.yaml by hand");
+        "quadruped (--hold passive where joints without motors lead to its legs), or `attach` in "
+        "robot.yaml by hand");
   }
 
   const transcription::RobotSize size = transcription::robot_size(robot);

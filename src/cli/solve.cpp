@@ -52,7 +52,7 @@ int run_solve(const SolveOptions& options) {
     write_reporting(report::solve_report(record), common);
   }
   if (executor && !interrupt_requested()) remove_jobs(*executor);
-  return solved.summary.converged() ? kDone : kNotSolved;
+  return solved.summary.converged() && !interrupt_requested() ? kDone : kNotSolved;
 }
 
 }  // namespace

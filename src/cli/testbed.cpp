@@ -17,6 +17,7 @@
 #include "jaculus/simulation/experiment.h"
 #include "jaculus/testbed/blinded_cases.h"
 #include "jaculus/testbed/effects.h"
+#include "jaculus/testbed/robot_notes.h"
 #include "jaculus/testbed/trials.h"
 
 namespace jaculus::cli {
@@ -117,6 +118,8 @@ int run(const RunOptions& options) {
       "jaculus testbed (MuJoCo), {}, seed {}, effects: {}", options.experiment, spec.seed,
       options.effects.empty() ? "none" : fmt::format("{}", fmt::join(options.effects, " ")));
   trajectory::write_dataset(dataset, options.common.out);
+  const std::vector<std::string> notes =
+      testbed::notes_on_robot(model::find_robot(asked.robot, asked.folder));
   const std::string text =
       fmt::format("{} trials of {} on {} written to {}\n", dataset.trials.size(),
                   name_of(dataset.experiment), dataset.robot, options.common.out);
@@ -126,9 +129,11 @@ int run(const RunOptions& options) {
                                    {"robot", dataset.robot},
                                    {"trials", dataset.trials.size()},
                                    {"effects", options.effects},
+                                   {"notes", notes},
                                    {"out", options.common.out}};
     print(json.dump(2) + "\n");
   } else if (!options.common.quiet) {
+    for (const std::string& note : notes) print("  " + note + "\n");
     print(text);
   }
 

@@ -44,6 +44,31 @@ double torque_within(const Values& time, const Values& torque, Eigen::Index i, d
   return torque[i] + (t - time[i]) / (time[i + 1] - time[i]) * (torque[i + 1] - torque[i]);
 }
 
+/// What dry friction takes on average over [from, to], or at `from` where that is an instant, by
+/// the law of the plan at the velocity of each instant.
+double mean_against_friction(const model::PlanarMotor& motor, const Values& time, const Values& p,
+                             const Values& v, double from, double to) {
+  // within a sample of 2 ms a light joint (1e4 rad/s^2) turns in a step or two of these, and what
+  // the mean is off by is that share of the friction
+  constexpr int kSteps = 64;
+  if (motor.dry_friction == 0.0) return 0.0;
+  const auto against = [&](double t) {
+    return components::against_dry_friction(motor, cubic(time, p, v, t)[1]).value;
+  };
+  if (to <= from) return against(from);
+
+  double sum = 0.0;
+  for (int i = 0; i < kSteps; ++i) sum += against(from + (to - from) * (i + 0.5) / kSteps);
+  return sum / kSteps;
+}
+
+/// The plan's torque less what it has against dry friction at its samples.
+Vector without_friction(const model::PlanarMotor& motor, const Values& v, Vector tau) {
+  for (Eigen::Index i = 0; i < tau.size(); ++i)
+    tau[i] -= components::against_dry_friction(motor, v[i]).value;
+  return tau;
+}
+
 /// Over [from, to]; the torque in force at `from` where that is an instant.
 double mean_torque(const Values& time, const Values& torque, double from, double to, bool linear) {
   Eigen::Index i = row_at(time, from);
@@ -68,6 +93,7 @@ model::PlanarMotor motor_of(const solver::MotorFigures& f) {
   motor.saturation_cubic = f.saturation_cubic;
   motor.gear = f.gear;
   motor.efficiency = f.efficiency;
+  motor.dry_friction = f.dry_friction;
   return motor;
 }
 
@@ -85,8 +111,10 @@ ExportedMotor sample(const Source& source, const solver::MotorFigures& figures, 
   const Vector time = table.values.col(table.column("time"));
   const Vector p = table.values.col(table.column(figures.joint));
   const Vector v = table.values.col(table.column(figures.joint + "_velocity"));
-  const Vector tau = table.values.col(table.column(figures.joint + "_torque"));
   const model::PlanarMotor motor = motor_of(figures);
+  const Vector tau =
+      without_friction(motor, v, table.values.col(table.column(figures.joint + "_torque")));
+  const bool linear = source.hold == transcription::InputHold::linear;
   const double t0 = time[0];
   LimitCheck torque{figures.joint, Quantity::torque, "N m", 0.0, 0.0, figures.torque_limit, false};
   LimitCheck current{figures.joint, Quantity::current, "A", 0.0, 0.0, figures.current_limit, false};
@@ -102,8 +130,8 @@ ExportedMotor sample(const Source& source, const solver::MotorFigures& figures, 
   for (const double t : plan.time) {
     const Vec2 state = cubic(time, p, v, t0 + t);
     const double end = std::min(t + 1.0 / plan.rate, plan.duration);
-    const double held =
-        mean_torque(time, tau, t0 + t, t0 + end, source.hold == transcription::InputHold::linear);
+    const double held = mean_torque(time, tau, t0 + t, t0 + end, linear) +
+                        mean_against_friction(motor, time, p, v, t0 + t, t0 + end);
     out.position.push_back(state[0]);
     out.velocity.push_back(state[1]);
     out.torque.push_back(held);

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "jaculus/core/error.h"
+#include "model/mjcf_floor.h"
 #include "model/mjcf_load.h"
 
 namespace jaculus::model {
@@ -114,7 +115,7 @@ class Converter {
     return count_of(robot_.tree.links) - 1;
   }
 
-  void add_shapes(int body, const Vec3& shift, SpatialLink& link) const {
+  void add_shapes(int body, const Vec3& shift, SpatialLink& link) {
     for (int g = m_.body_geomadr[body]; g >= 0 && g < m_.body_geomadr[body] + m_.body_geomnum[body];
          ++g) {
       if (m_.geom_contype[g] == 0 && m_.geom_conaffinity[g] == 0) continue;
@@ -138,10 +139,10 @@ class Converter {
       }
       if (shape.kind == ShapeKind::cylinder || shape.kind == ShapeKind::capsule)
         shape.size = Vec3(shape.size[0], shape.size[0], shape.size[1]);
-      // a file that says nothing has MuJoCo's default, which tells nothing of the robot
-      constexpr double kDefaultFriction = 1.0;
-      const double friction = m_.geom_friction[3 * g];
-      if (friction != kDefaultFriction) shape.friction = friction;
+      Surface surface = surface_on_floor(m_, g);
+      shape.friction = surface.friction;
+      surface.link = link.name;
+      if (!surface.source.empty()) robot_.surfaces.push_back(surface);
       shape.position = vector(m_.geom_pos + 3 * g) - shift;
       shape.rotation = matrix(m_.geom_quat + 4 * g);
       link.shapes.push_back(shape);

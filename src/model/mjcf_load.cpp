@@ -9,6 +9,7 @@
 #include <array>
 #include <cstring>
 #include <optional>
+#include <set>
 
 #include "jaculus/core/error.h"
 #include "model/assumptions.h"
@@ -154,6 +155,31 @@ std::vector<std::string> absent_assets(TiXmlElement& root, const std::filesystem
   return names;
 }
 
+using Bodies = std::set<const TiXmlNode*>;
+
+/// Where geoms give links their inertias whatever these state, a link that lost a geom keeps what
+/// it states, and all others what their geoms give.
+void keep_stated_inertias(TiXmlElement& root, const Bodies& without_mesh, Assumptions& assumed) {
+  TiXmlElement* by_geoms = nullptr;
+  for (TiXmlElement* e : elements_of(root, "compiler"))
+    if (attribute_of(*e, "inertiafromgeom") == "true") by_geoms = e;
+  if (by_geoms == nullptr || without_mesh.empty()) return;
+
+  by_geoms->SetAttribute("inertiafromgeom", "auto");
+  for (TiXmlElement* e : elements_of(root, "inertial")) {
+    TiXmlNode* body = e->Parent();
+    if (without_mesh.count(body) != 0) {
+      assumed.assume(
+          e->Row(),
+          fmt::format("inertiafromgeom, and a mesh of link '{}' isn't there",
+                      attribute_of(*body->ToElement(), "name")),
+          fmt::format("the link's own <inertial> counts, {} kg", attribute_of(*e, "mass")));
+    } else if (body->FirstChildElement("geom") != nullptr) {
+      body->RemoveChild(e);  // which MuJoCo doesn't look at there
+    }
+  }
+}
+
 /// Meshes and textures whose files aren't there, as where a robot's file comes without its folder.
 /// A link whose inertia is stated needs no mesh; another one has its mass from them.
 void leave_out_absent(TiXmlElement& root, const std::filesystem::path& file, Assumptions& assumed) {
@@ -161,6 +187,7 @@ void leave_out_absent(TiXmlElement& root, const std::filesystem::path& file, Ass
     for (TiXmlElement* e : elements_of(root, "material"))
       if (attribute_of(*e, "texture") == name) e->RemoveAttribute("texture");
 
+  Bodies without_mesh;
   for (const std::string& name : absent_assets(root, file, "mesh", "meshdir")) {
     for (TiXmlElement* e : elements_of(root, "geom")) {
       if (attribute_of(*e, "mesh") != name) continue;
@@ -172,9 +199,11 @@ void leave_out_absent(TiXmlElement& root, const std::filesystem::path& file, Ass
                                      name));
       assumed.assume(e->Row(), "a mesh whose file isn't there, on a link that states its inertia",
                      "left out");
+      if (attribute_of(*e, "mass") != "0") without_mesh.insert(&body);
       e->Parent()->RemoveChild(e);
     }
   }
+  keep_stated_inertias(root, without_mesh, assumed);
 }
 
 std::string text_of(const TiXmlDocument& document) {

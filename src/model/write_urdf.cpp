@@ -111,6 +111,18 @@ std::string joint_text(const SpatialTree& tree, const SpatialJoint& joint) {
 
 }  // namespace
 
+void keep_friction(const SpatialTree& written, SpatialTree& tree) {
+  constexpr double kSamePlace = 1e-9;  // [m]: far beyond rounding, far below a robot's parts
+  for (SpatialLink& link : tree.links) {
+    const int from = written.link_index(link.name);
+    if (from < 0) continue;
+    for (SpatialShape& shape : link.shapes)
+      for (const SpatialShape& was : written.links[from].shapes)
+        if (was.kind == shape.kind && (was.position - shape.position).norm() < kSamePlace)
+          shape.friction = was.friction;
+  }
+}
+
 std::string write_urdf(const SpatialTree& tree) {
   std::string text =
       fmt::format("<?xml version=\"1.0\"?>\n<robot name=\"{}\">\n", escaped(tree.name));

@@ -221,9 +221,10 @@ void add_path_limits(const transcription::NonlinearProgram& program, const Vecto
 
     for (int m = 0; m < layout.n_u; ++m) {
       const int c = block.u_first + m;
-      if (active(x[c], layout.lower[c], layout.upper[c], layout.scale[c]))
-        list.add(program.equations().model().motors[m].joint + " torque", phase, starts[k],
-                 starts[k] + interval.length());
+      if (!active(x[c], layout.lower[c], layout.upper[c], layout.scale[c])) continue;
+      const model::PlanarMotor& motor = program.equations().model().motors[m];
+      const char* what = motor.dry_friction > 0.0 ? " torque, dry friction either way" : " torque";
+      list.add(motor.joint + what, phase, starts[k], starts[k] + interval.length());
     }
   }
 }

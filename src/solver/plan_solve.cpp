@@ -101,6 +101,17 @@ NlpResult solve_start(transcription::NonlinearProgram& program,
   return direct;
 }
 
+/// Starts that an interrupt didn't keep from their end; failing is an end too.
+int ended_of(const MultiStart& all) {
+  return static_cast<int>(
+      std::count_if(all.starts.begin(), all.starts.end(), [](const StartOutcome& start) {
+        const bool stopped =
+            start.task == TaskState::done &&
+            (start.result.status == Status::interrupted || start.result.status == Status::stopped);
+        return start.task != TaskState::cancelled && !stopped;
+      }));
+}
+
 /// Where no start ran to its end: why.
 NlpResult no_result(const MultiStart& all) {
   NlpResult none;
@@ -168,6 +179,7 @@ SolvedStarts solve_starts(transcription::NonlinearProgram& program,
       multi);
 
   solved.figures.count = spec.starts;
+  solved.figures.ended = ended_of(all);
   solved.figures.converged = all.converged;
   solved.figures.near_best = static_cast<int>(std::lround(all.near_share * spec.starts));
   for (const int start : optima(all, multi.tie))

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "jaculus/dynamics/rigid_body.h"
@@ -114,6 +115,34 @@ void fill_failure(const Plan& plan, Summary& s) {
   }
 }
 
+/// Bounds of the base at the plan's end that v/T is held at: such an end is the least or most that
+/// the problem allows, and seldom what one would want.
+void add_ends_at_bounds(const Plan& plan, Summary& s) {
+  if (std::isnan(s.average_acceleration)) return;
+  const transcription::Layout& layout = plan.program->layout();
+  const Vector& x = plan.result.last_iterate();
+  const transcription::NodeBlock& last = layout.nodes.back();
+  const std::vector<model::Coordinate>& coordinates = plan.program->equations().model().coordinates;
+
+  const auto add = [&](int column, const std::string& what) {
+    const double lower = layout.lower[column], upper = layout.upper[column];
+    if (lower == upper) return;  // imposed
+    const double slack = kAtBound * layout.scale[column];
+    const bool least = x[column] - lower < slack;
+    if (!least && upper - x[column] >= slack) return;
+    s.warnings.push_back(fmt::format(
+        "v/T stands at a bound: at the plan's end the {} is the {} that the problem allows, "
+        "{:.4g} {}",
+        what, least ? "least" : "largest", x[column], layout.units[column]));
+  };
+  for (int i = 0; i < layout.n; ++i) {
+    const std::string& name = coordinates[i].name;
+    if (name != "x" && name != "z" && name != "pitch") continue;
+    add(last.q + i, name == "z" ? "height z of the base" : "base's " + name);
+    add(last.v + i, "velocity of the base's " + name);
+  }
+}
+
 void add_warnings(const Plan& plan, Summary& s) {
   for (const PhaseFigures& phase : s.phases) {
     if (phase.at_bound)
@@ -123,14 +152,20 @@ void add_warnings(const Plan& plan, Summary& s) {
                                            : "; more starts (--starts 10) tell whether another "
                                              "optimum is better"));
   }
+  add_ends_at_bounds(plan, s);
+  if (plan.starts.ended < plan.starts.count)
+    s.warnings.push_back(
+        fmt::format("interrupted: {} of {} starts had ended, and the plan is the best of those; a "
+                    "better one may be among the others",
+                    plan.starts.ended, plan.starts.count));
   if (plan.starts.count > 1) {
-    const auto percent = [&](int part) { return 100.0 * part / plan.starts.count; };
+    const auto percent = [&](int part) { return 100.0 * part / std::max(1, plan.starts.ended); };
     s.warnings.push_back(
         fmt::format("{} of {} starts converged ({:.0f} %), {} within 0.5 % of the best ({:.0f} %); "
                     "start {} was taken; "
                     "every random "
                     "start went through a feasibility stage first",
-                    plan.starts.converged, plan.starts.count, percent(plan.starts.converged),
+                    plan.starts.converged, plan.starts.ended, percent(plan.starts.converged),
                     plan.starts.near_best, percent(plan.starts.near_best), plan.starts.best));
     if (!plan.starts.passed_over.empty())
       s.warnings.push_back(
@@ -175,6 +210,7 @@ std::vector<MotorFigures> motor_figures(const model::PlanarModel& model) {
     f.resistance = m.resistance;
     f.saturation_linear = m.saturation_linear;
     f.saturation_cubic = m.saturation_cubic;
+    f.dry_friction = m.dry_friction;
     figures.push_back(f);
   }
 

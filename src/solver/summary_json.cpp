@@ -86,7 +86,8 @@ constexpr MotorKey kMotorKeys[] = {
     {"torque_constant_N_m_A", &MotorFigures::torque_constant, kNaN},
     {"resistance_ohm", &MotorFigures::resistance, kNaN},
     {"saturation_linear_A_N_m", &MotorFigures::saturation_linear, kNaN},
-    {"saturation_cubic_A_N_m3", &MotorFigures::saturation_cubic, kNaN}};
+    {"saturation_cubic_A_N_m3", &MotorFigures::saturation_cubic, kNaN},
+    {"dry_friction_N_m", &MotorFigures::dry_friction, 0.0}};
 
 Json motor(const MotorFigures& m) {
   Json json = {{"motor", m.joint}, {"count", m.count}, {"slides", m.slides}};

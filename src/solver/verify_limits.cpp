@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "jaculus/components/motor.h"
+
 namespace jaculus::solver::detail {
 
 namespace {
@@ -83,10 +85,25 @@ void LimitMonitor::check_bounds(int k, const Vector& u, const components::Equati
     check(name + " position", unit(q), point.q[i], hull(q, last.q + i), layout.scale[q]);
     check(name + " velocity", unit(v), point.v[i], hull(v, last.v + i), layout.scale[v]);
   }
-  for (int i = 0; i < layout.n_u; ++i) {
-    const int column = block.u_first + i;
-    check(model.motors[i].joint + " torque", unit(column), u[i], hull(column, block.u_last + i),
-          layout.scale[column]);
+  check_torques(block, u, point);
+}
+
+/// The motor's torque is the input and what it gives against dry friction at this rate; an input is
+/// bounded by what all of that friction leaves.
+void LimitMonitor::check_torques(const transcription::IntervalBlock& block, const Vector& u,
+                                 const components::EquationsPoint& point) {
+  const transcription::Layout& layout = program_.layout();
+  const model::PlanarModel& model = program_.equations().model();
+  for (int m = 0; m < layout.n_u; ++m) {
+    const model::PlanarMotor& motor = model.motors[m];
+    const int column = block.u_first + m;
+    const double rate = model.joint_map.row(motor.body).dot(point.v);
+    const double torque = u[m] + components::against_dry_friction(motor, rate).value;
+    Bounds limit = hull(column, block.u_last + m);
+    limit.lower -= motor.dry_friction;
+    limit.upper += motor.dry_friction;
+    check(motor.joint + " torque", layout.units[column], torque, limit,
+          layout.scale[column] + motor.dry_friction);
   }
 }
 

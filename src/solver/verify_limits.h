@@ -29,6 +29,8 @@ class LimitMonitor {
              double scale, bool of_foot = false);
   void check_terms(int k, double s, const Vector& u, components::EquationsPoint& point);
   void check_bounds(int k, const Vector& u, const components::EquationsPoint& point);
+  void check_torques(const transcription::IntervalBlock& block, const Vector& u,
+                     const components::EquationsPoint& point);
   void check_feet(const components::EquationsPoint& point);
   [[nodiscard]] Bounds hull(int first, int second) const;
 

@@ -3,10 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <map>
 
 #include "jaculus/core/yaml.h"
 #include "jaculus/model/robot.h"
+#include "jaculus/testbed/robot_notes.h"
+#include "model/propose/draft.h"
 #include "model/reduce.h"
 #include "testbed/limbs.h"
 
@@ -31,23 +34,60 @@ std::vector<std::string> sides_of(const Sides& sides, const std::string& name) {
   return found == sides.end() ? std::vector<std::string>{name} : found->second;
 }
 
-/// Links of a pair of joints are a pair too, and so is what is fixed to them, in the file's order:
-/// imports state pairs of joints alone.
-void pair_links(const model::SpatialTree& tree, int left, int right, Sides& links) {
+std::vector<int> fixed_to(const model::SpatialTree& tree, int parent) {
+  std::vector<int> children;
+  for (const model::SpatialJoint& joint : tree.joints)
+    if (joint.parent == parent && joint.kind == model::SpatialJointKind::fixed)
+      children.push_back(joint.child);
+  return children;
+}
+
+/// Whether names are those of a left and a right one.
+bool are_sides(const std::string& a, const std::string& b) {
+  return a != b && model::other_side(model::other_side(b)) == model::other_side(a);
+}
+
+/// Takes what pairs by name out of both lists.
+std::vector<std::array<int, 2>> by_name(const model::SpatialTree& tree, std::vector<int>& left,
+                                        std::vector<int>& right) {
+  std::vector<std::array<int, 2>> pairs;
+  std::erase_if(left, [&](int l) {
+    const auto found = std::find_if(right.begin(), right.end(), [&](int r) {
+      return are_sides(tree.links[l].name, tree.links[r].name);
+    });
+    if (found == right.end()) return false;
+    pairs.push_back({l, *found});
+    right.erase(found);
+    return true;
+  });
+  return pairs;
+}
+
+/// Links of a pair of joints are a pair too, and so is what is fixed to them, for imports state
+/// pairs of joints alone: by names that differ in their side alone; one that is left on each side
+/// with the other; more of them in the file's order. What isn't by name, and what has no other
+/// side, is a line of `notes`.
+void pair_links(const model::SpatialTree& tree, int left, int right, Sides& links,
+                std::vector<std::string>& notes) {
   const std::string& name = tree.links[left].name;
   const auto has = [&](const auto& pair) { return pair.second.front() == name; };
   if (std::none_of(links.begin(), links.end(), has)) links[name] = {name, tree.links[right].name};
 
-  const auto fixed_to = [&tree](int parent) {
-    std::vector<int> children;
-    for (const model::SpatialJoint& joint : tree.joints)
-      if (joint.parent == parent && joint.kind == model::SpatialJointKind::fixed)
-        children.push_back(joint.child);
-    return children;
-  };
-  const std::vector<int> a = fixed_to(left), b = fixed_to(right);
-  if (a.size() != b.size()) return;
-  for (std::size_t i = 0; i < a.size(); ++i) pair_links(tree, a[i], b[i], links);
+  std::vector<int> a = fixed_to(tree, left), b = fixed_to(tree, right);
+  std::vector<std::array<int, 2>> pairs = by_name(tree, a, b);
+  for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i) {
+    pairs.push_back({a[i], b[i]});
+    notes.push_back(fmt::format(
+        "links '{}' and '{}' are taken as left and right of one, {}: their names don't say so",
+        tree.links[a[i]].name, tree.links[b[i]].name,
+        a.size() == 1 && b.size() == 1 ? "what is left of both sides" : "in the file's order"));
+  }
+  for (const std::vector<int>* side : {&a, &b}) {
+    for (std::size_t i = std::min(a.size(), b.size()); i < side->size(); ++i)
+      notes.push_back(fmt::format("link '{}' has none on the other side: it counts by itself",
+                                  tree.links[(*side)[i]].name));
+  }
+  for (const auto& [l, r] : pairs) pair_links(tree, l, r, links, notes);
 }
 
 model::Vec3 in_space(const Vec2& point) { return {point.x(), 0.0, point.y()}; }
@@ -179,7 +219,9 @@ double RobotFiles::rest_of(const std::string& planar) const {
   return found == rest.end() ? 0.0 : found->second;
 }
 
-RobotFiles read_robot_files(const std::filesystem::path& folder) {
+namespace {
+
+RobotFiles read_files(const std::filesystem::path& folder, std::vector<std::string>& notes) {
   const model::Robot robot = model::read_robot(folder);
   const yaml::Node node = yaml::Node::load(folder / "robot.yaml");
   RobotFiles files;
@@ -209,7 +251,7 @@ RobotFiles read_robot_files(const std::filesystem::path& folder) {
     const auto child = [&](const std::string& joint) {
       return files.tree.joints.at(files.tree.joint_index(joint)).child;
     };
-    pair_links(files.tree, child(sides.at(0)), child(sides.at(1)), links);
+    pair_links(files.tree, child(sides.at(0)), child(sides.at(1)), links, notes);
   }
   for (const auto& [name, sides] : links) {
     for (const std::string& side : sides) files.link_pairs[side] = sides.front();
@@ -232,6 +274,19 @@ RobotFiles read_robot_files(const std::filesystem::path& folder) {
   files.rest = read_rest(node, robot.planar);
   set_limbs(node, files);
   return files;
+}
+
+}  // namespace
+
+RobotFiles read_robot_files(const std::filesystem::path& folder) {
+  std::vector<std::string> notes;
+  return read_files(folder, notes);
+}
+
+std::vector<std::string> notes_on_robot(const std::filesystem::path& robot_folder) {
+  std::vector<std::string> notes;
+  (void)read_files(robot_folder, notes);
+  return notes;
 }
 
 }  // namespace jaculus::testbed

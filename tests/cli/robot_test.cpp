@@ -56,6 +56,20 @@ TEST(RobotImport, AQuadrupedIsImportedLoadedAndStands) {
   EXPECT_NEAR(mocap.values(pitch, last), 0.0, 0.02);
 }
 
+TEST(RobotImport, OfMjcfTheFrictionOfFeetIsKept) {
+  const TemporaryFolder folder;
+  const std::string text = test::kHopperMjcf;
+  write(folder / "hopper.xml",
+        std::regex_replace(text, std::regex("<worldbody>"),
+                           "<default><geom friction=\".4 .1 .1\"/></default><worldbody>"));
+  const std::string out = folder / "hopper";
+  const Outcome import = run_program({"robot", "import", folder / "hopper.xml", "--out", out});
+  if (holds(import.err, "made without it")) GTEST_SKIP() << "no MuJoCo";
+  ASSERT_EQ(import.exit_code, 0) << import.err;
+  EXPECT_TRUE(holds(bytes_of(out + "/robot.yaml"), "friction: 0.4   # of the feet, by the file"));
+  EXPECT_FALSE(holds(import.out, "friction: 0.8"));
+}
+
 TEST(RobotImport, TheLeapThatItProposesIsSolvedVerifiedAndExported) {
   const TemporaryFolder folder;
   write(folder / "hound.urdf", test::quadruped_urdf());

@@ -81,6 +81,42 @@ TEST(Resample, ASampleHasTheImpulseOfThePlanWhateverTheRate) {
   }
 }
 
+/// One interval of 0.1 s in which the arm turns at 0.031 s, under a torque of 2 N m against 1.5 N m
+/// of dry friction: v = 2000 (t - 0.031).
+Source turning(InputHold hold) {
+  Source s = source(hold);
+  s.motors[0].dry_friction = 1.5;
+  s.motors[0].torque_limit = kInfinity;
+  s.table.values.resize(2, 4);
+  for (int k = 0; k < 2; ++k) {
+    const double t = 0.1 * k, v = 2000.0 * (t - 0.031);
+    s.table.values.row(k) << t, 1000.0 * t * t - 62.0 * t, v, 2.0 + std::copysign(1.5, v);
+  }
+  return s;
+}
+
+TEST(Resample, FrictionThatIsMadeUpForFollowsTheVelocityOfEachInstant) {
+  for (const InputHold hold : {InputHold::held, InputHold::linear}) {
+    const Export plan = resample(turning(hold), 1000.0, Side::joint);
+    const ExportedMotor& arm = plan.motors[0];
+    // 0.1 rad/s, within which friction swells, are left behind in a tenth of a millisecond
+    EXPECT_NEAR(arm.torque[29], 2.0 - 1.5, 1e-3);
+    EXPECT_NEAR(arm.torque[30], 2.0 - 1.5, 0.06) << "on the way to the turn";
+    EXPECT_NEAR(arm.torque[31], 2.0 + 1.5, 0.06) << "and from it";
+    EXPECT_NEAR(arm.torque[32], 2.0 + 1.5, 1e-3);
+    // a sample in which it turns has as much of either sign as its time
+    const Export slow = resample(turning(hold), 100.0, Side::joint);
+    EXPECT_NEAR(slow.motors[0].torque[3], 2.0 - 1.5 * 0.1 + 1.5 * 0.9, 2.0 * 1.5 / 64);
+  }
+}
+
+TEST(Resample, WithoutFrictionNothingIsAdded) {
+  Source s = turning(InputHold::linear);
+  s.motors[0].dry_friction = 0.0;
+  const Export plan = resample(s, 1000.0, Side::joint);
+  EXPECT_NEAR(plan.motors[0].torque[50], 2.0 + 1.5 * (2.0 * 0.505 - 1.0), 1e-12);
+}
+
 /// The arm as a left joint and a right one that turns the other way, and a joint that is held.
 Export two_sided() {
   Source s = source(InputHold::held);

@@ -7,16 +7,16 @@
 //   torque + kp (position - measured) + kd (velocity - measured),
 // at every joint that it names; joints that are to be held are, by stiff springs. Of the plan only
 // the robot's first state and, to compare, its last one are taken; air acts as in its model. Robot
-// and floor are as robot.yaml has them, not as the plan's limits (played_robot.h). PATH=VALUE:
-// overrides that the plan was solved with.
+// and floor are as robot.yaml has them, not as the plan's limits (played_robot.h); torques are held
+// against the limits of the problem. PATH=VALUE: overrides that the plan was solved with.
 //
 // Prints one line of JSON: distance of the base [m] and pitch [rad] from the plan's end, what left
 // the plane [m, rad], largest torque that PD added over the joint's largest planned torque [-], the
-// largest torque over the motor's limit [-], and the floor's friction. Exit 0; 1 where the robot
-// ends 1 cm or 2 deg or more from the plan: the JSON then has under `without` how far off it ends
-// freed of one part each (friction and armature of joints beyond those of the plan's model, feet
-// that slip) or with torques held within the motors' limits, and standard error says which of these
-// it is; 2 where it can't be played.
+// largest torque over the limit of the problem, or its motor's own [-], and the floor's friction.
+// Exit 0; 1 where the robot ends 1 cm or 2 deg or more from the plan: the JSON then has under
+// `without` how far off it ends freed of one part each (friction and armature of joints beyond
+// those of the plan's model, feet that slip) or with torques held within the limits, and standard
+// error says which of these it is; 2 where it can't be played.
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
@@ -52,6 +52,7 @@ constexpr double kTurned = 2.0 / kDegrees;  ///< the same [rad]
 
 /// What is played, on which robot.
 struct Playing {
+  const transcription::Problem& problem;
   const PlanarModel& planar;
   const model::SpatialTree& tree;
   std::filesystem::path file;
@@ -89,7 +90,7 @@ struct Played {
   double zero = 0.0;
   std::vector<double> position, velocity, torque;
   double peak = 0.0;         ///< of the torque planned
-  double limit = kInfinity;  ///< of the motor, at the joint
+  double limit = kInfinity;  ///< of the plan's torque, at the joint
   double kp = 0.0;
 };
 
@@ -102,17 +103,8 @@ Vector effective_inertias(PlayedRobot& robot) {
   return M.inverse().diagonal().cwiseInverse();
 }
 
-/// Largest torque of the motor behind a joint of the file.
-double limit_of(const PlanarModel& planar, const std::string& name) {
-  for (const model::PlanarMotor& motor : planar.motors) {
-    for (const model::FileJoint& side :
-         planar.bodies[static_cast<std::size_t>(motor.body)].file_joints)
-      if (side.name == name) return components::largest_joint_torque(motor).value;
-  }
-  return kInfinity;
-}
-
-std::vector<Played> read_export(const Json& json, const PlanarModel& planar, PlayedRobot& robot) {
+std::vector<Played> read_export(const Playing& playing, PlayedRobot& robot) {
+  const Json& json = playing.exported;
   const mjModel& m = robot.model();
   const Vector inertias = effective_inertias(robot);
   const double rate = json.at("rate_hz").get<double>();
@@ -126,7 +118,8 @@ std::vector<Played> read_export(const Json& json, const PlanarModel& planar, Pla
     p.position = joint.at("position").get<std::vector<double>>();
     p.velocity = joint.at("velocity").get<std::vector<double>>();
     p.torque = joint.at("torque").get<std::vector<double>>();
-    p.limit = limit_of(planar, joint.at("name").get<std::string>());
+    p.limit =
+        test::planned_limit(playing.problem, playing.planar, joint.at("name").get<std::string>());
 
     for (const double tau : p.torque) p.peak = std::max(p.peak, std::abs(tau));
     p.kp = std::min(p.peak / kStiffness, kBraking * inertias[p.v] * rate / kDamping);
@@ -180,12 +173,12 @@ void add_drag(const PlanarModel& planar, PlayedRobot& robot) {
 
 /// `limited`: motors give no more than their largest torque.
 Json play(const Playing& playing, Part freed_of, bool limited) {
-  const auto& [planar, tree, file, ends, exported] = playing;
+  const auto& [problem, planar, tree, file, ends, exported] = playing;
   PlayedRobot robot(planar, file, tree, ends);
   robot.without(freed_of);
   mjModel& m = robot.model();
   mjData& d = robot.data();
-  const std::vector<Played> joints = read_export(exported, planar, robot);
+  const std::vector<Played> joints = read_export(playing, robot);
   double stiffest = 0.0;
   for (const Played& p : joints) stiffest = std::max(stiffest, p.peak / kStiffness);
   hold_joints(exported, robot, stiffest, m);
@@ -287,7 +280,8 @@ Json run(const std::vector<std::string>& given) {
     throw InputError(export_file.string() + ": allowed: `export --as json` of joints of the file");
 
   const model::SpatialTree tree = test::played_tree(read, problem.overrides);
-  const Playing playing{planar, tree, read.urdf, ends_of(given[1], planar), exported};
+  const test::BodiesFile bodies(read);
+  const Playing playing{problem, planar, tree, bodies.path(), ends_of(given[1], planar), exported};
   Json played = play(playing, Part::none, false);
   if (is_far(played)) played["without"] = parts(playing);
   return played;

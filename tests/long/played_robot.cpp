@@ -3,8 +3,11 @@
 #include <unistd.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
+#include <fstream>
 
+#include "jaculus/transcription/layout.h"
 #include "long/planar_pose.h"
 #include "model/sections.h"
 
@@ -53,6 +56,17 @@ model::PlanarModel played_model(const transcription::Problem& problem,
   return transcription::planning_model(unlimited, model);
 }
 
+double planned_limit(const transcription::Problem& problem, const model::PlanarModel& model,
+                     const std::string& joint) {
+  for (const model::PlanarMotor& motor : model.motors) {
+    const auto& sides = model.bodies[static_cast<std::size_t>(motor.body)].file_joints;
+    const bool drives = std::any_of(sides.begin(), sides.end(),
+                                    [&](const auto& side) { return side.name == joint; });
+    if (drives) return transcription::usable_torque(problem, motor);
+  }
+  return kInfinity;
+}
+
 model::SpatialTree played_tree(const model::Robot& robot,
                                const std::vector<model::Override>& overrides) {
   model::SpatialTree tree = model::read_tree(robot.folder, overrides);
@@ -64,6 +78,22 @@ model::SpatialTree played_tree(const model::Robot& robot,
   tree.links[static_cast<std::size_t>(tree.root)].R_BL =
       placed.links[static_cast<std::size_t>(placed.root)].R_BL;
   return tree;
+}
+
+BodiesFile::BodiesFile(const model::Robot& robot) : path_(robot.urdf) {
+  const fs::path stated = robot.folder / "robot.yaml";
+  if (!fs::exists(stated)) return;
+  const auto base = yaml::Node::load(stated).find("base_link");
+  if (!base) return;
+  const model::SpatialTree whole = model::read_urdf(robot.urdf);
+  path_ = fs::temp_directory_path() / fmt::format("play_export_{}.urdf", ::getpid());
+  own_ = true;
+  std::ofstream(path_) << model::write_urdf(model::subtree(whole, whole.link_index(base->text())));
+}
+
+BodiesFile::~BodiesFile() {
+  std::error_code code;
+  if (own_) fs::remove(path_, code);
 }
 
 PlayedRobot::PlayedRobot(const model::PlanarModel& planar, const fs::path& file,
@@ -186,7 +216,8 @@ void PlayedRobot::set_state(const Ends& ends) {
 
 /// What robot.yaml attaches; MuJoCo balances rods whose moments rounding leaves out of a triangle.
 void PlayedRobot::add_attached(const model::SpatialTree& tree) {
-  insert_after("<mujoco", "<compiler balanceinertia=\"true\" boundinertia=\"1e-14\"/>");
+  insert_after("<mujoco",
+               "<compiler balanceinertia=\"true\" boundmass=\"1e-12\" boundinertia=\"1e-14\"/>");
   for (const model::SpatialJoint& joint : tree.joints) {
     const model::SpatialLink& parent = tree.links[static_cast<std::size_t>(joint.parent)];
     const bool on_attached =

@@ -26,9 +26,30 @@ namespace jaculus::test {
 model::PlanarModel played_model(const transcription::Problem& problem,
                                 const model::PlanarModel& model);
 
+/// Largest torque that a plan of `problem` may ask of the motor behind a joint of the robot's file,
+/// at the joint, by the problem's limits where it has its own [N m or N]; infinite without a motor.
+double planned_limit(const transcription::Problem& problem, const model::PlanarModel& model,
+                     const std::string& joint);
+
 /// The bodies in space from the base on, with what is attached, lying as robot.yaml's `axes` say.
 model::SpatialTree played_tree(const model::Robot& robot,
                                const std::vector<model::Override>& overrides);
+
+/// The file of a robot's bodies, to give to PlayedRobot: its own, or, where its base hangs on the
+/// slides and the hinge that planar files have for a floating one, what that holds from the base
+/// on, which is gone with the object.
+class BodiesFile {
+ public:
+  explicit BodiesFile(const model::Robot& robot);
+  ~BodiesFile();
+  BodiesFile(const BodiesFile&) = delete;
+  BodiesFile& operator=(const BodiesFile&) = delete;
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+  bool own_ = false;
+};
 
 /// First state and last pose of the plan.
 struct Ends {

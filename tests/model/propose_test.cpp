@@ -158,6 +158,43 @@ TEST(Propose, AbductionIsHeldWhereItIsStated) {
                     "out of range; allowed: -0.8 to 0.8"));
 }
 
+TEST(Propose, JointsOfThePlaneAreHeldWhereAskedFor) {
+  const std::string limb = test::quadruped_with_limb(0.2, 0.1, "0.1 0 0.1");
+  const Imported usual = imported(limb);
+  ASSERT_EQ(usual.robot.planar.coordinates.size(), 9u);
+  std::vector<std::string> others;
+  for (const PlanarMotor& motor : usual.robot.planar.motors)
+    if (!motor.joint.starts_with("front_") && !motor.joint.starts_with("rear_"))
+      others.push_back(motor.joint);
+  ASSERT_EQ(others.size(), 2u);
+
+  ProposeOptions options;
+  options.hold = others;
+  const Imported held = imported(limb, options);
+  EXPECT_EQ(held.robot.planar.coordinates.size(), 7u);
+  EXPECT_TRUE(holds(held.proposal.yaml, "as asked for"));
+
+  // without a motor: loose, unless what is passive is held
+  const std::string loose = testing::replaced(
+      testing::replaced(limb, "effort=\"1e5\"", "effort=\"0\""), "effort=\"1e5\"", "effort=\"0\"");
+  const Imported hanging = imported(loose);
+  EXPECT_EQ(hanging.robot.planar.coordinates.size(), 9u);
+  EXPECT_TRUE(holds(fmt::format("{}", fmt::join(hanging.proposal.missing, "\n")),
+                    "shoulder, wrist; no motor is assumed there, so that they hang loose (--hold"));
+  ProposeOptions passive;
+  passive.hold_passive = true;
+  const Imported stiff = imported(loose, passive);
+  EXPECT_EQ(stiff.robot.planar.coordinates.size(), 7u);
+  EXPECT_TRUE(holds(fmt::format("{}", fmt::join(stiff.proposal.notes, "\n")),
+                    "held, 2 of 14 joints (no motor drives them)"))
+      << fmt::format("{}", fmt::join(stiff.proposal.notes, "\n"));
+
+  ProposeOptions wrong;
+  wrong.hold = {"sholder"};
+  EXPECT_TRUE(holds(input_error_of([&] { (void)imported(limb, wrong); }),
+                    "--hold: no joint 'sholder' moves, did you mean 'shoulder'?"));
+}
+
 TEST(Propose, RestsAsItsFileSaysWhereItStandsInThatPose) {
   ProposeOptions options;
   for (const char* leg : {"FL", "FR", "RL", "RR"}) {
@@ -179,6 +216,26 @@ TEST(Propose, RestsAsItsFileSaysWhereItStandsInThatPose) {
   // what the user states counts
   options.pose["FL_hip_joint"] = 0.6;
   EXPECT_EQ(imported(test::quadruped_urdf(), options).proposal.rest.at("front_hip"), 0.6);
+}
+
+TEST(Propose, ARestPoseAtARangesEndIsReadBackWithinIt) {
+  // ends in degrees have more digits than a person writes
+  for (const double degrees : {0.4, 7.3, 29.0, 57.0, 61.9, 103.7}) {
+    for (const double sense : {1.0, -1.0}) {
+      const double end = sense * degrees * M_PI / 180.0;
+      const std::string range =
+          fmt::format("lower=\"{}\" upper=\"{}\"", std::min(end, 2 * end), std::max(end, 2 * end));
+      const std::string text = testing::replaced(
+          "<robot name=\"r\">" + link("base", 5, "0 0 0") + link("arm", 1, "0 0 -0.1") +
+              joint("turn", "revolute", "base", "arm", "0 0 0", "0 1 0") + "</robot>",
+          "lower=\"-2\" upper=\"2\"", range);
+      const Imported robot = imported(text);
+      const Bounds& allowed = robot.robot.planar.coordinates.back().range;
+      const double rest = robot.robot.rest_pose.at("turn");
+      EXPECT_TRUE(allowed.contains(rest)) << fmt::format("{}: {}", end, rest);
+      EXPECT_NEAR(rest, end, 1e-5);  // six digits of it
+    }
+  }
 }
 
 TEST(Propose, LeftAndRightMayStayApart) {
@@ -305,6 +362,13 @@ TEST(Propose, NothingThatMovesIsSaid) {
   EXPECT_EQ(box.robot.planar.size(), 3);
 }
 
+Proposal proposed_of(const std::filesystem::path& file) {
+  const MjcfRobot robot = read_mjcf(file);
+  ProposeOptions options;
+  options.surfaces = robot.surfaces;
+  return propose_robot(robot.tree, options);
+}
+
 /// The hopper, or nothing where this build has no MuJoCo.
 std::optional<MjcfRobot> hopper() {
   const testing::Folder folder;
@@ -384,6 +448,33 @@ TEST(Mjcf, WithoutItsMeshesIsReadWhereLinksStateTheirInertias) {
   }
 }
 
+TEST(Mjcf, WithoutAMeshALinkKeepsItsStatedMassWhereGeomsGiveMasses) {
+  if (!hopper()) GTEST_SKIP() << "no MuJoCo";
+  const auto inertial = [](double mass) {
+    return fmt::format("<inertial pos=\"0 0 0\" mass=\"{}\" diaginertia=\"0.03 0.04 0.02\"/>",
+                       mass);
+  };
+  std::string text = testing::replaced(test::kHopperMjcf, "<compiler angle=\"radian\"/>",
+                                       "<compiler angle=\"radian\" inertiafromgeom=\"true\"/>"
+                                       "<asset><mesh name=\"shell\" file=\"shell.stl\"/></asset>");
+  text =
+      testing::replaced(text, "<geom name=\"box\"",
+                        inertial(6.0) + "<geom type=\"mesh\" mesh=\"shell\"/><geom name=\"box\"");
+  text =
+      testing::replaced(text, "<geom type=\"capsule\"", inertial(9.0) + "<geom type=\"capsule\"");
+  const testing::Folder folder;
+  folder.write("hopper.xml", text);
+  const MjcfRobot robot = read_mjcf(folder.path() / "hopper.xml");
+
+  const auto mass = [&](const char* link) {
+    return robot.tree.links[robot.tree.link_index(link)].mass;
+  };
+  EXPECT_EQ(mass("trunk"), 6.0) << "4 kg of its box are not all of it";
+  EXPECT_EQ(mass("thigh"), 1.0) << "of its geom, as MuJoCo has it";
+  EXPECT_TRUE(holds(fmt::format("{}", fmt::join(robot.notes, "\n")),
+                    "a mesh of link 'trunk' isn't there: the link's own <inertial> counts, 6 kg"));
+}
+
 TEST(Mjcf, ComesBackFromItsUrdfAndIsPlanar) {
   const std::optional<MjcfRobot> mjcf = hopper();
   if (!mjcf) GTEST_SKIP() << "no MuJoCo";
@@ -399,11 +490,30 @@ TEST(Mjcf, ComesBackFromItsUrdfAndIsPlanar) {
   EXPECT_NEAR(m.bodies[1].com.y(), -0.15 - 0.05, 1e-12);
   EXPECT_NEAR(m.bodies[2].origin.y(), -0.35, 1e-12);
   EXPECT_EQ(m.bodies[2].sign, -1.0);
-  ASSERT_EQ(m.feet.size(), 1u);
-  EXPECT_NEAR(m.feet[0].position.y(), -0.3, 1e-12);
   EXPECT_EQ(m.motors[0].rotor_inertia, 0.02);
   EXPECT_EQ(m.motors[0].viscous_friction, 0.1);
   EXPECT_EQ(m.motors[1].viscous_friction, 0.0);
+}
+
+TEST(Propose, ACapsulesFootIsItsLowestPointAtRest) {
+  const std::optional<MjcfRobot> mjcf = hopper();
+  if (!mjcf) GTEST_SKIP() << "no MuJoCo";
+  const Imported robot = imported(write_urdf(mjcf->tree));
+  const PlanarModel& m = robot.robot.planar;
+  ASSERT_EQ(m.feet.size(), 1u);
+
+  // the shank ends in a cap of 0.02 m about (0, -0.3)
+  const Vec2 from_cap = m.feet[0].position - Vec2(0.0, -0.3);
+  EXPECT_NEAR(from_cap.norm(), 0.02, 1e-6);
+  const std::vector<testing::Pose> at = testing::poses(m, {}, robot.proposal.rest);
+  const testing::Pose& shank = at[static_cast<std::size_t>(m.feet[0].body)];
+  const Vec2 down = shank.at(m.feet[0].position) - shank.at(Vec2(0.0, -0.3));
+  EXPECT_NEAR(down.x(), 0.0, 1e-6);
+  EXPECT_NEAR(down.y(), -0.02, 1e-6);
+
+  // links of 0.35 and 0.3 m and the cap, drawn in to three quarters, below the hip
+  EXPECT_NEAR(shank.at(m.feet[0].position).y(), -0.15 - 0.75 * (0.35 + 0.3 + 0.02), 1e-4);
+  EXPECT_TRUE(holds(fmt::format("{}", fmt::join(robot.proposal.notes, "\n")), "doesn't roll"));
 }
 
 TEST(Mjcf, FeetHaveTheFrictionOfTheirGeoms) {
@@ -413,12 +523,47 @@ TEST(Mjcf, FeetHaveTheFrictionOfTheirGeoms) {
   EXPECT_TRUE(holds(assumed.yaml, "friction: 0.8   # fill in"));
   EXPECT_TRUE(holds(assumed.missing.at(0), "friction: 0.8"));
 
-  const testing::Folder folder;
-  folder.write("hopper.xml", testing::replaced(test::kHopperMjcf, "size=\"0.02\" mass=\"0.5\"",
-                                               "size=\"0.02\" mass=\"0.5\" friction=\"0.6\""));
-  const Proposal stated = propose_robot(read_mjcf(folder.path() / "hopper.xml").tree, {});
-  EXPECT_TRUE(holds(stated.yaml, "friction: 0.6   # of the feet, by the file"));
+  const std::string foot = "size=\"0.02\" mass=\"0.5\"", floor = "size=\"5 5 1\"";
+  const auto with = [&](const std::string& of_foot, const std::string& of_floor) {
+    const testing::Folder folder;
+    folder.write("hopper.xml",
+                 testing::replaced(testing::replaced(test::kHopperMjcf, foot, foot + " " + of_foot),
+                                   floor, floor + " " + of_floor));
+    return proposed_of(folder.path() / "hopper.xml");
+  };
+  // the larger of both, unless one has priority
+  const Proposal stated = with("friction=\"0.6\"", "friction=\"0.3\"");
+  EXPECT_TRUE(holds(stated.yaml,
+                    "friction: 0.6   # of the feet, by the file: 'foot' (0.6) on 'world' (0.3), "
+                    "of which MuJoCo takes the larger"))
+      << stated.yaml;
   for (const std::string& line : stated.missing) EXPECT_FALSE(holds(line, "friction: 0.8"));
+  EXPECT_TRUE(holds(with("friction=\"0.6\"", "").yaml, "friction: 1   # of the feet"));
+  EXPECT_TRUE(holds(with("friction=\"0.6\" priority=\"1\"", "").yaml, "friction: 0.6   # of the"));
+  EXPECT_TRUE(holds(with("friction=\"0.6\" condim=\"1\"", "condim=\"1\"").missing.at(0),
+                    "friction: 0.8, rubber on a dry floor, is assumed; the file has 'foot'"));
+}
+
+TEST(Mjcf, FrictionIsThatOfDefaultsAndOfPairs) {
+  const std::optional<MjcfRobot> usual = hopper();
+  if (!usual) GTEST_SKIP() << "no MuJoCo";
+  const testing::Folder folder;
+  const std::string rubbed =
+      testing::replaced(test::kHopperMjcf, "<worldbody>",
+                        "<default><geom friction=\".4 .1 .1\"/></default>\n<worldbody>");
+  folder.write("hopper.xml", rubbed);
+  const Proposal of_defaults = proposed_of(folder.path() / "hopper.xml");
+  EXPECT_TRUE(holds(of_defaults.yaml, "friction: 0.4   # of the feet"));
+
+  std::string paired = testing::replaced(rubbed, "type=\"plane\"", "name=\"floor\" type=\"plane\"");
+  paired = testing::replaced(paired, "size=\"0.02\" mass=\"0.5\"",
+                             "name=\"toe\" size=\"0.02\" mass=\"0.5\"");
+  paired = testing::replaced(paired, "<actuator>",
+                             "<contact><pair geom1=\"toe\" geom2=\"floor\" "
+                             "friction=\"0.7 0.7 0 0 0\"/></contact>\n<actuator>");
+  folder.write("hopper.xml", paired);
+  const Proposal of_pair = proposed_of(folder.path() / "hopper.xml");
+  EXPECT_TRUE(holds(of_pair.yaml, "friction: 0.7   # of the feet, by the file: <pair> of 'toe'"));
 }
 
 TEST(Mjcf, IsToldFromUrdfByItsFirstElement) {

@@ -127,6 +127,15 @@ TEST(PlayedRobot, StandsOnItsOwnFloorNotOnThePlansLimitOfFriction) {
   EXPECT_FALSE(played.base_free[2]);  // what the plan locks is locked
 }
 
+TEST(PlayedRobot, TorquesAreHeldAgainstTheProblemsLimits) {
+  const std::unique_ptr<Imported> m = imported(0.0);
+  transcription::Problem problem;
+  EXPECT_EQ(planned_limit(problem, m->robot.planar, "front_right_a_motor"), 10.0);
+  problem.torque = 4.0;
+  EXPECT_EQ(planned_limit(problem, m->robot.planar, "front_right_a_motor"), 4.0);
+  EXPECT_EQ(planned_limit(problem, m->robot.planar, "front_right_a_knee"), kInfinity);
+}
+
 TEST(PlayedRobot, FeetLieInThePlaneThatTheirLegTurnsInAsHighAsPlanned) {
   const double lean = 0.05;
   const std::unique_ptr<Imported> m = imported(lean);
@@ -179,6 +188,46 @@ TEST(PlayedRobot, AFileThatLiesBackwardsIsTurnedAsItsAxesSay) {
     for (const int side : played.sides(b))
       EXPECT_NEAR(played.data().xpos[3 * side], places[static_cast<std::size_t>(b)].x(), 1e-6);
   }
+}
+
+/// A trunk on slides and a hinge, as planar files have it, with a leg whose hip has two joints.
+TEST(PlayedRobot, APlanarFileIsPlayedFromItsBaseOnAndLinksWithoutMassToo) {
+  const auto link = [](const std::string& name, double mass) {
+    const std::string inertial = fmt::format(
+        "<inertial><origin xyz=\"0 0 -0.1\"/><mass value=\"{}\"/><inertia ixx=\"0.01\" "
+        "iyy=\"0.01\" izz=\"0.01\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial>",
+        mass);
+    return fmt::format("<link name=\"{}\">{}</link>", name, mass > 0.0 ? inertial : "");
+  };
+  const auto joint = [](const std::string& name, const std::string& type, const std::string& parent,
+                        const std::string& child, const std::string& axis) {
+    return fmt::format(
+        "<joint name=\"{}\" type=\"{}\"><parent link=\"{}\"/><child link=\"{}\"/><axis "
+        "xyz=\"{}\"/><limit lower=\"-2\" upper=\"2\" effort=\"9\" velocity=\"9\"/></joint>",
+        name, type, parent, child, axis);
+  };
+  const testing::Folder folder;
+  folder.write("robot.urdf", "<robot name=\"m\">" + link("world", 0) + link("a", 0) + link("b", 0) +
+                                 link("trunk", 5) + link("hip", 0) + link("leg", 1) +
+                                 joint("x", "prismatic", "world", "a", "1 0 0") +
+                                 joint("z", "prismatic", "a", "b", "0 0 1") +
+                                 joint("pitch", "revolute", "b", "trunk", "0 1 0") +
+                                 joint("abduct", "revolute", "trunk", "hip", "1 0 0") +
+                                 joint("swing", "revolute", "hip", "leg", "0 1 0") + "</robot>");
+  folder.write("robot.yaml",
+               "format: jaculus-robot/1\nbase_link: trunk\nbase: floating\nfriction: 0.8\n"
+               "fixed_joints: {abduct: 0}\nfeet: {foot: {link: leg, point: [0, -0.2]}}\n");
+  const model::Robot robot = model::read_robot(folder.path());
+  Ends ends;
+  ends.first_base = ends.last_base = Eigen::Vector3d(0.3, 0.5, 0.1);
+  ends.first = {{"swing", 0.4}};
+
+  const BodiesFile bodies(robot);
+  PlayedRobot played(robot.planar, bodies.path(), played_tree(robot, {}), ends);
+  mj_kinematics(&played.model(), &played.data());
+  EXPECT_LT((played.base() - ends.first_base).norm(), 1e-12);
+  EXPECT_EQ(played.model().nv, 6 + 2);  // a free base and the hip's two joints
+  EXPECT_NEAR(mj_getTotalmass(&played.model()), 6.0, 1e-6);
 }
 
 /// Freed of friction, joints rub as the plan's model has it.

@@ -3,11 +3,14 @@
 
 #include "jaculus/solver/plan.h"
 
+#include <fmt/ranges.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
 #include "jaculus/components/motor.h"
+#include "jaculus/core/interrupt.h"
+#include "jaculus/solver/summary.h"
 #include "transcription/example_problems.h"
 
 namespace jaculus::solver {
@@ -38,6 +41,48 @@ TEST(Plan, RandomStartsPassThroughAFeasibilityStage) {
   ASSERT_TRUE(random.converged());
   EXPECT_GT(random.result.feasibility_iterations, 0);
   EXPECT_LT(random.result.feasibility_iterations, random.result.iterations);
+}
+
+std::string warnings_of(const Plan& plan, const transcription::Problem& problem) {
+  return fmt::format("{}", fmt::join(summarise(plan, problem).warnings, "\n"));
+}
+
+TEST(Plan, AnInterruptBetweenStartsIsSaidWithHowManyHadEnded) {
+  transcription::Problem problem = coarse_leap("solver: {starts: 5}");
+  const model::Robot robot = model::read_robot(problem.robot_folder, problem.overrides);
+  PlanOptions options;
+  options.starts_progress = [](const TaskProgress& p) {
+    if (p.done == 2) request_interrupt();
+  };
+  const Plan plan = make_plan(problem, robot.planar, options);
+  clear_interrupt();
+  ASSERT_TRUE(plan.converged());
+  EXPECT_EQ(plan.starts.ended, 2);
+  const std::string said = warnings_of(plan, problem);
+  EXPECT_NE(said.find("interrupted: 2 of 5 starts had ended"), std::string::npos) << said;
+  EXPECT_NE(said.find("2 of 2 starts converged (100 %)"), std::string::npos) << said;
+
+  const Plan whole = make_plan(problem, robot.planar);
+  EXPECT_EQ(whole.starts.ended, 5);
+  EXPECT_EQ(warnings_of(whole, problem).find("interrupted"), std::string::npos);
+}
+
+TEST(Plan, AnEndAtTheLeastSpeedThatIsAskedForIsSaid) {
+  // v/T grows as leaps get shorter, so that the problem's least speed decides: [1.3, 20] m/s
+  const transcription::Problem bounded = coarse_leap("");
+  const Plan plan = solve(bounded);
+  ASSERT_TRUE(plan.converged());
+  EXPECT_NE(warnings_of(plan, bounded)
+                .find("v/T stands at a bound: at the plan's end the velocity of the base's x is "
+                      "the least that the problem allows, 1.3 m/s"),
+            std::string::npos)
+      << warnings_of(plan, bounded);
+
+  // what is imposed is no bound
+  const transcription::Problem imposed = coarse_leap("final: {velocity: {x: 1.4 m/s}}");
+  const Plan other = solve(imposed);
+  ASSERT_TRUE(other.converged());
+  EXPECT_EQ(warnings_of(other, imposed).find("v/T stands at a bound"), std::string::npos);
 }
 
 /// Times [s] at which the least normal force of the front foot is asked for.

@@ -10,6 +10,7 @@
 #include "jaculus/model/urdf.h"
 #include "jaculus/testbed/blinded_cases.h"
 #include "jaculus/testbed/effects.h"
+#include "jaculus/testbed/robot_notes.h"
 #include "support/input_error.h"
 #include "support/robot_texts.h"
 #include "support/temporary_folder.h"
@@ -136,6 +137,57 @@ TEST(ImportedQuadruped, AgreesToHalfTheNoiseFloor) {
   trajectory::write_csv(plan, folder / "plan.csv");
   test::expect_agreement(leap(folder.path(), folder / "plan.csv", trajectory::Quantity::torque),
                          0.03);
+}
+
+/// Of the quadruped's front feet, two links fixed below a shank each, in an order of their own.
+std::string with_fixed_links(const std::vector<std::string>& left,
+                             const std::vector<std::string>& right) {
+  std::string links;
+  const auto add = [&links](const std::string& shank, const std::string& name) {
+    links += fmt::format(
+        "<link name=\"{0}\"/><joint name=\"{0}_fixed\" type=\"fixed\"><parent link=\"{1}\"/>"
+        "<child link=\"{0}\"/></joint>",
+        name, shank);
+  };
+  for (const std::string& name : left) add("FL_shank", name);
+  for (const std::string& name : right) add("FR_shank", name);
+  return std::regex_replace(jaculus::test::quadruped_urdf(), std::regex("</robot>"),
+                            links + "</robot>");
+}
+
+struct OnTestbed {
+  RobotFiles files;
+  std::vector<std::string> notes;
+};
+
+OnTestbed files_of(const std::string& urdf) {
+  const jaculus::test::TemporaryFolder folder;
+  folder.write("robot.urdf", urdf);
+  folder.write("robot.yaml", model::propose_robot(model::parse_urdf(urdf, "robot.urdf")).yaml);
+  return {read_robot_files(folder.path()), notes_on_robot(folder.path())};
+}
+
+TEST(ImportedQuadruped, FixedLinksArePairedByTheirNamesWhateverTheirOrder) {
+  const auto [files, notes] =
+      files_of(with_fixed_links({"FL_cap", "FL_guard"}, {"FR_guard", "FR_cap"}));
+  EXPECT_EQ(files.link_pairs.at("FR_cap"), "FL_cap");
+  EXPECT_EQ(files.link_pairs.at("FR_guard"), "FL_guard");
+  EXPECT_TRUE(notes.empty()) << notes.front();
+}
+
+TEST(ImportedQuadruped, WhatNamesOfFixedLinksDontTellIsSaid) {
+  const auto [files, notes] =
+      files_of(with_fixed_links({"FL_cap", "part_1"}, {"part_2", "FR_cap"}));
+  EXPECT_EQ(files.link_pairs.at("FR_cap"), "FL_cap");
+  EXPECT_EQ(files.link_pairs.at("part_2"), "part_1");
+  ASSERT_EQ(notes.size(), 1U);
+  EXPECT_TRUE(jaculus::test::holds(notes.front(), "'part_1' and 'part_2' are taken as left"));
+
+  const OnTestbed uneven = files_of(with_fixed_links({"FL_cap", "sensor"}, {"FR_cap"}));
+  EXPECT_EQ(uneven.files.link_pairs.at("FR_cap"), "FL_cap");
+  EXPECT_EQ(uneven.files.link_pairs.count("sensor"), 0U);
+  ASSERT_EQ(uneven.notes.size(), 1U);
+  EXPECT_TRUE(jaculus::test::holds(uneven.notes.front(), "'sensor' has none on the other side"));
 }
 
 TEST(Lizard, ItsLimbsAreFoundByWhatTheyCarry) {

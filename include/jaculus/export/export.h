@@ -12,6 +12,12 @@
 // which has the plan's impulse, without the lag of half a sample that the torque at its start would
 // have. Limits are looked at where each sample begins and where it ends, with its torque.
 //
+// Where a motor makes up for dry friction (components/motor.h), that share of its torque follows
+// from the velocity v at each instant, not from samples of the plan, between which joints turn:
+//   tau(t) = u(t) + c tanh(v(t)/s),
+// u by the hold as above. Its mean over a sample is taken too; that in which a joint turns has a
+// part of c.
+//
 // Joints are those of the robot's file, and of what its robot.yaml attaches: a planar joint that
 // stands for a left and a right one is written out as both, each with its own sign. Of a joint that
 // is only held nothing is known but its place, on the joint's side of its gear.

@@ -10,12 +10,20 @@
 
 namespace jaculus::model {
 
+/// Friction of what touches on a link.
+struct Surface {
+  std::string link;
+  double friction = kNaN;  ///< sliding [-]; NaN: the file has none
+  std::string source;      ///< what told it, or why it is unknown; may be empty
+};
+
 struct MjcfRobot {
   SpatialTree tree;
   bool floating = false;               ///< its base has a free joint
   std::map<std::string, double> pose;  ///< of the first keyframe, by joint [rad or m]; may be empty
   /// what a joint adds to its own inertia, by joint that turns [kg m^2]; where above 0
   std::map<std::string, double> armature;
+  std::vector<Surface> surfaces;   ///< what told the friction of the tree's shapes
   std::vector<std::string> notes;  ///< what the file says and the tree doesn't hold
 };
 
@@ -30,7 +38,11 @@ bool is_mjcf(const std::filesystem::path& file);
 /// has no MuJoCo.
 MjcfRobot read_mjcf(const std::filesystem::path& file, Reading reading = Reading::lenient);
 
-/// A tree as the text of a URDF file that reads back as the same tree, to 1e-15 relative.
+/// A tree as the text of a URDF file that reads back as the same tree, to 1e-15 relative; friction
+/// of shapes has no place there.
 std::string write_urdf(const SpatialTree& tree);
+
+/// Gives shapes of a tree that was read back the friction that they had when it was written.
+void keep_friction(const SpatialTree& written, SpatialTree& tree);
 
 }  // namespace jaculus::model

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "jaculus/model/urdf.h"
+#include "jaculus/model/mjcf.h"
 
 namespace jaculus::model {
 
@@ -18,9 +18,15 @@ struct ProposeOptions {
   /// the same as the file has it: counts for joints that `pose` leaves out, of legs only where they
   /// stand in it
   std::map<std::string, double> file_pose;
+  /// joints that are held though the plane has a place for them, by the file's names
+  std::vector<std::string> hold;
+  /// so are all without a motor, where others have one: springs, as of spines and tails, are no
+  /// part of the nominal robot
+  bool hold_passive = false;
   /// "+x" ... "-z" of the file; told by joints and names where empty. Both or none
   std::string forward, up;
   std::map<std::string, double> armature;  ///< inertia that a joint adds to its own [kg m^2]
+  std::vector<Surface> surfaces;           ///< what told the friction of the tree's shapes
   std::optional<bool> floating;            ///< base; told by the tree where absent
   bool pairs = true;                       ///< left and right are one planar joint
   /// two chains of two alike links from one hip are a five-bar, pinned where both end

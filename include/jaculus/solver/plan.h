@@ -44,6 +44,7 @@ struct PlanOptions {
 /// Where several starts were made: what came of them.
 struct StartFigures {
   int count = 1;
+  int ended = 1;  ///< that ran to their end; fewer where the solve was interrupted
   int converged = 0;
   int near_best = 0;  ///< converged and within 0.5 % of the best
   int best = 0;       ///< index of the one that was taken

@@ -59,6 +59,7 @@ struct MotorFigures {
   double resistance = kNaN;          ///< [ohm]
   double saturation_linear = kNaN;   ///< [A/(N m)]
   double saturation_cubic = kNaN;    ///< [A/(N m)^3]
+  double dry_friction = 0.0;         ///< at the joint, made up for by the motor's torque [N m or N]
 };
 
 /// A PlanSensitivity with the unit of its gain: first order, valid for small changes.

@@ -30,7 +30,10 @@ struct DraftFoot {
   int body = 0;               ///< of the reduction
   std::string source;         ///< what told where it is
   bool guessed = false;       ///< nothing in the file says where it is
-  double friction = kNaN;     ///< of what touches there, by the file [-]; NaN: it has none
+  Surface surface;            ///< of what touches there
+  /// of a capsule's cap about `point` [m]: until the pose at rest is known, in which the foot is
+  /// the cap's lowest point; 0: the foot is `point` itself
+  double cap = 0.0;
 };
 
 /// Two chains from one hip whose last links are pinned together.
@@ -62,6 +65,7 @@ struct Draft {
   Reduction reduction;
   std::vector<DraftFoot> feet;
   std::map<std::string, double> armature;  ///< by joint of the file [kg m^2]
+  std::vector<Surface> surfaces;           ///< of links of the file
   std::vector<DraftLoop> loops;
   std::vector<DraftLoop> open_loops;   ///< that may be, for a user to close
   std::map<std::string, double> rest;  ///< by planar joint [rad or m]

@@ -20,7 +20,8 @@ struct Chain {
   Vec3 tip = Vec3::Zero();  ///< where it ends [m]
   double length = 0.0;      ///< from joint to joint to its end, in the plane [m]
   std::string source;       ///< what told the end
-  double friction = kNaN;   ///< of the shape that ends it [-]; NaN: unknown
+  Surface surface;          ///< of the shape that ends it
+  double cap = 0.0;         ///< radius about its tip where a capsule ends it [m]
   bool guessed = false;
   bool wheel = false;
 };
@@ -61,18 +62,44 @@ bool names_foot(const std::string& name) {
   return false;
 }
 
+std::string end_text(const SpatialShape& shape, const SpatialLink& link) {
+  if (shape.kind == ShapeKind::sphere)
+    return fmt::format("centre of a sphere of '{}', radius {:.4g} m", link.name, shape.size[0]);
+  if (shape.kind == ShapeKind::capsule)
+    return fmt::format(
+        "lowest point at rest of a capsule's end, radius {:.4g} m, of '{}'; it doesn't roll",
+        shape.size[0], link.name);
+  return "far end of a shape of '" + link.name + "'";
+}
+
+/// What the file says of a shape's friction.
+Surface surface_of(const Draft& draft, const SpatialLink& link, const SpatialShape& shape) {
+  for (const Surface& known : draft.surfaces) {
+    const bool unknown = std::isnan(known.friction) && std::isnan(shape.friction);
+    if (known.link == link.name && (unknown || known.friction == shape.friction)) return known;
+  }
+  return {link.name, shape.friction, ""};
+}
+
+/// The same of the first shape of a link that touches.
+Surface surface_of(const Draft& draft, const SpatialLink& link) {
+  for (const SpatialShape& shape : link.shapes)
+    if (shape.touches) return surface_of(draft, link, shape);
+  return {};
+}
+
 /// Where a chain's last body ends.
-void find_tip(const SpatialTree& tree, int head, Chain& chain) {
+void find_tip(const Draft& draft, const SpatialTree& tree, int head, Chain& chain) {
   const Vec3 joint = tree.links[head].p_BL;
   const std::vector<int> links = rigid_with(tree, head);
   // a rounding of what is at the joint itself
   double farthest = 1e-3;
-  const auto offer = [&](const Vec3& point, const std::string& source, double friction = kNaN) {
+  const auto offer = [&](const Vec3& point, const std::string& source, const Surface& surface) {
     if (in_plane_distance(point, joint) <= farthest) return;
     farthest = in_plane_distance(point, joint);
     chain.tip = point;
     chain.source = source;
-    chain.friction = friction;
+    chain.surface = surface;
   };
 
   for (const int l : links) {
@@ -82,19 +109,25 @@ void find_tip(const SpatialTree& tree, int head, Chain& chain) {
         offer(
             far_end(shape, link, joint),
             fmt::format("centre of the sphere of '{}', radius {:.4g} m", link.name, shape.size[0]),
-            shape.friction);
+            surface_of(draft, link, shape));
   }
   if (!chain.source.empty()) return;
   for (const int l : links)
     if (l != head && names_foot(tree.links[l].name))
-      offer(tree.links[l].p_BL, "origin of '" + tree.links[l].name + "'");
+      offer(tree.links[l].p_BL, "origin of '" + tree.links[l].name + "'",
+            surface_of(draft, tree.links[l]));
   if (!chain.source.empty()) return;
   for (const int l : links)
-    for (const SpatialShape& shape : tree.links[l].shapes)
-      offer(far_end(shape, tree.links[l], joint),
-            "far end of a shape of '" + tree.links[l].name + "'", shape.friction);
+    for (const SpatialShape& shape : tree.links[l].shapes) {
+      const Vec3 before = chain.tip;
+      offer(far_end(shape, tree.links[l], joint), end_text(shape, tree.links[l]),
+            surface_of(draft, tree.links[l], shape));
+      if (chain.tip != before) chain.cap = shape.kind == ShapeKind::capsule ? shape.size[0] : 0.0;
+    }
   if (!chain.source.empty()) return;
-  for (const int l : links) offer(tree.links[l].p_BL, "origin of '" + tree.links[l].name + "'");
+  for (const int l : links)
+    offer(tree.links[l].p_BL, "origin of '" + tree.links[l].name + "'",
+          surface_of(draft, tree.links[l]));
   if (!chain.source.empty()) return;
 
   const SpatialLink& link = tree.links[head];
@@ -118,7 +151,7 @@ std::vector<Chain> chains_of(const Draft& draft, const SpatialTree& tree) {
     };
     chain.hip = origin(chain.bodies.front());
     const int last = tree.link_index(bodies[b].name);
-    find_tip(tree, last, chain);
+    find_tip(draft, tree, last, chain);
 
     for (std::size_t i = 1; i < chain.bodies.size(); ++i)
       chain.length += in_plane_distance(origin(chain.bodies[i - 1]), origin(chain.bodies[i]));
@@ -196,7 +229,8 @@ DraftFoot end_of(const Draft& draft, const SpatialTree& tree, const Chain& chain
           last,
           chain.source,
           chain.guessed,
-          chain.friction};
+          chain.surface,
+          chain.cap};
 }
 
 void add_foot(Draft& draft, const DraftFoot& foot) {

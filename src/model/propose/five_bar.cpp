@@ -138,6 +138,7 @@ DraftLoop pinned(const Draft& draft, const std::string& leg, const DraftFoot& a,
   loop.foot.name = leg + "_foot";
   loop.a = a;
   loop.b = b;
+  loop.a.cap = loop.b.cap = 0.0;  // a pin goes through the middle
   if (apart < same_place()) {
     loop.source = "both lower links end there with all joints at zero";
   } else {

@@ -38,6 +38,15 @@ std::string why_held(const SpatialTree& tree, const SpatialJoint& joint) {
   return subtree(tree, joint.child).total_mass() > 0.0 ? "" : "carries nothing that has mass";
 }
 
+/// Why a joint is held that could move in the plane; empty where it isn't.
+std::string why_asked(const SpatialTree& tree, const SpatialJoint& joint,
+                      const ProposeOptions& options) {
+  if (index_of(options.hold, joint.name) >= 0) return "as asked for";
+  const auto driven = [](const SpatialJoint& j) { return std::isfinite(j.effort); };
+  const bool any = std::any_of(tree.joints.begin(), tree.joints.end(), driven);
+  return options.hold_passive && any && !driven(joint) ? "no motor drives them" : "";
+}
+
 /// Joints from the root outwards, in file order where they are equally far.
 std::vector<int> outwards(const SpatialTree& tree) {
   std::vector<int> order, links = {tree.root};
@@ -149,7 +158,8 @@ void find_held(const ProposeOptions& options, Draft& draft) {
   for (const int j : outwards(tree)) {
     const SpatialJoint& joint = tree.joints[j];
     if (joint.kind == SpatialJointKind::fixed) continue;
-    const std::string reason = why_held(tree, joint);
+    std::string reason = why_held(tree, joint);
+    if (reason.empty()) reason = why_asked(tree, joint, options);
     if (reason.empty()) continue;
     draft.held.push_back({held_joint(joint, options), reason});
     tree = hold_joints(tree, {draft.held.back().held});

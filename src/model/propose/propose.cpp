@@ -14,20 +14,24 @@
 namespace jaculus::model {
 namespace {
 
-void check_pose(const SpatialTree& tree, const ProposeOptions& options) {
+/// InputError where a name is of no joint that moves.
+void check_moves(const SpatialTree& tree, const std::string& name, const std::string& option) {
   std::vector<std::string> names;
   for (const SpatialJoint& joint : tree.joints)
     if (joint.kind != SpatialJointKind::fixed) names.push_back(joint.name);
+  if (index_of(names, name) >= 0) return;
+  const auto near = yaml::nearest_name(name, names);
+  throw InputError(fmt::format("{}: no joint '{}' moves{}; allowed: {}", option, name,
+                               near ? fmt::format(", did you mean '{}'?", *near) : "",
+                               fmt::join(names, ", ")));
+}
+
+void check_pose(const SpatialTree& tree, const ProposeOptions& options) {
+  for (const std::string& name : options.hold) check_moves(tree, name, "--hold");
 
   for (const auto& [name, value] : options.pose) {
-    const int j = tree.joint_index(name);
-    if (index_of(names, name) < 0) {
-      const auto near = yaml::nearest_name(name, names);
-      throw InputError(fmt::format("--pose: no joint '{}' moves{}; allowed: {}", name,
-                                   near ? fmt::format(", did you mean '{}'?", *near) : "",
-                                   fmt::join(names, ", ")));
-    }
-    const Bounds& range = tree.joints[j].range;
+    check_moves(tree, name, "--pose");
+    const Bounds& range = tree.joints[tree.joint_index(name)].range;
     if (!range.contains(value)) {
       throw InputError(fmt::format("--pose: {} = {:.6g} is out of range; allowed: {:.6g} to {:.6g}",
                                    name, value, range.lower, range.upper));
@@ -86,6 +90,7 @@ Proposal propose_robot(const SpatialTree& tree, const ProposeOptions& options) {
   check_pose(tree, options);
   Draft draft;
   draft.armature = options.armature;
+  draft.surfaces = options.surfaces;
   find_frame(tree, options, draft);
   find_held(options, draft);
   find_pairs(options, draft);

@@ -24,6 +24,7 @@ struct Leg {
   Vec2 point = Vec2::Zero();  ///< its end, on the last of them [m]
   Vec2 hip = Vec2::Zero();    ///< with all joints at zero [m]
   double x = 0.0;             ///< of where the end is to be [m]
+  double cap = 0.0;           ///< radius about its end, of which the lowest point touches [m]
   double length = 0.0;        ///< [m]
   double knee = 1.0;          ///< +1: behind the hip rather than before it, -1: the other way
   /// What a knee on the wrong side costs against an end that is off [-]: small, it tells two knees
@@ -33,8 +34,14 @@ struct Leg {
 
 using Pose = std::map<std::string, double>;
 
+/// Where it touches the floor that is below it.
 Vec2 end_at(const Draft& draft, const Leg& leg, const Pose& joints) {
-  return point_at(draft, leg.bodies.back(), leg.point, joints);
+  return point_at(draft, leg.bodies.back(), leg.point, joints) - Vec2(0.0, leg.cap);
+}
+
+/// The lowest point of what a foot is.
+double height_of(const Draft& draft, const DraftFoot& foot) {
+  return point_at(draft, foot.body, foot.point, draft.rest).y() - foot.cap;
 }
 
 Leg leg_of(const Draft& draft, const DraftFoot& foot) {
@@ -44,7 +51,8 @@ Leg leg_of(const Draft& draft, const DraftFoot& foot) {
     leg.bodies.insert(leg.bodies.begin(), b);
   leg.hip = pose_of(draft.reduction, leg.bodies.front()).head<2>();
   leg.x = leg.hip.x();
-  leg.length = foot.point.norm();
+  leg.cap = foot.cap;
+  leg.length = foot.point.norm() + foot.cap;
   for (std::size_t i = 1; i < leg.bodies.size(); ++i)
     leg.length += draft.reduction.bodies[leg.bodies[i]].origin.norm();
   return leg;
@@ -202,7 +210,7 @@ double close_loops(Draft& draft) {
         "says nothing of it (--open leaves them apart)",
         loop.name, loop.source));
     draft.rest = found.pose;
-    height = std::max(height, point_at(draft, loop.foot.body, loop.foot.point, draft.rest).y());
+    height = std::max(height, height_of(draft, loop.foot));
     closed.push_back(loop);
   }
   draft.loops = closed;
@@ -214,7 +222,7 @@ void lift_loop(Draft& draft, const DraftLoop& loop, double height) {
   constexpr int kRounds = 4;  // the foot follows the pin nearly one to one
   for (int round = 0; round < kRounds; ++round) {
     const Vec2 pin = point_at(draft, loop.a.body, loop.a.point, draft.rest);
-    const double off = height - point_at(draft, loop.foot.body, loop.foot.point, draft.rest).y();
+    const double off = height - height_of(draft, loop.foot);
     if (std::abs(off) < 1e-6) return;
     const double middle = 0.5 * (leg_of(draft, loop.a).hip.x() + leg_of(draft, loop.b).hip.x());
     const Closure found = close_at(draft, loop, pin.y() + off, pin.x() - middle);
@@ -245,6 +253,37 @@ bool stands(const Draft& draft, const Pose& pose) {
     const Leg leg = leg_of(draft, foot);
     return leg.hip.y() - end_at(draft, leg, pose).y() > kLeast * leg.length;
   });
+}
+
+/// Feet that are caps are their lowest points from here on, fixed to their links.
+void settle_caps(Draft& draft) {
+  for (DraftFoot& foot : draft.feet) {
+    if (foot.cap == 0.0) continue;
+    const double phi = pose_of(draft.reduction, foot.body, draft.rest)[2];
+    foot.point += foot.cap * Vec2(std::sin(phi), -std::cos(phi));
+    draft.notes.push_back(fmt::format(
+        "'{}' is the lowest point, at rest, of a round end of {:.3g} m radius: where the link "
+        "turns, a plan's foot stays at that point of it, and doesn't roll",
+        foot.name, foot.cap));
+    foot.cap = 0.0;
+  }
+}
+
+/// What a file states of one joint of a pair may be out of the range that both have.
+void keep_in_ranges(Draft& draft) {
+  constexpr double kRounding = 1e-9;  // [rad or m]: of grids that reach from end to end
+  for (int b = 1; b < count_of(draft.reduction.bodies); ++b) {
+    const std::string& joint = draft.reduction.bodies[b].joint;
+    const Bounds& range = draft.reduction.ranges[b];
+    double& value = draft.rest.at(joint);
+    const double within = std::clamp(value, range.lower, range.upper);
+    if (std::abs(value - within) > kRounding)
+      draft.notes.push_back(
+          fmt::format("pose of '{}': {:.4g} is out of its range, {:.4g} to {:.4g}: its end is "
+                      "taken",
+                      joint, value, range.lower, range.upper));
+    value = within;
+  }
 }
 
 /// The pose with what is stated of joints, in space or planar, in its place; whether anything is.
@@ -302,6 +341,8 @@ void find_rest(const ProposeOptions& options, Draft& draft) {
         "are drawn in instead (--pose states another)");
   }
   if (take(draft, options.pose, draft.rest)) draft.rest_stated = true;
+  keep_in_ranges(draft);
+  settle_caps(draft);
 }
 
 }  // namespace jaculus::model

@@ -18,6 +18,12 @@ std::string number(double value) {
   return fmt::format("{:.6g}", std::abs(value) < 1e-9 ? 0.0 : value);
 }
 
+/// The same of a joint's value, with all digits where rounding would leave its range.
+std::string number_within(double value, const Bounds& range) {
+  const std::string rounded = number(value);
+  return range.contains(std::stod(rounded)) ? rounded : fmt::format("{}", value);
+}
+
 /// Of motors whose speed nobody stated, for plans; quadrupeds that state one turn their joints at
 /// 20 to 50 rad/s.
 constexpr double kAssumedSpeed = 30.0;
@@ -38,12 +44,12 @@ std::string head(const Draft& draft, const Dropped& d) {
   return text + "format: jaculus-robot/1\n";
 }
 
-/// The least of the feet's, where the file has it for each.
-std::optional<double> feet_friction(const Draft& draft) {
-  double least = kInfinity;
+/// The least of the feet's; NaN where the file doesn't have it for each, with why where it says.
+Surface feet_surface(const Draft& draft) {
+  Surface least{"", kInfinity, ""};
   for (const DraftFoot& foot : draft.feet) {
-    if (std::isnan(foot.friction)) return {};
-    least = std::min(least, foot.friction);
+    if (std::isnan(foot.surface.friction)) return foot.surface;
+    if (foot.surface.friction < least.friction) least = foot.surface;
   }
   return least;
 }
@@ -56,10 +62,12 @@ std::string frame(const Draft& draft) {
   text += fmt::format("base: {}\n", draft.floating ? "floating" : "fixed");
   if (draft.horizontal) text += "gravity: 0\n";
   if (draft.feet.empty()) return text;
-  const std::optional<double> friction = feet_friction(draft);
-  return text + (friction
-                     ? fmt::format("friction: {}   # of the feet, by the file\n", number(*friction))
-                     : "friction: 0.8   # fill in: rubber on a dry floor is assumed, 0.6 to 1\n");
+  const Surface feet = feet_surface(draft);
+  return text +
+         (std::isnan(feet.friction)
+              ? "friction: 0.8   # fill in: rubber on a dry floor is assumed, 0.6 to 1\n"
+              : fmt::format("friction: {}   # of the feet, by the file{}{}\n",
+                            number(feet.friction), feet.source.empty() ? "" : ": ", feet.source));
 }
 
 std::string held(const Draft& draft) {
@@ -205,6 +213,10 @@ void note_friction(Draft& draft, const DraftJoint& joint, bool driven) {
   }
 }
 
+/// Of joints that only springs hold, as of spines and tails.
+constexpr const char* kLoose =
+    "; no motor is assumed there, so that they hang loose (--hold passive holds them)";
+
 /// Files state an effort for joints that motors drive; where some have one, the others are passive.
 std::string motors(Draft& draft) {
   bool any = false;
@@ -238,7 +250,7 @@ std::string motors(Draft& draft) {
 
   if (!unknown.empty())
     draft.missing.push_back(fmt::format("motors: the file states no largest torque of {}{}",
-                                        unknown, any ? "; no motor is assumed there" : ""));
+                                        unknown, any ? kLoose : ""));
   if (!unknown_speed.empty())
     draft.missing.push_back(fmt::format(
         "motors: the file states no speed of {}; plans with motor_limits keep below {:.4g} rad/s",
@@ -250,12 +262,19 @@ std::string motors(Draft& draft) {
                            none ? "# " : "", "", text);
 }
 
+Bounds range_of_joint(const Draft& draft, const std::string& joint) {
+  for (int b = 1; b < count_of(draft.reduction.bodies); ++b)
+    if (draft.reduction.bodies[b].joint == joint) return draft.reduction.ranges[b];
+  return {};
+}
+
 std::string rest(const Draft& draft, const std::string& motors) {
   std::string text;
   for (const auto& [joint, value] : draft.rest) {
     // rest_pose is of joints with motors
     if (motors.find("\n  " + quoted(joint) + ":") == std::string::npos) continue;
-    text += fmt::format("{}{}: {}", text.empty() ? "" : ", ", quoted(joint), number(value));
+    text += fmt::format("{}{}: {}", text.empty() ? "" : ", ", quoted(joint),
+                        number_within(value, range_of_joint(draft, joint)));
   }
   if (text.empty()) return "";
   std::string origin = draft.feet.empty() ? "Joints at zero, or at the nearest that they may have."
@@ -267,8 +286,11 @@ std::string rest(const Draft& draft, const std::string& motors) {
 }  // namespace
 
 std::string write_proposal(Draft& draft, const Dropped& dropped) {
-  if (!draft.feet.empty() && !feet_friction(draft))
-    draft.missing.emplace_back("friction: 0.8, rubber on a dry floor, is assumed");
+  const Surface surface = feet_surface(draft);
+  if (!draft.feet.empty() && std::isnan(surface.friction))
+    draft.missing.push_back(fmt::format("friction: 0.8, rubber on a dry floor, is assumed{}{}",
+                                        surface.source.empty() ? "" : "; the file has ",
+                                        surface.source));
   const std::string drives = motors(draft);
   return head(draft, dropped) + frame(draft) + held(draft) + pairs(draft) + loops(draft) +
          coordinates(draft) + feet(draft) + drives + rest(draft, drives);
