@@ -9,15 +9,21 @@ import time
 import casadi
 import numpy
 
-# The library's own (docs/speed.md): tolerances, and a first barrier that leaves a guess where it
-# is.
+# The library's own (docs/speed.md): tolerances, and a monotone barrier whose first value leaves a
+# guess where it is; or one that follows the iterates, up to that value.
+BARRIERS = {
+    "adaptive": {
+        "mu_strategy": "adaptive",
+        "mu_max": 1e-2,
+        "quality_function_max_section_steps": 4,
+    },
+    "monotone": {"mu_strategy": "monotone", "mu_init": 1e-2},
+}
 OPTIONS = {
     "tol": 1e-6,
     "constr_viol_tol": 1e-6,
     "dual_inf_tol": 1e10,
     "compl_inf_tol": 1e10,
-    "mu_strategy": "monotone",
-    "mu_init": 1e-2,
     "max_iter": 1000,
     "nlp_scaling_method": "none",
     "linear_solver": "mumps",
@@ -34,14 +40,14 @@ def linear_seconds(report):
     return float(found.group(1)) if found else float("nan")
 
 
-def prepare_ipopt(program, options=None):
+def prepare_ipopt(program, barrier="monotone"):
     """A function (start) -> figures; what CasADi does once, derivatives of expressions, is done
     here."""
     folder = tempfile.TemporaryDirectory()
     report = pathlib.Path(folder.name) / "ipopt.txt"
     ipopt = {
         **OPTIONS,
-        **(options or {}),
+        **BARRIERS[barrier],
         "print_level": 0,
         "sb": "yes",
         "output_file": str(report),
