@@ -112,6 +112,8 @@ int run(const RunOptions& options) {
   spec.trials = options.trials;
   spec.exact = options.exact;
   spec.seed = options.common.seed.value_or(1);
+  // What drove the robot is in its log, and nowhere else.
+  spec.sensors.torque = asked.controller.kind == trajectory::ControllerKind::measured;
   prepare_folder(options.common.out);
   trajectory::Dataset dataset = testbed::run_trials(asked, changes, spec);
   dataset.provenance = fmt::format(

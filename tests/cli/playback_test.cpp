@@ -27,6 +27,18 @@ using test::Outcome;
 using test::run_program;
 using test::TemporaryFolder;
 
+TEST(TestbedRun, LogsTheTorqueThatDroveASwing) {
+  const TemporaryFolder folder;
+  const Outcome run = run_program({"testbed", "run", "swing", "--robot", "pendulum", "--input",
+                                   "logged_torque", "--trials", "2", "--out", folder / "swing"});
+  if (holds(run.err, "without MuJoCo")) GTEST_SKIP() << "no MuJoCo";
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const trajectory::Dataset dataset = trajectory::read_dataset(folder / "swing");
+  EXPECT_EQ(dataset.controller.kind, trajectory::ControllerKind::measured);
+  EXPECT_GE(dataset.trials[0].stream("joints")->channel("swing_torque"), 0);
+  EXPECT_EQ(run_program({"check", folder / "swing"}).exit_code, 0);
+}
+
 TEST(Simulate, LeapTrialsGiveADatasetThatReadsBackAndTheSameBytesForASeed) {
   const TemporaryFolder folder;
   const auto simulate = [&](const std::string& name, const std::string& seed) {
