@@ -26,7 +26,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-/// Of --hold: all joints without a motor.
+/// Of --hold: all joints without a motor of their own with a stated limit.
 constexpr const char* kPassive = "passive";
 
 struct RobotOptions {
@@ -316,9 +316,10 @@ void add_robot_urdf(CLI::App& robot, Action& chosen) {
 void add_statements(CLI::App& import, RobotOptions& options) {
   import.add_option("--pose", options.pose,
                     "JOINT=VALUE of joints that are held, or of the pose at rest; 0 where absent");
-  import.add_option("--hold", options.hold,
-                    "joints that are held though they turn in the plane; `passive`: all without a "
-                    "motor, as springy spines and tails have them");
+  import.add_option(
+      "--hold", options.hold,
+      "joints that are held though they turn in the plane; `passive`: all without a "
+      "motor of their own with a stated limit, as springy spines and tails have them");
   import.add_option("--base", options.base, "floating or fixed; default: told by the limbs")
       ->check(one_of({"floating", "fixed"}));
 

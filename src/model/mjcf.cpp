@@ -1,6 +1,7 @@
 #include "jaculus/model/mjcf.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -115,10 +116,18 @@ class Converter {
     return count_of(robot_.tree.links) - 1;
   }
 
+  /// Whether a stated contact pair lets a geom meet another whatever their masks.
+  [[nodiscard]] bool in_a_pair(int geom) const {
+    for (int p = 0; p < m_.npair; ++p)
+      if (m_.pair_geom1[p] == geom || m_.pair_geom2[p] == geom) return true;
+    return false;
+  }
+
   void add_shapes(int body, const Vec3& shift, SpatialLink& link) {
     for (int g = m_.body_geomadr[body]; g >= 0 && g < m_.body_geomadr[body] + m_.body_geomnum[body];
          ++g) {
-      if (m_.geom_contype[g] == 0 && m_.geom_conaffinity[g] == 0) continue;
+      const bool masked = m_.geom_contype[g] == 0 && m_.geom_conaffinity[g] == 0;
+      if (masked && !in_a_pair(g)) continue;
       SpatialShape shape;
       shape.size = vector(m_.geom_size + 3 * g);
       switch (m_.geom_type[g]) {
@@ -243,6 +252,13 @@ class Converter {
                       name_of(mjOBJ_EQUALITY, e, "equality")));
     }
     if (m_.ntendon > 0) robot_.notes.push_back(fmt::format("{} tendons are left out", m_.ntendon));
+    std::vector<std::string> others;
+    for (int a = 0; a < m_.nu; ++a)
+      if (m_.actuator_trntype[a] != mjTRN_JOINT)
+        others.push_back(name_of(mjOBJ_ACTUATOR, a, "motor"));
+    if (!others.empty())
+      robot_.notes.push_back(fmt::format("actuators that act on no single joint are left out: {}",
+                                         fmt::join(others, ", ")));
   }
 
   void read_keyframe() {

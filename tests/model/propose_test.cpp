@@ -186,7 +186,7 @@ TEST(Propose, JointsOfThePlaneAreHeldWhereAskedFor) {
   const Imported stiff = imported(loose, passive);
   EXPECT_EQ(stiff.robot.planar.coordinates.size(), 7u);
   EXPECT_TRUE(holds(fmt::format("{}", fmt::join(stiff.proposal.notes, "\n")),
-                    "held, 2 of 14 joints (no motor drives them)"))
+                    "held, 2 of 14 joints (no motor of their own with a stated limit)"))
       << fmt::format("{}", fmt::join(stiff.proposal.notes, "\n"));
 
   ProposeOptions wrong;
@@ -555,9 +555,12 @@ TEST(Mjcf, FrictionIsThatOfDefaultsAndOfPairs) {
   const Proposal of_defaults = proposed_of(folder.path() / "hopper.xml");
   EXPECT_TRUE(holds(of_defaults.yaml, "friction: 0.4   # of the feet"));
 
-  std::string paired = testing::replaced(rubbed, "type=\"plane\"", "name=\"floor\" type=\"plane\"");
-  paired = testing::replaced(paired, "size=\"0.02\" mass=\"0.5\"",
-                             "name=\"toe\" size=\"0.02\" mass=\"0.5\"");
+  // pairs meet whatever the masks say, and files that have them switch these off
+  std::string paired = testing::replaced(
+      rubbed, "type=\"plane\"", "name=\"floor\" contype=\"0\" conaffinity=\"0\" type=\"plane\"");
+  paired =
+      testing::replaced(paired, "size=\"0.02\" mass=\"0.5\"",
+                        "name=\"toe\" contype=\"0\" conaffinity=\"0\" size=\"0.02\" mass=\"0.5\"");
   paired = testing::replaced(paired, "<actuator>",
                              "<contact><pair geom1=\"toe\" geom2=\"floor\" "
                              "friction=\"0.7 0.7 0 0 0\"/></contact>\n<actuator>");

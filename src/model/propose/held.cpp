@@ -44,7 +44,8 @@ std::string why_asked(const SpatialTree& tree, const SpatialJoint& joint,
   if (index_of(options.hold, joint.name) >= 0) return "as asked for";
   const auto driven = [](const SpatialJoint& j) { return std::isfinite(j.effort); };
   const bool any = std::any_of(tree.joints.begin(), tree.joints.end(), driven);
-  return options.hold_passive && any && !driven(joint) ? "no motor drives them" : "";
+  return options.hold_passive && any && !driven(joint) ? "no motor of their own with a stated limit"
+                                                       : "";
 }
 
 /// Joints from the root outwards, in file order where they are equally far.
