@@ -44,8 +44,9 @@ void fill_velocities(const Plan& plan, Summary& s) {
   const Vector q = t.position.col(t.samples() - 1), v = t.velocity.col(t.samples() - 1);
   if (!dynamics::set_configuration(equations.tree(), q, motion)) return;
   dynamics::set_rates(equations.tree(), v, motion);
-  s.liftoff_velocity_com =
-      dynamics::linear_momentum(equations.tree(), motion).x() / model.total_mass();
+  const Vec2 of_mass = dynamics::linear_momentum(equations.tree(), motion) / model.total_mass();
+  s.liftoff_velocity_com = of_mass.x();
+  s.liftoff_rise_com = of_mass.y();
   s.average_acceleration_com = s.liftoff_velocity_com / s.duration;
 }
 
@@ -118,7 +119,7 @@ void fill_failure(const Plan& plan, Summary& s) {
 /// Bounds of the base at the plan's end that v/T is held at: such an end is the least or most that
 /// the problem allows, and seldom what one would want.
 void add_ends_at_bounds(const Plan& plan, Summary& s) {
-  if (std::isnan(s.average_acceleration)) return;
+  if (std::isnan(s.average_acceleration) || !plan.converged()) return;
   const transcription::Layout& layout = plan.program->layout();
   const Vector& x = plan.result.last_iterate();
   const transcription::NodeBlock& last = layout.nodes.back();
@@ -143,6 +144,21 @@ void add_ends_at_bounds(const Plan& plan, Summary& s) {
   }
 }
 
+/// A leap for v/T whose centre of mass falls at its end, or rises for less than an interval of the
+/// last phase's mesh, falls over its feet: it has no flight.
+void add_missing_flight(const Plan& plan, Summary& s) {
+  const double gravity = plan.program->equations().model().gravity;
+  if (std::isnan(s.liftoff_rise_com) || !plan.converged() || s.phases.empty()) return;
+  const double flight = 2.0 * s.liftoff_rise_com / gravity;
+  const transcription::PhaseBlock& last = plan.program->layout().phases.back();
+  const double interval = s.phases.back().duration / (last.last_interval - last.first_interval + 1);
+  if (!(gravity > 0.0) || flight >= interval) return;
+  s.warnings.push_back(fmt::format(
+      "no flight follows: at the plan's end the centre of mass {} at {:.3g} m/s, so that the robot "
+      "falls over its feet and does not leap; ask for a rise (a least velocity of z at the end)",
+      s.liftoff_rise_com > 0.0 ? "rises" : "falls", std::abs(s.liftoff_rise_com)));
+}
+
 void add_warnings(const Plan& plan, Summary& s) {
   for (const PhaseFigures& phase : s.phases) {
     if (phase.at_bound)
@@ -153,12 +169,14 @@ void add_warnings(const Plan& plan, Summary& s) {
                                              "optimum is better"));
   }
   add_ends_at_bounds(plan, s);
+  add_missing_flight(plan, s);
   if (plan.starts.ended < plan.starts.count)
-    s.warnings.push_back(
-        fmt::format("interrupted: {} of {} starts had ended, and the plan is the best of those; a "
-                    "better one may be among the others",
-                    plan.starts.ended, plan.starts.count));
-  if (plan.starts.count > 1) {
+    s.warnings.push_back(fmt::format(
+        "interrupted: {} of {} starts had ended{}", plan.starts.ended, plan.starts.count,
+        plan.converged() ? ", and the plan is the best of those; a better one may be "
+                           "among the others"
+                         : ", none with a plan that holds"));
+  if (plan.starts.count > 1 && plan.starts.ended > 0) {
     const auto percent = [&](int part) { return 100.0 * part / std::max(1, plan.starts.ended); };
     s.warnings.push_back(
         fmt::format("{} of {} starts converged ({:.0f} %), {} within 0.5 % of the best ({:.0f} %); "

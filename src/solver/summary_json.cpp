@@ -137,6 +137,7 @@ Summary read(const Json& json) {
 
   s.liftoff_velocity = number_or(json, "liftoff_velocity_m_s", kNaN);
   s.liftoff_velocity_com = number_or(json, "liftoff_velocity_com_m_s", kNaN);
+  s.liftoff_rise_com = number_or(json, "liftoff_rise_com_m_s", kNaN);
   s.average_acceleration = number_or(json, "average_acceleration_m_s2", kNaN);
   s.average_acceleration_com = number_or(json, "average_acceleration_com_m_s2", kNaN);
   s.tail_momentum_share = number_or(json, "tail_momentum_share", kNaN);
@@ -196,6 +197,7 @@ Json to_json(const Summary& s) {
 
   json["liftoff_velocity_m_s"] = json_number(s.liftoff_velocity);
   json["liftoff_velocity_com_m_s"] = json_number(s.liftoff_velocity_com);
+  json["liftoff_rise_com_m_s"] = json_number(s.liftoff_rise_com);
   json["average_acceleration_m_s2"] = json_number(s.average_acceleration);
   json["average_acceleration_com_m_s2"] = json_number(s.average_acceleration_com);
   json["tail_momentum_share"] = json_number(s.tail_momentum_share);

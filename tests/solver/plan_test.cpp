@@ -85,6 +85,23 @@ TEST(Plan, AnEndAtTheLeastSpeedThatIsAskedForIsSaid) {
   EXPECT_EQ(warnings_of(other, imposed).find("v/T stands at a bound"), std::string::npos);
 }
 
+TEST(Plan, ALeapWithoutFlightIsSaid) {
+  const transcription::Problem rising = coarse_leap("final: {velocity: {x: 1.4 m/s}}");
+  const Plan leap = solve(rising);
+  ASSERT_TRUE(leap.converged());
+  EXPECT_EQ(warnings_of(leap, rising).find("no flight follows"), std::string::npos);
+
+  const transcription::Problem falling =
+      coarse_leap("final: {velocity: {x: 1.4 m/s, z: -0.3 m/s}}");
+  const Plan fall = solve(falling);
+  ASSERT_TRUE(fall.converged());
+  EXPECT_NE(warnings_of(fall, falling)
+                .find("no flight follows: at the plan's end the centre of "
+                      "mass falls"),
+            std::string::npos)
+      << warnings_of(fall, falling);
+}
+
 /// Times [s] at which the least normal force of the front foot is asked for.
 std::vector<double> window_times(transcription::NonlinearProgram& program, const Vector& x) {
   std::vector<double> times;

@@ -102,6 +102,7 @@ struct Summary {
   std::vector<PhaseFigures> phases;
   double liftoff_velocity = kNaN;          ///< v_x of the base at the plan's end [m/s]
   double liftoff_velocity_com = kNaN;      ///< of the centre of mass [m/s]
+  double liftoff_rise_com = kNaN;          ///< its upward velocity at the plan's end [m/s]
   double average_acceleration = kNaN;      ///< base, v_x at the end over the duration [m/s^2]
   double average_acceleration_com = kNaN;  ///< centre of mass [m/s^2]
   double tail_momentum_share = kNaN;  ///< impulse of drag over the forward momentum at the end [-]
