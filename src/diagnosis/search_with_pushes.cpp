@@ -127,9 +127,10 @@ bool in_every_trial(const Whitening& whitening, const Fit& fit, Eigen::Index pea
   return true;
 }
 
-/// Whether a model has a push that every trial had, of a length within its bounds. One alone: forces
-/// that come at the same times in every trial of the same plan are told from forces that follow the
-/// motion by nothing but how few there are, and with several any missing force can be drawn.
+/// Whether a model has a push that every trial had, of a length within its bounds. One alone:
+/// forces that come at the same times in every trial of the same plan are told from forces that
+/// follow the motion by nothing but how few there are, and with several any missing force can be
+/// drawn.
 bool has_one_push(const Problem& problem, const Whitening& whitening, const ModelFit& model) {
   int pushes = 0;
   for (const int c : model.candidates) {

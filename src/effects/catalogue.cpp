@@ -46,8 +46,8 @@ const JointScope& part_with(const JointScope& scope, const std::string& joint,
   return scope;
 }
 
-/// An effect on a robot's joints together, and at each of them alone. One joint's links that are all
-/// links say nothing of their own, and links of a leg's loop no joint has for itself.
+/// An effect on a robot's joints together, and at each of them alone. One joint's links that are
+/// all links say nothing of their own, and links of a leg's loop no joint has for itself.
 std::vector<Effect> at_joints(const Row& row, const JointScope& scope, const PlanarModel& model,
                               const JointRates& rates) {
   std::vector<Effect> effects{made_to_size(row, scope, model, rates)};
