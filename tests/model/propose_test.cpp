@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <regex>
 
 #include "jaculus/model/mjcf.h"
 #include "jaculus/model/robot.h"
@@ -188,6 +189,11 @@ TEST(Propose, JointsOfThePlaneAreHeldWhereAskedFor) {
   EXPECT_TRUE(holds(fmt::format("{}", fmt::join(stiff.proposal.notes, "\n")),
                     "held, 2 of 14 joints (no motor of their own with a stated limit)"))
       << fmt::format("{}", fmt::join(stiff.proposal.notes, "\n"));
+
+  const std::string undriven =
+      std::regex_replace(limb, std::regex("effort=\"[^\"]*\""), "effort=\"0\"");
+  EXPECT_TRUE(holds(fmt::format("{}", fmt::join(imported(undriven, passive).proposal.notes, "\n")),
+                    "`--hold passive` holds nothing"));
 
   ProposeOptions wrong;
   wrong.hold = {"sholder"};
@@ -542,6 +548,17 @@ TEST(Mjcf, FeetHaveTheFrictionOfTheirGeoms) {
   EXPECT_TRUE(holds(with("friction=\"0.6\" priority=\"1\"", "").yaml, "friction: 0.6   # of the"));
   EXPECT_TRUE(holds(with("friction=\"0.6\" condim=\"1\"", "condim=\"1\"").missing.at(0),
                     "friction: 0.8, rubber on a dry floor, is assumed; the file has 'foot'"));
+}
+
+TEST(Mjcf, HoldsNoJointOfTheChainThatCarriesTheBase) {
+  const std::optional<MjcfRobot> robot = hopper();
+  if (!robot) GTEST_SKIP() << "no MuJoCo";
+  ProposeOptions options;
+  options.hold = {"slide_x"};
+  EXPECT_TRUE(holds(input_error_of([&] { (void)propose_robot(robot->tree, options); }),
+                    "--hold: 'slide_x' is of the chain that carries the base"));
+  options.hold = {"knee"};
+  EXPECT_NO_THROW((void)propose_robot(robot->tree, options));
 }
 
 TEST(Mjcf, FrictionIsThatOfDefaultsAndOfPairs) {

@@ -38,14 +38,16 @@ std::string why_held(const SpatialTree& tree, const SpatialJoint& joint) {
   return subtree(tree, joint.child).total_mass() > 0.0 ? "" : "carries nothing that has mass";
 }
 
+bool has_motor(const SpatialJoint& joint) { return std::isfinite(joint.effort); }
+
 /// Why a joint is held that could move in the plane; empty where it isn't.
 std::string why_asked(const SpatialTree& tree, const SpatialJoint& joint,
                       const ProposeOptions& options) {
   if (index_of(options.hold, joint.name) >= 0) return "as asked for";
-  const auto driven = [](const SpatialJoint& j) { return std::isfinite(j.effort); };
-  const bool any = std::any_of(tree.joints.begin(), tree.joints.end(), driven);
-  return options.hold_passive && any && !driven(joint) ? "no motor of their own with a stated limit"
-                                                       : "";
+  const bool any = std::any_of(tree.joints.begin(), tree.joints.end(), has_motor);
+  return options.hold_passive && any && !has_motor(joint)
+             ? "no motor of their own with a stated limit"
+             : "";
 }
 
 /// Joints from the root outwards, in file order where they are equally far.
@@ -140,6 +142,23 @@ void note_held(Draft& draft) {
                                       reason, fmt::join(joints, ", ")));
 }
 
+/// What was asked to be held and can't be.
+void check_asked(const ProposeOptions& options, Draft& draft) {
+  const std::vector<SpatialJoint>& joints = draft.tree.joints;
+  if (options.hold_passive && std::none_of(joints.begin(), joints.end(), has_motor))
+    draft.notes.emplace_back(
+        "`--hold passive` holds nothing: the file states no motor's limit, so none can be missing");
+  for (const std::string& name : options.hold) {
+    const bool held = std::any_of(draft.held.begin(), draft.held.end(),
+                                  [&](const HeldBecause& h) { return h.held.joint == name; });
+    if (!held)
+      throw InputError(fmt::format(
+          "--hold: '{}' is of the chain that carries the base; allowed: joints beyond it, and "
+          "--base fixed for a base that is held",
+          name));
+  }
+}
+
 HeldJoint held_joint(const SpatialJoint& joint, const ProposeOptions& options) {
   const double value = held_value(joint, options);
   return {joint.name, value, joint.kind == SpatialJointKind::prismatic};
@@ -165,6 +184,7 @@ void find_held(const ProposeOptions& options, Draft& draft) {
     draft.held.push_back({held_joint(joint, options), reason});
     tree = hold_joints(tree, {draft.held.back().held});
   }
+  check_asked(options, draft);
 }
 
 void find_pairs(const ProposeOptions& options, Draft& draft) {
