@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace jaculus::model {
 namespace {
@@ -32,11 +33,20 @@ bool collide(const mjModel& m, int a, int b) {
          (m.geom_contype[b] & m.geom_conaffinity[a]) != 0 || pair_of(m, a, b) >= 0;
 }
 
-/// What stands still and is as wide as the world; -1: nothing.
+/// Whether a plane is nearer to level than to upright: walls of an arena are planes too.
+bool faces_up(const mjModel& m, int geom) {
+  mjtNum turn[9];
+  mju_quat2Mat(turn, m.geom_quat + 4 * geom);
+  const mjtNum level = std::abs(turn[8]), side = std::hypot(turn[2], turn[5]);
+  return level > side;
+}
+
+/// What stands still, is as wide as the world and faces up; -1: nothing.
 int floor_of(const mjModel& m, int geom) {
   for (int g = 0; g < m.ngeom; ++g) {
     const bool wide = m.geom_type[g] == mjGEOM_PLANE || m.geom_type[g] == mjGEOM_HFIELD;
-    if (wide && m.body_weldid[m.geom_bodyid[g]] == 0 && collide(m, geom, g)) return g;
+    if (wide && faces_up(m, g) && m.body_weldid[m.geom_bodyid[g]] == 0 && collide(m, geom, g))
+      return g;
   }
   return -1;
 }
@@ -68,7 +78,10 @@ Surface surface_on_floor(const mjModel& m, int geom) {
   const int floor = floor_of(m, geom);
   const mjtNum own = m.geom_friction[3 * geom];
   if (floor < 0 && own == kDefaultFriction) return {};
-  if (floor < 0) return {"", own, fmt::format("{}; the file has no floor", quoted_name(m, geom))};
+  if (floor < 0)
+    return {"", own,
+            fmt::format("{}; the file has no plane or height field that it meets",
+                        quoted_name(m, geom))};
 
   const int pair = pair_of(m, geom, floor);
   if (pair >= 0)

@@ -118,7 +118,8 @@ void keep_friction(const SpatialTree& written, SpatialTree& tree) {
     if (from < 0) continue;
     for (SpatialShape& shape : link.shapes)
       for (const SpatialShape& was : written.links[from].shapes)
-        if (was.kind == shape.kind && (was.position - shape.position).norm() < kSamePlace)
+        if (was.kind == shape.kind && (was.position - shape.position).norm() < kSamePlace &&
+            (was.size - shape.size).norm() < kSamePlace)
           shape.friction = was.friction;
   }
 }

@@ -572,6 +572,15 @@ TEST(Mjcf, FrictionIsThatOfDefaultsAndOfPairs) {
   const Proposal of_defaults = proposed_of(folder.path() / "hopper.xml");
   EXPECT_TRUE(holds(of_defaults.yaml, "friction: 0.4   # of the feet"));
 
+  // a wall that comes first is no floor
+  folder.write("hopper.xml",
+               testing::replaced(rubbed, "<geom type=\"plane\"",
+                                 "<geom name=\"wall\" type=\"plane\" euler=\"0 1.2 0\" "
+                                 "pos=\"-9 0 0\" size=\"5 5 1\" friction=\"0.9 .1 .1\"/>\n"
+                                 "<geom type=\"plane\""));
+  EXPECT_TRUE(
+      holds(proposed_of(folder.path() / "hopper.xml").yaml, "friction: 0.4   # of the feet"));
+
   // pairs meet whatever the masks say, and files that have them switch these off
   std::string paired = testing::replaced(
       rubbed, "type=\"plane\"", "name=\"floor\" contype=\"0\" conaffinity=\"0\" type=\"plane\"");
