@@ -36,13 +36,18 @@ bool any_electric(const PlanarModel& model) {
 
 using Overrides = std::vector<ModelOverride>;
 
-/// Model values that an edit gives for every electric motor.
+/// Whether an effect is about a motor: about all where it names no joint.
+bool is_meant(const std::string& joint, const PlanarMotor& motor) {
+  return joint.empty() || motor.joint == joint;
+}
+
+/// Model values that an edit gives for every electric motor, or for that of one joint.
 std::function<Overrides(const Vector&, const PlanarModel&)> of_motors(
-    void (*add)(const Vector&, const PlanarMotor&, Overrides&)) {
-  return [add](const Vector& theta, const PlanarModel& model) {
+    void (*add)(const Vector&, const PlanarMotor&, Overrides&), const std::string& joint = {}) {
+  return [add, joint](const Vector& theta, const PlanarModel& model) {
     Overrides values;
     for (const PlanarMotor& motor : model.motors)
-      if (!motor.ideal()) add(theta, motor, values);
+      if (!motor.ideal() && is_meant(joint, motor)) add(theta, motor, values);
     return values;
   };
 }
@@ -122,28 +127,26 @@ Effect torque_constant_at(const std::string& joint) {
           : on_actuation(
                 "torque_constant@" + joint,
                 "joint " + joint + "'s motor turns current into another torque than stated");
-  const auto is_meant = [joint](const PlanarMotor& m) { return joint.empty() || m.joint == joint; };
   effect.parameters = {{"scale", "-", 1.0, {0.4, 1.6}, 0.1}};
   if (!joint.empty())
     effect.joints = [joint](const PlanarModel&) { return std::vector<std::string>{joint}; };
-  effect.apply = [is_meant](const Vector& theta, Plant& plant) {
+
+  effect.apply = [joint](const Vector& theta, Plant& plant) {
     for (PlanarMotor& motor : plant.model.motors) {
-      if (!is_meant(motor)) continue;
+      if (!is_meant(joint, motor)) continue;
       motor.torque_constant *= theta[0];
       plant.actuation.torque_scale.try_emplace(motor.joint, 1.0).first->second *= theta[0];
     }
   };
-  effect.overrides = [is_meant](const Vector& theta, const PlanarModel& model) {
-    Overrides values;
-    for (const PlanarMotor& motor : model.motors) {
-      if (motor.ideal() || !is_meant(motor)) continue;
-      add_torque_constant(motor, theta[0], values);
-      // A driver limits torque by the current that it believes to make it.
-      if (motor.torque_limit < kInfinity)
-        add_value(motor, "torque_limit", motor.torque_limit * theta[0], values);
-    }
-    return values;
-  };
+
+  effect.overrides = of_motors(
+      [](const Vector& theta, const PlanarMotor& motor, Overrides& values) {
+        add_torque_constant(motor, theta[0], values);
+        // A driver limits torque by the current that it believes to make it.
+        if (motor.torque_limit < kInfinity)
+          add_value(motor, "torque_limit", motor.torque_limit * theta[0], values);
+      },
+      joint);
   return guarded(effect);
 }
 

@@ -89,4 +89,9 @@ std::vector<Members> parted_sets(const Hypotheses& hypotheses, const Members& se
   return out;
 }
 
+bool extends(const Hypotheses& hypotheses, int candidate, int other) {
+  const effects::Effect* effect = hypotheses.candidates[candidate].effect;
+  return effect != nullptr && effect->special_case == hypotheses.candidates[other].name;
+}
+
 }  // namespace jaculus::diagnosis

@@ -21,6 +21,9 @@ Members exchanged(Members set, int from, int to);
 /// Whether a set holds an effect of all joints and the same of one of them: what they can do
 /// together, one for each joint can.
 bool holds_twice(const Hypotheses& hypotheses, const Members& set);
+/// Whether a candidate is another with parameters more, so that it stands beside that one as no
+/// other cause.
+bool extends(const Hypotheses& hypotheses, int candidate, int other);
 /// `set` with an effect that joints share, of one value, given to each of them with its own, and
 /// the other way round.
 std::vector<Members> parted_sets(const Hypotheses& hypotheses, const Members& set, int largest);

@@ -81,9 +81,8 @@ std::vector<int> predicting(HeldOutGaps& gaps, const ModelFit& model, const Esta
 /// friction that may differ by direction, and doesn't.
 bool says_no_more(const HeldOutGaps& gaps, const ModelFit& model, int member, int other) {
   const Hypotheses& hypotheses = gaps.problem().hypotheses;
+  if (!extends(hypotheses, other, member)) return false;
   const Candidate& more = hypotheses.candidates[other];
-  if (more.effect == nullptr || more.effect->special_case != hypotheses.candidates[member].name)
-    return false;
   const ModelFit* with = gaps.posterior().find(exchanged(model.candidates, member, other));
   if (with == nullptr) return false;
   for (std::size_t k = 1; k < more.parameters.size(); ++k) {

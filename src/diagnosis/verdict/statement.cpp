@@ -31,15 +31,6 @@ std::string joined(const std::vector<std::string>& names) {
   return names.empty() ? "none" : fmt::format("{}", fmt::join(names, " + "));
 }
 
-/// Whether an effect is a candidate with parameters more, so that it stands beside it as no other
-/// cause.
-bool extends(const Problem& problem, const std::string& effect, int candidate) {
-  const int c = problem.hypotheses.candidate(effect);
-  if (c < 0 || problem.hypotheses.candidates[c].effect == nullptr) return false;
-  return problem.hypotheses.candidates[c].effect->special_case ==
-         problem.hypotheses.candidates[candidate].name;
-}
-
 /// Most probable model that frees a candidate; null where none does.
 const ModelFit* best_with(const Posterior& posterior, int candidate) {
   const ModelFit* best = nullptr;
@@ -93,7 +84,7 @@ FoundEffect found_effect(const Problem& problem, const Whitening& whitening,
   }
   for (const int other : like) {
     const std::string& name = problem.hypotheses.candidates[other].name;
-    if (other == c || extends(problem, name, c)) continue;
+    if (other == c || extends(problem.hypotheses, other, c)) continue;
     if (index_of(found.indistinguishable, name) < 0) found.indistinguishable.push_back(name);
   }
 
@@ -347,8 +338,9 @@ Statement state_verdict(const Problem& problem, const Selection& selection, bool
   if (!out.events.empty()) ranking = ranked_without_events(problem, ranking);
   std::vector<Ranked> others = ranking;
   std::erase_if(others, [&](const Ranked& row) {
-    return !told.effects.empty() && row.members.size() == 1 &&
-           extends(problem, row.members.front(), told.effects.front().effect);
+    if (told.effects.empty() || row.members.size() != 1) return false;
+    const int c = problem.hypotheses.candidate(row.members.front());
+    return c >= 0 && extends(problem.hypotheses, c, told.effects.front().effect);
   });
   const std::vector<std::string> doubted = doubts(out.verdict, out.gap, effects, others, settings);
   append(doubted, out.reasons);
