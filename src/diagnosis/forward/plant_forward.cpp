@@ -235,10 +235,10 @@ SimulationSetup setup_of(const Model& model, int dataset, int index, const Vecto
 
   setup.options.sample_times = sample_times(observed, segment, setup.plant, model.settings);
   setup.options.duration = setup.options.sample_times[setup.options.sample_times.size() - 1];
-  if (observed.measured_input) {
-    setup.options.absolute_tolerance = model.settings.window_accuracy;
-    setup.options.relative_tolerance = 100.0 * model.settings.window_accuracy;
-  }
+  const double accuracy =
+      observed.measured_input ? model.settings.window_accuracy : model.settings.plan_accuracy;
+  setup.options.absolute_tolerance = accuracy;
+  setup.options.relative_tolerance = 100.0 * accuracy;
   return setup;
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <map>
 #include <numeric>
 #include <set>
 
@@ -269,6 +270,8 @@ void FittedModels::share_valleys(const std::set<Members>& refined) {
   std::vector<ModelFit*> models;
   for (ModelFit& model : models_)
     if (model.fit.valid && refined.contains(model.candidates)) models.push_back(&model);
+  // A larger model's evidence where another one last set out from it: from there again is no news.
+  std::map<std::pair<const ModelFit*, const ModelFit*>, double> from;
   for (int round = 0; round < problem_.settings.search_rounds; ++round) {
     bool moved = false;
     for (ModelFit* model : models) {
@@ -278,8 +281,12 @@ void FittedModels::share_valleys(const std::set<Members>& refined) {
       const double before = model->fit.log_evidence;
       model->fit = fit_from_lower(problem_, comparison_.whitening, std::move(model->fit), starts,
                                   exact_options(*model));
-      for (const ModelFit* other : models) fit_within(*other, *model);
-      moved = moved || model->fit.log_evidence > before;
+      for (const ModelFit* other : models) {
+        double& last = from.try_emplace({other, model}, -kInfinity).first->second;
+        if (other->fit.log_evidence > last) fit_within(*other, *model);
+        last = other->fit.log_evidence;
+      }
+      moved = moved || model->fit.log_evidence > before + problem_.settings.scales_settled;
     }
     if (!moved) return;
   }

@@ -106,9 +106,27 @@ const ContactRows* PlantEquations::rows(const State& y, const std::vector<int>& 
   return fill_rows(y, touching) ? &rows_ : nullptr;
 }
 
-double PlantEquations::fastest_rate(const State& y) {
-  if (!passive_.has_fast_parts() || !weigh(y)) return 0.0;
-  return passive_.fastest_rate(mechanism_, inertia_, drive_.motors, y.data(), y.data() + size());
+const FastParts& PlantEquations::fast_parts(const State& y, const std::vector<Touch>& modes) {
+  fast_.size = size();
+  fast_.parts.clear();
+  if (!passive_.has_fast_parts() || !weigh(y)) return fast_;
+  passive_.list_fast_parts(mechanism_, drive_.motors, y.data(), y.data() + size(), fast_.parts);
+  list_touching(modes);
+  if (!touching_.empty()) fill_rows(y, touching_);
+
+  for (FastPart& part : fast_.parts) {
+    part.response = part.row;
+    inertia_.forward(part.response.data());
+    if (!touching_.empty()) {
+      system_ = rows_.system(unilaterals_);
+      std::fill(system_.b, system_.b + 2 * system_.count, 0.0);
+      rows_.add_product(part.response.data(), system_.b);
+      if (solve_forces(system_, touching_modes_.data()))
+        rows_.add_transposed(system_.lambda, part.response.data());
+    }
+    inertia_.backward(part.response.data());
+  }
+  return fast_;
 }
 
 /// force_ and free_, everything up to the acceleration without rigid contacts. Weighed at y.
@@ -214,18 +232,23 @@ const ContactSystem* PlantEquations::rate_system(const State& y, const std::vect
 // The right-hand side
 // -------------------------------------------------------------------------------------------------
 
-/// Forces of the rigid contacts that are closed, and what L^T a has of them.
-bool PlantEquations::add_contacts(const State& y, const std::vector<Touch>& modes,
-                                  double* acceleration) {
+/// Rigid contacts that are closed, and their modes.
+void PlantEquations::list_touching(const std::vector<Touch>& modes) {
   touching_.clear();
   touching_modes_.clear();
   for (int i = 0; i < count_of(modes); ++i) {
-    if (compliant(i)) continue;
-    at_.lambda[2 * i] = at_.lambda[2 * i + 1] = 0.0;
-    if (modes[i] == Touch::open) continue;
+    if (compliant(i) || modes[i] == Touch::open) continue;
     touching_.push_back(i);
     touching_modes_.push_back(modes[i]);
   }
+}
+
+/// Forces of the rigid contacts that are closed, and what L^T a has of them.
+bool PlantEquations::add_contacts(const State& y, const std::vector<Touch>& modes,
+                                  double* acceleration) {
+  list_touching(modes);
+  for (int i = 0; i < count_of(modes); ++i)
+    if (!compliant(i)) at_.lambda[2 * i] = at_.lambda[2 * i + 1] = 0.0;
   if (touching_.empty()) return true;
 
   fill_rows(y, touching_);

@@ -76,8 +76,8 @@ class PlantEquations {
   const std::vector<ContactState>* contacts(const State& y);
   const Inertia* inertia(const State& y);
   const ContactRows* rows(const State& y, const std::vector<int>& touching);
-  /// Fastest rate at which hinges settle at y, or joints that rub come to rest [1/s].
-  double fastest_rate(const State& y);
+  /// Hinges and joints that rub, as they settle at y; none where there are no such parts.
+  const FastParts& fast_parts(const State& y, const std::vector<Touch>& modes);
   /// Generalised forces less the bias, Q - h, without rigid contacts.
   const double* balance(double t, const State& y, const std::vector<Touch>& modes);
   /// What Coulomb's law asks of contacts: w their accelerations at (t, y), or their rates.
@@ -101,6 +101,7 @@ class PlantEquations {
   bool add_contacts(const State& y, const std::vector<Touch>& modes, double* acceleration);
   void take_changes(const PlantChanges& changes);
   void set_slow_rates(const State& y, State& dydt) const;
+  void list_touching(const std::vector<Touch>& modes);
 
   const Plant& plant_;
   Mechanism mechanism_;
@@ -128,6 +129,7 @@ class PlantEquations {
   ContactSystem system_;
   std::array<double, kMaxSize> force_, balance_;
   std::array<double, kMaxSize> free_;  ///< L^-1 (Q - h)
+  FastParts fast_;
   std::vector<int> touching_;
   std::vector<Touch> touching_modes_;
 };

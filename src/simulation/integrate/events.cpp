@@ -47,7 +47,7 @@ struct Search {
 
   /// A function's value at t; NaN where the equations fail.
   double value_at(const EventFunction& f, double t) {
-    stepper.dense(step, t, y);
+    stepper.state_at(rates_of(equations, modes), step, t, y);
     if (f.needs_forces()) {
       const Evaluation* at = equations.evaluate(t, y, modes, dydt);
       return at != nullptr ? value(equations, f, *at) : kNaN;
@@ -99,6 +99,12 @@ std::optional<double> dip(const EventFunction& f, const Step& step,
 }
 
 }  // namespace
+
+RightHandSide rates_of(PlantEquations& equations, const std::vector<Touch>& modes) {
+  return [&](double t, const State& y, State& dydt) {
+    return equations.evaluate(t, y, modes, dydt) != nullptr;
+  };
+}
 
 void list_functions(const PlantEquations& equations, const std::vector<Touch>& modes,
                     double contact_tolerance, std::vector<EventFunction>& out) {

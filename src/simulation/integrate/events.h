@@ -31,6 +31,9 @@ struct EventFunction {
   }
 };
 
+/// The equations' right-hand side at these modes; both must outlive it.
+RightHandSide rates_of(PlantEquations& equations, const std::vector<Touch>& modes);
+
 /// Those of every contact at its mode.
 void list_functions(const PlantEquations& equations, const std::vector<Touch>& modes,
                     double contact_tolerance, std::vector<EventFunction>& out);

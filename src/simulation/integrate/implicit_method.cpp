@@ -1,39 +1,43 @@
 #include "simulation/integrate/implicit_method.h"
 
 #include <algorithm>
-#include <boost/numeric/odeint/stepper/rosenbrock4.hpp>
-#include <cmath>
-#include <limits>
 
 namespace jaculus::simulation::detail {
 
 namespace {
 
-/// Of a state's size, or of 1 where that is larger, by which it is moved for a slope.
-const double kMove = std::sqrt(std::numeric_limits<double>::epsilon());
-/// Of a step's length, over which the slope in time is taken.
-constexpr double kLater = 1e-4;
+constexpr double kGamma = 0.4358665215084590;
 
-/// Coefficients by stage, then by the stage before it. Odeint's d4 lacks its sign (Hairer and
-/// Wanner's is -0.0362): with it the order falls to 1 where f depends on time.
+/// As published, k_i = h f(y + sum alpha_ij k_j) + h J sum gamma_ij k_j, and with u = Gamma k,
+/// which needs no product by J.
 struct Coefficients {
-  const boost::numeric::odeint::default_rosenbrock_coefficients<double> k;
-  std::array<double, 6> time{0.0, k.c2, k.c3, k.c4, 1.0, 1.0};
-  std::array<double, 6> slope{k.d1, k.d2, k.d3, -k.d4, 0.0, 0.0};
-  std::array<std::array<double, 5>, 6> a{{{},
-                                          {k.a21},
-                                          {k.a31, k.a32},
-                                          {k.a41, k.a42, k.a43},
-                                          {k.a51, k.a52, k.a53, k.a54},
-                                          {k.a51, k.a52, k.a53, k.a54, 1.0}}};
-  std::array<std::array<double, 5>, 6> c{{{},
-                                          {k.c21},
-                                          {k.c31, k.c32},
-                                          {k.c41, k.c42, k.c43},
-                                          {k.c51, k.c52, k.c53, k.c54},
-                                          {k.c61, k.c62, k.c63, k.c64, k.c65}}};
-  std::array<double, 5> square{k.d21, k.d22, k.d23, k.d24, k.d25};
-  std::array<double, 5> cube{k.d31, k.d32, k.d33, k.d34, k.d35};
+  Eigen::Matrix4d a, c;           ///< below their diagonals
+  Eigen::RowVector4d m, e, time;  ///< weights, those of the error, places of the stages
+
+  Coefficients() {
+    Eigen::Matrix4d alpha = Eigen::Matrix4d::Zero(), gamma = kGamma * Eigen::Matrix4d::Identity();
+    alpha(1, 0) = 0.87173304301691801;
+    alpha(2, 0) = 0.84457060015369423;
+    alpha(2, 1) = -0.11299064236484185;
+    alpha(3, 2) = 1.0;
+    gamma(1, 0) = -0.87173304301691801;
+    gamma(2, 0) = -0.90338057013044082;
+    gamma(2, 1) = 0.054180672388095326;
+    gamma(3, 0) = 0.24212380706095346;
+    gamma(3, 1) = -1.2232505839045147;
+    gamma(3, 2) = 0.54526025533510214;
+    const Eigen::RowVector4d b{0.24212380706095346, -1.2232505839045147, 1.5452602553351020,
+                               kGamma};
+    const Eigen::RowVector4d less{0.37810903145819369, -0.096042292212423178, 0.5,
+                                  0.21793326075422950};  // of order 2
+
+    const Eigen::Matrix4d inverse = gamma.inverse();
+    a = alpha * inverse;
+    c = Eigen::Matrix4d::Identity() / kGamma - inverse;
+    m = b * inverse;
+    e = (b - less) * inverse;
+    time = alpha.rowwise().sum().transpose();
+  }
 };
 
 const Coefficients& coefficients() {
@@ -41,64 +45,78 @@ const Coefficients& coefficients() {
   return all;
 }
 
-Eigen::Map<Vector> mapped(State& state) {
-  return {state.data(), static_cast<Eigen::Index>(state.size())};
-}
-Eigen::Map<const Vector> mapped(const State& state) {
-  return {state.data(), static_cast<Eigen::Index>(state.size())};
+void add(double share, const State& x, State& sum) {
+  for (std::size_t i = 0; i < x.size(); ++i) sum[i] += share * x[i];
 }
 
 }  // namespace
 
-void ImplicitMethod::set_slopes(const RightHandSide& f, const Step& step) {
-  const auto n = static_cast<Eigen::Index>(step.y.size());
-  by_state_.resize(n, n);
-  at_ = step.y;
-  rate_.resize(step.y.size());
-  for (std::size_t j = 0; j < at_.size(); ++j) {
-    at_[j] += kMove * std::max(1.0, std::abs(step.y[j]));
-    const double moved = at_[j] - step.y[j];
-    f(step.t, at_, rate_);
-    by_state_.col(static_cast<Eigen::Index>(j)) = (mapped(rate_) - mapped(step.dydt)) / moved;
-    at_[j] = step.y[j];
+/// `inverse`: gamma h.
+void ImplicitMethod::factorise(const FastParts& fast, double inverse) {
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxSize, kMaxSize> rates =
+      Eigen::MatrixXd::Identity(size_, size_) / inverse;
+  for (const FastPart& part : fast.parts) {
+    const double slope = part.damping + inverse * part.stiffness;
+    for (int j = 0; j < size_; ++j)
+      for (int i = 0; i < size_; ++i) rates(i, j) += slope * part.response[i] * part.row[j];
   }
-
-  const double later = kLater * step.length;
-  f(step.t + later, at_, rate_);
-  by_time_ = (mapped(rate_) - mapped(step.dydt)) / later;
+  factors_.compute(rates);
 }
 
-void ImplicitMethod::take(const RightHandSide& f, Step& step, State& error) {
+/// (I/(gamma h) - J) x = what x holds.
+void ImplicitMethod::solve(const FastParts& fast, double inverse, State& x) const {
+  double* v = x.data() + size_;
+  for (std::size_t i = 0; i < x.size(); ++i)
+    if (i < static_cast<std::size_t>(size_) || i >= 2 * static_cast<std::size_t>(size_))
+      x[i] *= inverse;
+  for (const FastPart& part : fast.parts) {
+    if (part.stiffness == 0.0) continue;
+    const double force = part.stiffness * dot(part.row, x.data(), size_);
+    for (int i = 0; i < size_; ++i) v[i] -= force * part.response[i];
+  }
+  Eigen::Map<Vector> rates(v, size_);
+  rates = factors_.solve(rates);
+  for (int i = 0; i < size_; ++i) x[i] += inverse * v[i];
+}
+
+void ImplicitMethod::take(const RightHandSide& f, const FastParts& fast, Step& step, State& error) {
   const Coefficients& k = coefficients();
-  const double h = step.length;
-  set_slopes(f, step);
-  by_state_ = -by_state_;
-  by_state_.diagonal().array() += 1.0 / (k.k.gamma * h);
-  factors_.compute(by_state_);
+  const double h = step.length, inverse = kGamma * h;
+  size_ = fast.size;
+  factorise(fast, inverse);
 
   rate_ = step.dydt;
-  for (std::size_t i = 0; i < g_.size(); ++i) {
+  for (int i = 0; i < 4; ++i) {
     if (i > 0) {
-      mapped(at_) = mapped(step.y);
-      for (std::size_t j = 0; j < i; ++j) mapped(at_) += k.a[i][j] * g_[j];
+      at_ = step.y;
+      for (int j = 0; j < i; ++j) add(k.a(i, j), u_[j], at_);
       f(step.t + k.time[i] * h, at_, rate_);
     }
-    g_[i] = mapped(rate_) + h * k.slope[i] * by_time_;
-    for (std::size_t j = 0; j < i; ++j) g_[i] += k.c[i][j] / h * g_[j];
-    g_[i] = factors_.solve(g_[i]);
+    u_[i] = rate_;
+    for (int j = 0; j < i; ++j) add(k.c(i, j) / h, u_[j], u_[i]);
+    solve(fast, inverse, u_[i]);
   }
 
-  mapped(step.y_end) = mapped(at_) + g_.back();
-  mapped(error) = g_.back();
+  step.y_end = step.y;
+  std::fill(error.begin(), error.end(), 0.0);
+  for (int i = 0; i < 4; ++i) {
+    add(k.m[i], u_[i], step.y_end);
+    add(k.e[i], u_[i], error);
+  }
+  for (double& x : error) x /= inverse;
+  solve(fast, inverse, error);
   f(step.t + h, step.y_end, step.dydt_end);
 }
 
 void ImplicitMethod::dense(const Step& step, double t, State& out) const {
-  const Coefficients& k = coefficients();
-  const double s = (t - step.t) / step.length, rest = 1.0 - s;
-  mapped(out) = rest * mapped(step.y) + s * mapped(step.y_end);
-  for (std::size_t j = 0; j < k.square.size(); ++j)
-    mapped(out) += s * rest * (k.square[j] + s * k.cube[j]) * g_[j];
+  const double h = step.length, s = (t - step.t) / h, rest = 1.0 - s;
+  const double to = s * s * (3.0 - 2.0 * s);
+  for (std::size_t i = 0; i < step.y.size(); ++i) {
+    const double way = step.y_end[i] - step.y[i], slope = h * step.dydt_end[i];
+    out[i] = i < static_cast<std::size_t>(size_)
+                 ? step.y[i] + to * way + s * rest * (rest * h * step.dydt[i] - s * slope)
+                 : step.y_end[i] - rest * slope + rest * rest * (slope - way);
+  }
 }
 
 }  // namespace jaculus::simulation::detail

@@ -1,41 +1,50 @@
 #pragma once
-// Steps of a Rosenbrock method of order 4(3), L-stable, for motions with parts far faster than what
-// is asked of them: a stiff hinge behind a rotor of hardly any inertia settles within a
-// microsecond. A step's length is set by the motion's accuracy, never by such a part.
+// Steps of a W-method of order 3(2), L-stable and stiffly accurate, for motions with parts far
+// faster than what is asked of them: a joint that dry friction holds, a stiff hinge behind a rotor
+// of hardly any inertia. A step's length is set by the motion's accuracy, never by such a part.
 //
-// RODAS (Hairer and Wanner, Solving Ordinary Differential Equations II, section IV.7), of which
-// Boost.Odeint has the coefficients; its own stepper needs uBLAS, which C++20 no longer compiles.
-// With W = I/(gamma h) - df/dy, stage i solves
-//     W g_i = f(t + c_i h, y + sum_j a_ij g_j) + h d_i df/dt + sum_j c_ij g_j/h,
-// the last two at the end of the step; the last one is the error estimate. df/dy and df/dt are
-// forward differences, one evaluation a state.
+// Rosenbrock methods need df/dy to machine precision, one evaluation a state and step. A W-method
+// keeps its order with any matrix in its place, and is stable where the fast parts are in it: those
+// are known, each one row r of rates with d(dv/dt)/dv = -damping a r^T, d(dv/dt)/dq = -stiffness
+// a r^T, a the accelerations by a unit of its force (fast_part.h). So a step takes four
+// evaluations, as many as an explicit one. With J of these and dq/dt = v, stage i solves
+//     (I/(gamma h) - J) u_i = f(t + c_i h, y + sum_j a_ij u_j) + sum_j c_ij u_j/h,
+//     y(t + h) = y + sum_i m_i u_i,   error = (I - gamma h J)^-1 sum_i e_i u_i.
+// An error of a fast part is forgotten as the part settles: the inverse counts what is left of it
+// (as RADAU5 does; Hairer and Wanner, Solving Ordinary Differential Equations II, section IV.8).
+// Coefficients: ROS34PW2 (Rang and Angermann, New Rosenbrock W-methods of order 3 for partial
+// differential algebraic equations of index 1, BIT 45, 2005), in the form without products by J
+// (Hairer and Wanner, section IV.7).
 
 #include <Eigen/LU>
 #include <array>
 
 #include "jaculus/core/types.h"
 #include "simulation/integrate/step.h"
+#include "simulation/plant/fast_part.h"
 
 namespace jaculus::simulation::detail {
 
 class ImplicitMethod {
  public:
   /// Takes `step` over its length: sets y_end and dydt_end, and `error`, an estimate of the error
-  /// of y_end. The last evaluation of f is at the end.
-  void take(const RightHandSide& f, Step& step, State& error);
-  /// The state at t within the last step, a cubic.
+  /// of y_end. The last evaluation of f is at the end. `fast`: those at the step's start.
+  void take(const RightHandSide& f, const FastParts& fast, Step& step, State& error);
+  /// The state at t within the last step: coordinates by the cubic through both ends and their
+  /// rates; the others, whose rates may jump at the start, by the parabola that ends as the step.
   void dense(const Step& step, double t, State& out) const;
 
-  /// Evaluations of f that a step takes.
-  static int evaluations(int states) { return states + 7; }
+  static constexpr double kEvaluations = 4.0;  ///< of a step
 
  private:
-  void set_slopes(const RightHandSide& f, const Step& step);
+  void factorise(const FastParts& fast, double inverse);
+  void solve(const FastParts& fast, double inverse, State& x) const;
 
-  std::array<Vector, 6> g_;
-  Matrix by_state_;  ///< df/dy
-  Vector by_time_;   ///< df/dt
-  Eigen::PartialPivLU<Matrix> factors_;
+  int size_ = 0;  ///< coordinates
+  std::array<State, 4> u_;
+  /// I/(gamma h) + sum (damping + gamma h stiffness) a r^T: of the rates, coordinates eliminated
+  Eigen::PartialPivLU<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxSize, kMaxSize>>
+      factors_;
   State at_, rate_;
 };
 

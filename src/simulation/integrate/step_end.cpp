@@ -91,7 +91,7 @@ Outcome change_contacts(Run& run, const EventFunction& event) {
 Outcome end_at_event(Run& run, const Step& step, const Occurrence& event) {
   record_before(run, step, event.time);
   State y(step.y.size()), dydt(step.y.size());
-  run.stepper.dense(step, event.time, y);
+  run.stepper.state_at(rates_of(run.equations, run.state.modes), step, event.time, y);
   const Evaluation* at = run.equations.evaluate(event.time, y, run.state.modes, dydt);
   if (at == nullptr) return singular_motion(" at an event");
   project(run, *at, y);

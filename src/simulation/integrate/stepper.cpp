@@ -14,6 +14,8 @@ constexpr double kRestart = 1e-4;        ///< length to start with after an even
 /// Dormand and Prince's method is stable up to this length times the fastest rate (Hairer and
 /// Wanner II, section IV.2).
 constexpr double kStable = 3.3;
+/// How long an error of a rate acts on its coordinate: some holds of a command [s].
+constexpr double kActs = 0.01;
 constexpr double kDormandPrince = 6.0;  ///< evaluations of a step
 /// steps for which the implicit method rests after one that did not pay
 constexpr int kImplicitPause = 32;
@@ -22,8 +24,10 @@ constexpr int kPause = 16;
 
 }  // namespace
 
-Stepper::Stepper(double relative_tolerance, double absolute_tolerance, int states)
-    : relative_tolerance_(relative_tolerance), absolute_tolerance_(absolute_tolerance) {
+Stepper::Stepper(double relative_tolerance, double absolute_tolerance, int coordinates, int states)
+    : relative_tolerance_(relative_tolerance), absolute_tolerance_(states, absolute_tolerance) {
+  for (int i = coordinates; i < std::min(2 * coordinates, states); ++i)
+    absolute_tolerance_[i] /= kActs;
   for (State* s : {&error_, &y_stage_, &k2_, &k3_, &k4_}) s->assign(states, 0.0);
 }
 
@@ -55,8 +59,8 @@ double Stepper::worst_error(const Step& step) {
   double worst = 0.0;
   for (std::size_t i = 0; i < step.y.size(); ++i) {
     const double size = std::max(std::abs(step.y[i]), std::abs(step.y_end[i]));
-    worst =
-        std::max(worst, std::abs(error_[i]) / (absolute_tolerance_ + relative_tolerance_ * size));
+    worst = std::max(worst,
+                     std::abs(error_[i]) / (absolute_tolerance_[i] + relative_tolerance_ * size));
     if (!std::isfinite(error_[i]) || !std::isfinite(step.y_end[i])) broken_ = true;
   }
   return worst;
@@ -95,16 +99,16 @@ bool Stepper::set_length(double next, double left, Step& step) {
 
 /// Length from which an implicit step takes fewer evaluations than the explicit ones that are
 /// stable.
-double Stepper::paying_length(const Step& step) const {
-  return ImplicitMethod::evaluations(count_of(step.y)) / kDormandPrince * kStable / fastest_rate_;
+double Stepper::paying_length() const {
+  return ImplicitMethod::kEvaluations / kDormandPrince * kStable / fastest_rate_;
 }
 
 /// Steps that don't pay are left to the explicit methods for a while.
 bool Stepper::attempt_implicit(const RightHandSide& f, double limit, double least, Step& step) {
   step.method = Method::implicit;
   const bool whole = set_length(std::max(least, implicit_length_), limit - step.t, step);
-  implicit_.take(f, step, error_);
-  const bool accepted = accept(4.0, implicit_length_, step);
+  implicit_.take(f, *fast_, step, error_);
+  const bool accepted = accept(3.0, implicit_length_, step);
   if (implicit_length_ < least) implicit_pause_ = kImplicitPause;
   if (accepted) step.end = whole ? limit : step.t + step.length;
   return accepted;
@@ -112,7 +116,7 @@ bool Stepper::attempt_implicit(const RightHandSide& f, double limit, double leas
 
 bool Stepper::attempt(const RightHandSide& f, double limit, Step& step) {
   broken_ = false;
-  const double least = paying_length(step), left = limit - step.t;
+  const double least = paying_length(), left = limit - step.t;
   if (implicit_pause_ == 0 && least < left) return attempt_implicit(f, limit, least, step);
 
   implicit_pause_ = std::max(0, implicit_pause_ - 1);
@@ -155,6 +159,17 @@ bool Stepper::accept(double order, double& next, const Step& step) {
   const bool cut = step.length < next;
   next = cut ? std::max(next, factor * step.length) : factor * step.length;
   return true;
+}
+
+void Stepper::state_at(const RightHandSide& f, const Step& step, double t, State& out) {
+  if (step.method != Method::implicit || t <= step.t) {
+    dense(step, t, out);
+    return;
+  }
+  Step part = step;
+  part.length = t - step.t;
+  implicit_.take(f, *fast_, part, error_);
+  out = part.y_end;
 }
 
 /// The interpolant of the step's method; Kutta's is the cubic through both ends and their slopes.

@@ -28,16 +28,23 @@ enum class StepResult { accepted, no_step_is_short_enough, equations_fail };
 
 class Stepper {
  public:
-  Stepper(double relative_tolerance, double absolute_tolerance, int states);
+  /// Absolute tolerances are those of the first `coordinates` states; their rates, which follow
+  /// them, are granted what changes them by as much in a hundredth of a second.
+  Stepper(double relative_tolerance, double absolute_tolerance, int coordinates, int states);
 
-  /// Tells the fastest rate of the equations [1/s].
-  void expect(double fastest_rate) { fastest_rate_ = fastest_rate; }
+  /// Tells what is fast in the equations where the next step begins; must outlive it.
+  void expect(const FastParts& fast) {
+    fast_ = &fast;
+    fastest_rate_ = fast.rate();
+  }
 
   /// Fills `step`, which has t, y and dydt, with one that meets the tolerances and ends at `limit`
   /// or before. The last evaluation of f is at its end.
   StepResult take(const RightHandSide& f, double limit, Step& step);
-  /// The state at t within the last step that was taken.
+  /// The state at t within the last step that was taken, by its interpolant.
   void dense(const Step& step, double t, State& out);
+  /// The same as exact as the step, for forces: those of fast parts follow no interpolant.
+  void state_at(const RightHandSide& f, const Step& step, double t, State& out);
   /// The motion changed: the next step need not be as short as the last.
   void restart();
 
@@ -47,12 +54,14 @@ class Stepper {
   bool attempt_kutta(const RightHandSide& f, Step& step);
   bool accept(double order, double& next, const Step& step);
   static bool set_length(double next, double left, Step& step);
-  [[nodiscard]] double paying_length(const Step& step) const;
+  [[nodiscard]] double paying_length() const;
   double worst_error(const Step& step);
 
-  double relative_tolerance_, absolute_tolerance_;
+  double relative_tolerance_;
+  State absolute_tolerance_;  ///< of each state
   boost::numeric::odeint::runge_kutta_dopri5<State> dopri5_;
   ImplicitMethod implicit_;
+  const FastParts* fast_ = nullptr;
   double fastest_rate_ = 0.0;      ///< [1/s]
   double next_length_ = 1e-3;      ///< of an explicit step [s]
   double implicit_length_ = 1e-3;  ///< [s]

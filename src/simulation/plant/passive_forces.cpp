@@ -155,28 +155,22 @@ void PassiveForces::add_springs(const Mechanism& mechanism, const Inertia& inert
   }
 }
 
-double PassiveForces::fastest_rate(const Mechanism& mechanism, const Inertia& inertia,
-                                   const std::vector<MotorState>& motors, const double* q,
-                                   const double* v) const {
-  double fastest = 0.0;
+void PassiveForces::list_fast_parts(const Mechanism& mechanism,
+                                    const std::vector<MotorState>& motors, const double* q,
+                                    const double* v, std::vector<FastPart>& parts) const {
+  parts.clear();
   JointState state;
   for (const Friction& f : friction_) {
     const Rubbing joint = rubbing(f, mechanism, motors, q, v, state);
-    Row row = *joint.row;
-    inertia.forward(row.data());
-    const double a = dot(row, row.data(), mechanism.n);
     const double slope = (1.0 - joint.sign * joint.sign) * joint.level / f.law->smoothing_rate;
-    fastest = std::max(fastest, f.count * a * (slope + f.law->viscous));
+    parts.push_back({*joint.row, f.count * (slope + f.law->viscous)});
   }
 
   for (std::size_t k = 0; k < springs_.size(); ++k) {
-    Row unit{};
-    unit[mechanism.hinges[k].coordinate] = 1.0;
-    inertia.forward(unit.data());
-    const double a = dot(unit, unit.data(), mechanism.n);
-    fastest = std::max({fastest, springs_[k].damping * a, std::sqrt(springs_[k].stiffness * a)});
+    FastPart hinge{{}, springs_[k].damping, springs_[k].stiffness};
+    hinge.row[mechanism.hinges[k].coordinate] = 1.0;
+    parts.push_back(hinge);
   }
-  return fastest;
 }
 
 void PassiveForces::add_drag(const Mechanism& mechanism, double* force) const {

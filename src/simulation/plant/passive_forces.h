@@ -18,6 +18,7 @@
 
 #include "jaculus/simulation/plant.h"
 #include "simulation/plant/drive.h"
+#include "simulation/plant/fast_part.h"
 #include "simulation/plant/inertia.h"
 #include "simulation/plant/mechanism.h"
 
@@ -35,12 +36,10 @@ class PassiveForces {
            const std::vector<MotorState>& motors, const double* q, const double* v, double* force);
   /// Whether there are hinges or joints that rub.
   [[nodiscard]] bool has_fast_parts() const { return !springs_.empty() || !friction_.empty(); }
-  /// With a the acceleration of a hinge or joint by a unit of its torque, the largest of c a and
-  /// sqrt(k a) of the hinges' springs and dampers and d a of joints that rub, d = dtau/dw there
-  /// [1/s]. After the first add(), at its motors.
-  [[nodiscard]] double fastest_rate(const Mechanism& mechanism, const Inertia& inertia,
-                                    const std::vector<MotorState>& motors, const double* q,
-                                    const double* v) const;
+  /// Hinges' springs and dampers and joints that rub, with the slopes of their laws at (q, v) and
+  /// without responses. After the first add(), at its motors.
+  void list_fast_parts(const Mechanism& mechanism, const std::vector<MotorState>& motors,
+                       const double* q, const double* v, std::vector<FastPart>& parts) const;
 
  private:
   struct Friction {
