@@ -156,6 +156,34 @@ std::vector<Vector> best_first(const Problem& problem, const Whitening& whitenin
   return sorted;
 }
 
+/// Of some starts the one from which slopes that are known lead lowest, and where they lead: a few
+/// predictions each, where slopes told anew take one a nuisance. None where nothing can be
+/// simulated; the starts themselves where no slopes are known.
+std::vector<Vector> lowest_by_known(const Problem& problem, const Whitening& whitening,
+                                    const std::vector<int>& free,
+                                    const std::vector<Vector>& starts, const FitOptions& options,
+                                    long& predictions) {
+  const bool settles = options.with_forces && whitening.random.blocks.empty();
+  if (starts.size() < 2 || options.known.cols() == 0 || !settles) return starts;
+  const Vector scales = scales_of(options, whitening.random);
+  std::vector<Vector> lowest;
+  double least = kInfinity;
+  for (const Vector& start : starts) {
+    Residual residual = residual_of(problem, whitening, free, start, options);
+    Vector u = residual.reduced(start), r;
+    const bool ended = minimise(residual, whitening.random, scales, misfits_of(options),
+                                iterations_of(problem, options, 0), u) &&
+                       residual.value(u, r);
+    predictions += residual.predictions();
+    if (!ended) continue;
+    const double cost = cost_of(whitening.random, scales, misfits_of(options), r, u);
+    if (cost >= least) continue;
+    least = cost;
+    lowest = {residual.full(u)};
+  }
+  return lowest;
+}
+
 }  // namespace
 
 Matrix linear_model(const Problem& problem, const Fit& fit) {
@@ -211,7 +239,9 @@ Fit fit_model(const Problem& problem, const Whitening& whitening, const std::vec
   long predictions = starts.size() > 1 ? count_of(starts) : 0;
   const Vector no_forces = Vector::Zero(whitening.random.size());
   std::vector<Vector> ends;  // of least squares
-  for (const Vector& start : best_first(problem, whitening, free, starts, options)) {
+  const std::vector<Vector> first = best_first(problem, whitening, free, starts, options);
+  for (const Vector& start :
+       lowest_by_known(problem, whitening, free, first, options, predictions)) {
     Residual residual = residual_of(problem, whitening, free, start, options);
     Vector u = residual.reduced(start);
     Fit fit;
