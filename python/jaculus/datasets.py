@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Iterable, Mapping, Optional, Union
 
 from . import _core
-from ._inputs import Source, node_of
+from ._inputs import Source, node_of, whole_or_none
 from ._interrupts import Interrupted
 from ._tables import labelled, page, pandas, pyplot, xarray
 from .effects import Effect, compiled
@@ -232,6 +232,7 @@ def simulate(experiment: Source, *, robot: Optional[str] = None, controller: str
     """
     if isinstance(experiment, Plan):
         raise TypeError("simulate plays a plan from its files: plan.save(folder), then simulate(folder)")
+    trials, seed = whole_or_none("trials", trials, 1, 100000), whole_or_none("seed", seed, 0)
     read = _experiment(experiment, robot, controller)
     done = _core.simulate(read, trials, seed, _effects(effects), [os.fspath(f) for f in effect_files],
                           os.fspath(augmented), compiled(own_effects))
