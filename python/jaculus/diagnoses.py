@@ -5,7 +5,7 @@ import os
 from typing import Any, Callable, Iterable, Mapping, Optional, Union
 
 from . import _core
-from ._inputs import Source, node_of, quantity
+from ._inputs import Source, node_of, quantity, whole
 from ._progress import show_stage, shown
 from ._results import Result
 from ._tables import pandas, pyplot
@@ -86,12 +86,13 @@ def diagnose(datasets: Union[Given, Iterable[Given]], *, settings: Optional[Sour
 
     Source: docs/diagnosis.md has the mathematics.
     """
+    jobs = whole("jobs", jobs, 1, 1024)
     many = [datasets] if isinstance(datasets, (Dataset, str, os.PathLike)) else list(datasets)
     loaded = [d if isinstance(d, Dataset) else load_dataset(d) for d in many]
     with shown(progress, "diagnosis", show_stage, "stage") as call:
         return Diagnosis(_core.diagnose(
             [dataset._core for dataset in loaded],
             None if settings is None else node_of(settings),
-            [f"{channel}={quantity(value)}" for channel, value in (tolerances or {}).items()],
-            "" if horizon is None else quantity(horizon),
+            [f"{channel}={quantity(value, 'SI')}" for channel, value in (tolerances or {}).items()],
+            "" if horizon is None else quantity(horizon, "s"),
             [os.fspath(file) for file in effect_files], compiled(own_effects), jobs, call))
