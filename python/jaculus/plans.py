@@ -201,7 +201,7 @@ class Plan(Result):
         return f"<jaculus.Plan {self._core.problem.name}: {self.status}, objective {self.objective:.6g}>"
 
 
-def solve(problem: Union[Source, Problem], *, robot: Optional[str] = None,
+def solve(problem: Union[Source, Problem], *, robot: Union[str, "os.PathLike[str]", None] = None,
           override: Optional[Mapping[str, Any]] = None, seed: Optional[int] = None,
           starts: Optional[int] = None, jobs: int = 1, terms: Union[Term, Iterable[Term]] = (),
           progress: Optional[Progress] = None) -> Plan:

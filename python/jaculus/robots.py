@@ -137,7 +137,7 @@ def import_robot(file: Union[str, "os.PathLike[str]"], out: Union[str, "os.PathL
     return robot
 
 
-def load_problem(problem: Union[Source, Problem], *, robot: Optional[str] = None,
+def load_problem(problem: Union[Source, Problem], *, robot: Union[str, "os.PathLike[str]", None] = None,
                  override: Optional[Mapping[str, Any]] = None,
                  terms: Union[Term, Iterable[Term]] = ()) -> Problem:
     """Reads a problem and checks it against its robot, as `jaculus check` does.
