@@ -20,6 +20,7 @@ print(dataset.provenance)
 dataset.plot("joints").savefig("real_ak80_log.png")
 
 # %% What does its model lack?
+# A ROS 2 bag of this log gives the same answer.
 diagnosis = jaculus.diagnose(dataset)
 print(diagnosis.summary)
 # prints: joint_coulomb_friction

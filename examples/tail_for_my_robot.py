@@ -36,3 +36,4 @@ for kind in ("none", "inertial", "drag"):
 comparison = jaculus.compare(plans)
 comparison.plot("x_velocity").savefig("tail_for_my_robot.png")
 print(comparison.to_pandas().T.to_string())
+comparison.save("leaps_of_my_robot")  # report.html there has charts and an animation

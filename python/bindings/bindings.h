@@ -66,4 +66,15 @@ auto compute(Work&& work) {
   }
 }
 
+/// Work that keeps nothing half done: a Ctrl-C that came in it raises KeyboardInterrupt, even where
+/// the work took no notice and went to its end.
+template <class Work>
+auto compute_whole(Work&& work) {
+  return compute([&] {
+    auto result = work();
+    stop_if_interrupted();
+    return result;
+  });
+}
+
 }  // namespace jaculus::python

@@ -46,7 +46,7 @@ DiagnosisResult run(const std::vector<const Dataset*>& given,
 
   const std::string title = fs::weakly_canonical(datasets.front().folder).filename().string();
   const tbb::global_control workers(tbb::global_control::max_allowed_parallelism, jobs);
-  return {compute([&] { return diagnosis::diagnose(datasets, options); }), title};
+  return {compute_whole([&] { return diagnosis::diagnose(datasets, options); }), title};
 }
 
 report::Report report_of(const DiagnosisResult& result) {

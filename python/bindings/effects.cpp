@@ -85,7 +85,7 @@ UserEffect coded_effect(const yaml::Node& node, const std::vector<std::string>& 
 
 std::vector<Check> check(const UserEffect& user, const simulation::Experiment& experiment) {
   user.require(simulation::dataset_robot(experiment.setup).planar);
-  return compute([&] { return effects::check_effect(user.effect, experiment); });
+  return compute_whole([&] { return effects::check_effect(user.effect, experiment); });
 }
 
 }  // namespace

@@ -7,13 +7,17 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include <set>
+
 #include "bindings.h"
+#include "jaculus/core/error.h"
 #include "jaculus/export/export.h"
 #include "jaculus/model/describe.h"
 #include "jaculus/report/compare_report.h"
 #include "jaculus/report/plan_report.h"
 #include "jaculus/solver/plan_files.h"
 #include "jaculus/studies/comparison.h"
+#include "jaculus/trajectory/csv.h"
 
 namespace jaculus::python {
 namespace {
@@ -25,6 +29,7 @@ using Progress = std::function<void(int, double, double)>;
 struct PlanResult {
   LoadedProblem loaded;
   solver::SolvedPlan solved;
+  bool interrupted = false;  ///< Ctrl-C came, whatever the plan that it left
 
   [[nodiscard]] report::PlanRecord record() const {
     return report::plan_record(loaded.problem, loaded.robot.planar, solved.summary,
@@ -52,6 +57,7 @@ PlanResult solve(const LoadedProblem& given, std::optional<int> seed, std::optio
     for (const std::string& left_out : model::friction_left_out(result.loaded.robot))
       plan.notes.push_back(left_out);
     result.solved = solver::solved_plan(plan, problem);
+    result.interrupted = interrupt_requested();
   });
   return result;
 }
@@ -88,6 +94,28 @@ report::Report comparison_report(const std::vector<const PlanResult*>& plans) {
   return report::compare_report(records, rows_of(plans));
 }
 
+/// What `jaculus compare --out` writes.
+void save_comparison(const std::vector<const PlanResult*>& plans, const fs::path& folder) {
+  std::set<std::string> names;
+  for (const PlanResult* plan : plans) {
+    const std::string& name = plan->loaded.problem.name;
+    if (!names.insert(name).second)
+      throw InputError({.key = "name"}, "'" + name +
+                                            "' names two of these plans; allowed: unique names, "
+                                            "since they name folders");
+  }
+
+  for (const PlanResult* plan : plans) {
+    const fs::path own = folder / plan->loaded.problem.name;
+    fs::create_directories(own);
+    solver::write_plan(plan->solved, own);
+  }
+  const std::vector<studies::ComparisonRow> rows = rows_of(plans);
+  trajectory::write_file(folder / "compare.csv", studies::comparison_csv(rows));
+  trajectory::write_file(folder / "compare.json", studies::comparison_json(rows).dump(1) + "\n");
+  report::write_report(comparison_report(plans), folder);
+}
+
 void bind_comparison(nb::module_& module) {
   using Plans = std::vector<const PlanResult*>;
   module.def(
@@ -105,6 +133,8 @@ void bind_comparison(nb::module_& module) {
       "comparison_html",
       [](const Plans& plans) { return report::report_html(comparison_report(plans)); },
       nb::arg("plans"), "report.html of a comparison.");
+  module.def("save_comparison", &save_comparison, nb::arg("plans"), nb::arg("folder"),
+             "Writes what `jaculus compare --out` writes.");
 }
 
 }  // namespace
@@ -121,6 +151,7 @@ void bind_plans(nb::module_& module) {
       .def_prop_ro("solution", [](const PlanResult& r) { return r.solved.solution.dump(1); })
       .def_prop_ro("status",
                    [](const PlanResult& r) { return solver::to_string(r.solved.summary.status); })
+      .def_ro("interrupted", &PlanResult::interrupted)
       .def_prop_ro("converged", [](const PlanResult& r) { return r.solved.summary.converged(); })
       .def_prop_ro("table", [](const PlanResult& r) { return solver::plan_tables(r.solved).plan; })
       .def_prop_ro("history",

@@ -46,7 +46,7 @@ Preflight run(Experiment experiment, const PreflightChoice& choice,
   options.alternatives = choice.alternatives;
 
   const tbb::global_control workers(tbb::global_control::max_allowed_parallelism, jobs);
-  return compute([&] { return diagnosis::preflight(experiment, options); });
+  return compute_whole([&] { return diagnosis::preflight(experiment, options); });
 }
 
 void save(const Preflight& preflight, const fs::path& folder) {

@@ -181,7 +181,7 @@ transcription::LoadedProblem load(const yaml::Node& node, const std::vector<Term
 
 transcription::DerivativeReport check(const transcription::LoadedProblem& loaded, int seed,
                                       double spread) {
-  return compute([&] {
+  return compute_whole([&] {
     transcription::NonlinearProgram program(
         loaded.problem, transcription::planning_model(loaded.problem, loaded.robot.planar));
     const Vector guess = transcription::initial_guess(program, loaded.problem.guess, 0);

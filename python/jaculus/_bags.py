@@ -48,8 +48,8 @@ def _kind_of(file: Path) -> str:
     """ "trajectory_msgs/msg/JointTrajectory" of .../trajectory_msgs/msg/JointTrajectory.msg."""
     parts = file.resolve().with_suffix("").parts
     if file.suffix != ".msg" or len(parts) < 4 or parts[-2] != "msg":
-        raise InputError(
-            f"definitions: '{file}' given; allowed: PACKAGE/msg/NAME.msg, or a folder of such"
+        raise InputError.of(
+            "definitions", f"'{file}' given; allowed: PACKAGE/msg/NAME.msg, or a folder of such"
         )
     return "/".join(parts[-3:])
 
@@ -59,10 +59,10 @@ def _given_types(definitions: Iterable[PathLike]) -> dict[str, Any]:
     found: dict[str, Any] = {}
     for given in map(Path, definitions):
         if not given.exists():
-            raise InputError(f"definitions: there is no '{given}'")
+            raise InputError.of("definitions", f"there is no '{given}'")
         files = sorted(given.glob("**/msg/*.msg")) if given.is_dir() else [given]
         if not files:
-            raise InputError(f"definitions: no PACKAGE/msg/NAME.msg in '{given}'")
+            raise InputError.of("definitions", f"no PACKAGE/msg/NAME.msg in '{given}'")
         for file in files:
             found.update(rosbags().typesys.get_types_from_msg(file.read_text(), _kind_of(file)))
     return found

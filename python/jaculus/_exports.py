@@ -40,7 +40,7 @@ class JointTrajectory:
 
     def __init__(self, plan: _core.Plan, rate: float, even_unsolved: bool):
         if not 1.0 <= rate <= 1e6:
-            raise InputError(f"rate: {rate} given; allowed: 1 to 1e6 Hz")
+            raise InputError.of("rate", f"{rate} given; allowed: 1 to 1e6 Hz")
         if not plan.converged and not even_unsolved:
             raise InputError(
                 "the plan's solve did not converge; allowed: a converged plan, or any with "
@@ -113,7 +113,7 @@ def write_bag(
 ) -> Path:
     sampled, library, target = JointTrajectory(plan, rate, even_unsolved), rosbags(), Path(path)
     if start < 0.0:
-        raise InputError(f"start: {start} given; allowed: 0 or later, in seconds since the epoch")
+        raise InputError.of("start", f"{start} given; allowed: 0 or later, in seconds since the epoch")
     single = target.suffix == ".mcap"
     if target.exists() and (target.is_dir() or not single):
         raise InputError(f"{target}: exists; allowed: a new folder for a bag, or a file NAME.mcap")

@@ -2,11 +2,13 @@
 from __future__ import annotations
 
 import json
+import operator
 import os
 from collections.abc import Mapping
-from typing import Any, Union
+from typing import Any, Optional, Union
 
 from . import _core
+from ._errors import InputError
 
 Source = Union[str, "os.PathLike[str]", Mapping[str, Any]]
 
@@ -37,6 +39,17 @@ def compiled_all(given: Any, kind: type) -> list[Any]:
     return [own._compiled() for own in many]
 
 
-def quantity(value: Union[str, float]) -> str:
+def whole(name: str, value: Any, least: int, most: int = 2**31 - 1) -> int:
+    """A whole number as the command takes it."""
+    if isinstance(value, bool) or not hasattr(value, "__index__") or not least <= value <= most:
+        raise InputError.of(name, f"{value!r} given; allowed: {least} to {most}")
+    return operator.index(value)
+
+
+def whole_or_none(name: str, value: Any, least: int, most: int = 2**31 - 1) -> Optional[int]:
+    return None if value is None else whole(name, value, least, most)
+
+
+def quantity(value: Union[str, float], unit: str = "") -> str:
     """A number, in SI, or a text with its unit."""
-    return value if isinstance(value, str) else repr(float(value))
+    return value if isinstance(value, str) else f"{float(value)!r} {unit}".rstrip()

@@ -64,9 +64,11 @@ class Joints:
     def check(self, renamed: dict[str, str], place: str) -> None:
         for ours in renamed.values():
             if ours not in self.slides and ours not in self._file:
-                raise InputError(
-                    f"{place}: joints: the robot has no joint '{ours}'{near(ours, self.slides)}; "
-                    f"allowed: {', '.join(self.slides)}"
+                raise InputError.of(
+                    "joints",
+                    f"the robot has no joint '{ours}'{near(ours, self.slides)}; allowed: "
+                    f"{', '.join(self.slides)}",
+                    place,
                 )
 
     def unit(self, channel: str) -> str:

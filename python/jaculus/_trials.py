@@ -274,8 +274,8 @@ class Bag:
         except ValueError:
             number = math.nan
         if not math.isfinite(number):
-            raise InputError(
-                f"start: '{start}' given; allowed: first, plan, seconds of the log, CHANNEL>VALUE"
+            raise InputError.of(
+                "start", f"'{start}' given; allowed: first, plan, seconds of the log, CHANNEL>VALUE"
             )
         if not above:
             return first + round(number * 1e9)
@@ -284,8 +284,8 @@ class Bag:
     def _passes(self, name: str, value: float, first: int) -> int:
         channels = {c: s for s in reversed(self.series) for c in s.channels}
         if name not in channels:
-            raise InputError(
-                f"start: there is no channel '{name}'{near(name, channels)}; allowed: "
+            raise InputError.of(
+                "start", f"there is no channel '{name}'{near(name, channels)}; allowed: "
                 f"{', '.join(channels)}"
             )
         series = channels[name]

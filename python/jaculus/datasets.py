@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Iterable, Mapping, Optional, Union
 
 from . import _core
-from ._inputs import Source, node_of
+from ._errors import InputError
+from ._inputs import Source, node_of, whole_or_none
 from ._interrupts import Interrupted
 from ._tables import labelled, page, pandas, pyplot, xarray
 from .effects import Effect, compiled
@@ -187,10 +188,15 @@ def _effects(given: Union[Mapping[str, Mapping[str, float]], Iterable[str], str,
         return []
     if isinstance(given, Mapping):
         return [_effect(name, parameters) for name, parameters in given.items()]
-    return [given] if isinstance(given, str) else list(given)
+    texts = [given] if isinstance(given, str) else list(given)
+    for text in texts:
+        if not isinstance(text, str):
+            raise InputError.of("effects", f"{text!r} given; allowed: texts \"NAME:PARAMETER=VALUE\", or a "
+                                           "dict {NAME: {PARAMETER: VALUE}}")
+    return texts
 
 
-def _experiment(source: Source, robot: Optional[str], controller: str) -> _core.Experiment:
+def _experiment(source: Source, robot: Union[str, "os.PathLike[str]", None], controller: str) -> _core.Experiment:
     if isinstance(source, Mapping):
         return _core.load_experiment(node_of(source))
     file = Path(_core.find_problem_file(os.fspath(source)))
@@ -205,7 +211,7 @@ def _experiment(source: Source, robot: Optional[str], controller: str) -> _core.
     return _core.plan_experiment(file, os.fspath(robot), controller)
 
 
-def simulate(experiment: Source, *, robot: Optional[str] = None, controller: str = "",
+def simulate(experiment: Source, *, robot: Union[str, "os.PathLike[str]", None] = None, controller: str = "",
              trials: Optional[int] = None, seed: Optional[int] = None,
              effects: Union[Mapping[str, Mapping[str, float]], Iterable[str], str, None] = None,
              effect_files: Iterable[Union[str, "os.PathLike[str]"]] = (),
@@ -232,6 +238,7 @@ def simulate(experiment: Source, *, robot: Optional[str] = None, controller: str
     """
     if isinstance(experiment, Plan):
         raise TypeError("simulate plays a plan from its files: plan.save(folder), then simulate(folder)")
+    trials, seed = whole_or_none("trials", trials, 1, 100000), whole_or_none("seed", seed, 0)
     read = _experiment(experiment, robot, controller)
     done = _core.simulate(read, trials, seed, _effects(effects), [os.fspath(f) for f in effect_files],
                           os.fspath(augmented), compiled(own_effects))

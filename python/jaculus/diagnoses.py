@@ -2,10 +2,12 @@
 from __future__ import annotations
 
 import os
-from typing import Any, Callable, Iterable, Mapping, Optional, Union
+from collections.abc import Mapping
+from typing import Any, Callable, Iterable, Optional, Union
 
 from . import _core
-from ._inputs import Source, node_of, quantity
+from ._errors import InputError
+from ._inputs import Source, node_of, quantity, whole
 from ._progress import show_stage, shown
 from ._results import Result
 from ._tables import pandas, pyplot
@@ -86,12 +88,15 @@ def diagnose(datasets: Union[Given, Iterable[Given]], *, settings: Optional[Sour
 
     Source: docs/diagnosis.md has the mathematics.
     """
+    jobs = whole("jobs", jobs, 1, 1024)
+    if tolerances is not None and not isinstance(tolerances, Mapping):
+        raise InputError.of("tolerances", f"{tolerances!r} given; allowed: a dict {{CHANNEL: SIZE}}")
     many = [datasets] if isinstance(datasets, (Dataset, str, os.PathLike)) else list(datasets)
     loaded = [d if isinstance(d, Dataset) else load_dataset(d) for d in many]
     with shown(progress, "diagnosis", show_stage, "stage") as call:
         return Diagnosis(_core.diagnose(
             [dataset._core for dataset in loaded],
             None if settings is None else node_of(settings),
-            [f"{channel}={quantity(value)}" for channel, value in (tolerances or {}).items()],
-            "" if horizon is None else quantity(horizon),
+            [f"{channel}={quantity(value, 'SI')}" for channel, value in (tolerances or {}).items()],
+            "" if horizon is None else quantity(horizon, "s"),
             [os.fspath(file) for file in effect_files], compiled(own_effects), jobs, call))

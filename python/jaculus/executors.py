@@ -53,7 +53,7 @@ def _slurm(folder: Union[str, "os.PathLike[str]"], options: dict[str, Any]) -> A
         import submitit
     except ImportError as missing:
         raise ImportError('executor="slurm" needs submitit: pip install submitit') from missing
-    executor = submitit.AutoExecutor(folder=folder, cluster="slurm")
+    executor = submitit.AutoExecutor(folder=os.fspath(folder), cluster="slurm")
     executor.update_parameters(name="jaculus", **options)
     return executor
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from . import _core
 from ._bags import PathLike
-from ._errors import InputError
+from ._errors import InputError, reading
 from ._inputs import Source, node_of
 from ._messages import Joints, Series, near
 from ._tables import pandas
@@ -75,14 +75,16 @@ def _finish(
 
 def _check_cut(cut: Optional[tuple[float, float]]) -> None:
     if cut is not None and not cut[0] < cut[1]:
-        raise InputError(f"cut: {tuple(cut)} given; allowed: (FROM, TO) in seconds, FROM below TO")
+        raise InputError.of(
+            "cut", f"{tuple(cut)} given; allowed: (FROM, TO) in seconds, FROM below TO"
+        )
 
 
 def import_bag(
     path: Union[PathLike, Iterable[PathLike]],
     out: PathLike,
     *,
-    robot: str,
+    robot: PathLike,
     columns: Optional[Source] = None,
     experiment: str = "leap",
     plan: PathLike = "",
@@ -128,9 +130,12 @@ def import_bag(
     joints = Joints(_core.load_robot(os.fspath(robot)))
     paths = _as_list(path)
     take_plan = not plan and "measured" not in controller
-    bags = [Bag(p, entries, joints, take_plan, definitions) for p in paths]
+    bags = []
+    for p in paths:
+        with reading(p):
+            bags.append(Bag(p, entries, joints, take_plan, definitions))
     if not bags:
-        raise ValueError("import_bag: no bag given; allowed: one or more")
+        raise InputError.of("path", "no bag given; allowed: one or more")
 
     plans = [bag.plan for bag in bags if bag.plan]
     if plans and (len(plans) < len(bags) or not all(plans[0].same(p) for p in plans)):
@@ -147,8 +152,10 @@ def import_bag(
 
     notes: list[str] = []
     for k, bag in enumerate(bags, 1):
-        zero = bag.zero(start if start is not None else "plan" if bag.plan else "first")
-        _core.add_trial(dataset, f"trial_{k:02}", _core_streams(bag.series, zero, cut, bag.place))
+        with reading(bag.place):
+            zero = bag.zero(start if start is not None else "plan" if bag.plan else "first")
+            streams = _core_streams(bag.series, zero, cut, bag.place)
+        _core.add_trial(dataset, f"trial_{k:02}", streams)
         notes += [f"trial_{k:02}: {note}" for note in bag.notes]
     source = f"Imported by jaculus from ROS 2 bags: {', '.join(Path(p).name for p in paths)}."
     return _finish(dataset, out, notes, source, provenance)
@@ -203,7 +210,7 @@ def import_table(
     out: PathLike,
     *,
     columns: Source,
-    robot: str,
+    robot: PathLike,
     experiment: str = "leap",
     plan: PathLike = "",
     controller: str = "",
@@ -229,34 +236,46 @@ def import_table(
     notes: list[str] = []
     tables = _as_list(path)
     for k, table in enumerate(tables, 1):
-        place = "table" if hasattr(table, "columns") else os.fspath(table)
-        frame = _frame(table, layout)
-        rows = {
-            c.channel: c.scale
-            * np.mean([_column(frame, name, place) for name in c.columns], axis=0)
-            + c.shift
-            for c in layout.channels
-        }
-        time = rows.pop("time")
-        if not len(time) or not np.all(np.diff(time) > 0.0):
-            raise InputError(f"{place}: time: allowed: rising times in every row")
-        time = time - _table_zero(start, time, rows, place)
-        kept = _kept(time, cut, place)
-        units = {c.channel: c.unit for c in layout.channels}
-        stream = _core.make_stream(
-            layout.stream,
-            layout.rate_hz,
-            time[kept],
-            list(rows),
-            [units[name] for name in rows],
-            np.asfortranarray(np.array(list(rows.values()))[:, kept]),
-        )
+        with reading("table" if hasattr(table, "columns") else table):
+            frame = _frame(table, layout)
+            stream = _table_stream(table, frame, layout, start, cut)
         _core.add_trial(dataset, f"trial_{k:02}", [stream])
         used = {name for channel in layout.channels for name in channel.columns}
         left = [str(name) for name in frame.columns if str(name) not in used]
         notes += [f"trial_{k:02}: columns left out: {', '.join(left)}"] if left else []
     names = ", ".join("a table" if hasattr(t, "columns") else Path(t).name for t in tables)
     return _finish(dataset, out, notes, f"Imported by jaculus from {names}.", provenance)
+
+
+def _table_stream(
+    table: Any,
+    frame: Any,
+    layout: _core.ColumnMap,
+    start: Start,
+    cut: Optional[tuple[float, float]],
+) -> _core.Stream:
+    """The channels of a map, of one table."""
+    place = "table" if hasattr(table, "columns") else os.fspath(table)
+    rows = {
+        c.channel: c.scale * np.mean([_column(frame, name, place) for name in c.columns], axis=0)
+        + c.shift
+        for c in layout.channels
+    }
+    time = rows.pop("time")
+    if not len(time) or not np.all(np.diff(time) > 0.0):
+        raise InputError(f"{place}: time: allowed: rising times in every row")
+    time = time - _table_zero(start, time, rows, place)
+    kept = _kept(time, cut, place)
+
+    units = {c.channel: c.unit for c in layout.channels}
+    return _core.make_stream(
+        layout.stream,
+        layout.rate_hz,
+        time[kept],
+        list(rows),
+        [units[name] for name in rows],
+        np.asfortranarray(np.array(list(rows.values()))[:, kept]),
+    )
 
 
 def _table_zero(start: Start, time: np.ndarray, rows: dict[str, np.ndarray], place: str) -> float:
@@ -266,13 +285,17 @@ def _table_zero(start: Start, time: np.ndarray, rows: dict[str, np.ndarray], pla
     try:
         number = float(value if above else name)
     except ValueError:
-        raise InputError(
-            f"start: '{start}' given; allowed: first, seconds of the file, CHANNEL>VALUE"
-        ) from None
+        number = math.nan
+    if not math.isfinite(number):
+        raise InputError.of(
+            "start", f"'{start}' given; allowed: first, seconds of the file, CHANNEL>VALUE"
+        )
     if not above:
         return number
     if name.strip() not in rows:
-        raise InputError(f"start: there is no channel '{name.strip()}'; allowed: {', '.join(rows)}")
+        raise InputError.of(
+            "start", f"there is no channel '{name.strip()}'; allowed: {', '.join(rows)}"
+        )
     passing = np.flatnonzero(rows[name.strip()] > number)
     if not len(passing):
         raise InputError(f"{place}: {name.strip()} never passes {number:g}; allowed: another start")

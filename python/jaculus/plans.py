@@ -7,7 +7,8 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, Callable, Iterable, Mapping, Optional, Union
 
 from . import _core
-from ._inputs import Source
+from ._errors import InputError
+from ._inputs import Source, whole, whole_or_none
 from ._interrupts import Interrupted
 from ._results import Result
 from ._tables import labelled, page, pandas, pyplot, xarray
@@ -200,7 +201,7 @@ class Plan(Result):
         return f"<jaculus.Plan {self._core.problem.name}: {self.status}, objective {self.objective:.6g}>"
 
 
-def solve(problem: Union[Source, Problem], *, robot: Optional[str] = None,
+def solve(problem: Union[Source, Problem], *, robot: Union[str, "os.PathLike[str]", None] = None,
           override: Optional[Mapping[str, Any]] = None, seed: Optional[int] = None,
           starts: Optional[int] = None, jobs: int = 1, terms: Union[Term, Iterable[Term]] = (),
           progress: Optional[Progress] = None) -> Plan:
@@ -223,18 +224,22 @@ def solve(problem: Union[Source, Problem], *, robot: Optional[str] = None,
 
     Raises:
         InputError: with file, line and key.
-        Interrupted: Ctrl-C; `result` is the plan at the last iterate.
+        Interrupted: Ctrl-C; `result` is the plan at the last iterate, or of several starts the best of
+            those that had ended.
 
     Source: Norby, Li, Selby, Patel and Johnson, Enabling Dynamic Behaviors with Aerodynamic Drag in
     Lightweight Tails, T-RO 2021.
     """
+    seed, starts = whole_or_none("seed", seed, 0), whole_or_none("starts", starts, 1, 10000)
+    jobs = whole("jobs", jobs, 1, 1024)
     loaded = load_problem(problem, robot=robot, override=override, terms=terms)
     if loaded._has_own_terms and (starts or loaded.to_dict()["solver"]["starts"]) > 1:
-        raise ValueError("starts: more than one given; allowed: 1 with terms in Python")
+        raise InputError.of("starts", "more than one given; allowed: 1 with terms in Python")
     with shown(progress, loaded.name, show_iteration, "iteration") as call:
         plan = Plan(_core.solve(loaded._core, seed, starts, jobs, call))
-    if plan.status == "interrupted":
-        raise Interrupted(f"{loaded.name}: interrupted; result has the last iterate", plan)
+    if plan._core.interrupted:
+        kept = "the last iterate" if plan.status == "interrupted" else "the best plan until then"
+        raise Interrupted(f"{loaded.name}: interrupted; result has {kept}", plan)
     return plan
 
 
@@ -262,6 +267,17 @@ class Comparison:
         """The content of compare.json."""
         return json.loads(_core.comparison_json(self._cores))
 
+    def save(self, folder: Union[str, "os.PathLike[str]"]) -> Path:
+        """Writes what `jaculus compare` writes into its `--out`: compare.csv, compare.json, report.html,
+        and a folder a plan by its problem's name.
+
+        Raises:
+            InputError: two plans of one name.
+        """
+        from pathlib import Path
+        _core.save_comparison(self._cores, os.fspath(folder))
+        return Path(folder)
+
     def to_pandas(self) -> Any:
         """compare.csv as a pandas.DataFrame, a row a problem; units are in the columns' names."""
         import io
@@ -284,12 +300,15 @@ class Comparison:
         return page(_core.comparison_html(self._cores))
 
 
-def compare(problems: Iterable[Union[Source, Problem, Plan]], *, seed: Optional[int] = None,
+Compared = Union[Source, Problem, Plan]
+
+
+def compare(problems: Union[Compared, Iterable[Compared]], *, seed: Optional[int] = None,
             jobs: int = 1) -> Comparison:
     """Solves several problems, one after the other, and tabulates them against the first.
 
     Args:
-        problems: as `solve` takes them; a `Plan` is taken as it is.
+        problems: one or several, as `solve` takes them; a `Plan` is taken as it is.
         seed: of everything random, in place of the problems'.
         jobs: processes at a time where a problem has several starts.
 
@@ -297,9 +316,11 @@ def compare(problems: Iterable[Union[Source, Problem, Plan]], *, seed: Optional[
         InputError: before anything is solved.
         Interrupted: Ctrl-C; `result` compares the plans that are done.
     """
-    given = [p if isinstance(p, Plan) else load_problem(p) for p in problems]
+    alone = isinstance(problems, (str, os.PathLike, Mapping, Problem, Plan))
+    many: Any = [problems] if alone else problems
+    given = [p if isinstance(p, Plan) else load_problem(p) for p in many]
     if not given:
-        raise ValueError("compare: no problem given; allowed: one or more")
+        raise InputError.of("problems", "none given; allowed: one or more")
     plans: list[Plan] = []
     for entry in given:
         try:

@@ -6,7 +6,8 @@ from math import nan
 from typing import TYPE_CHECKING, Any, Callable, Iterable, Optional, Union
 
 from . import _core
-from ._inputs import Source, node_of
+from ._errors import InputError
+from ._inputs import Source, node_of, whole, whole_or_none
 from ._progress import show_stage, shown
 from ._results import Result
 from ._tables import pandas, pyplot
@@ -136,9 +137,9 @@ def preflight(experiment: Source, *, trials: Optional[int] = None, seed: Optiona
     2013.
     """
     if not 1e-3 <= size <= 1e3:
-        raise ValueError(f"size: {size} given; allowed: 0.001 to 1000")
-    if trials is not None and trials < 1:
-        raise ValueError(f"trials: {trials} given; allowed: 1 or more")
+        raise InputError.of("size", f"{size} given; allowed: 0.001 to 1000")
+    trials, seed = whole_or_none("trials", trials, 1, 100000), whole_or_none("seed", seed, 0)
+    jobs = whole("jobs", jobs, 1, 1024)
     with shown(progress, "preflight", show_stage, "stage") as call:
         return Preflight(_core.preflight(
             _core.load_experiment(node_of(experiment)), trials, seed, size,

@@ -4,11 +4,12 @@ from __future__ import annotations
 import json
 import os
 from functools import cached_property
+from math import inf
 from typing import TYPE_CHECKING, Any, Iterable, Mapping, Optional, Union
 
 from . import _core
 from ._errors import InputError
-from ._inputs import Source, node_of
+from ._inputs import Source, node_of, whole
 from .terms import DerivativeCheck, Term, compiled
 
 if TYPE_CHECKING:
@@ -116,7 +117,7 @@ def import_robot(file: Union[str, "os.PathLike[str]"], out: Union[str, "os.PathL
         options: others of the command, as ["--base", "fixed", "--strict"].
 
     Raises:
-        InputError: with the file and what is allowed.
+        InputError: with the file and what is allowed; its line where the fault is in one.
     """
     import subprocess
     from ._command import program
@@ -127,14 +128,16 @@ def import_robot(file: Union[str, "os.PathLike[str]"], out: Union[str, "os.PathL
         command += ["--pose", f"{joint}={float(value)!r}"]
     command += ["--replace"] if replace else []
     done = subprocess.run(command, capture_output=True, text=True)
+    if done.returncode == 2:
+        raise InputError.told(done.stderr.strip().removeprefix("jaculus: "), file)
     if done.returncode != 0:
-        raise InputError(done.stderr.strip().removeprefix("jaculus: "))
+        raise RuntimeError(f"jaculus robot import ended with {done.returncode}: {done.stderr.strip()}")
     robot = load_robot(folder)
     robot.imported = json.loads(done.stdout)
     return robot
 
 
-def load_problem(problem: Union[Source, Problem], *, robot: Optional[str] = None,
+def load_problem(problem: Union[Source, Problem], *, robot: Union[str, "os.PathLike[str]", None] = None,
                  override: Optional[Mapping[str, Any]] = None,
                  terms: Union[Term, Iterable[Term]] = ()) -> Problem:
     """Reads a problem and checks it against its robot, as `jaculus check` does.
@@ -186,6 +189,9 @@ def check_derivatives(problem: Union[Source, Problem], *, terms: Union[Term, Ite
         InputError: with file, line and key.
         ValueError: no value there.
     """
+    seed = whole("seed", seed, 0)
+    if not 0.0 <= spread < inf:
+        raise InputError.of("spread", f"{spread} given; allowed: 0 or more")
     loaded = load_problem(problem, terms=terms)
     return DerivativeCheck(_core.check_derivatives(loaded._core, seed, spread))
 

@@ -6,7 +6,7 @@ import os
 from typing import Any, Callable, Optional, Union
 
 from . import _core
-from ._inputs import Source, node_of
+from ._inputs import Source, node_of, whole
 from ._interrupts import Interrupted
 from ._progress import show_point, shown
 from ._tables import page, pandas, pyplot
@@ -70,8 +70,10 @@ def study(source: Source, *, out: Union[str, "os.PathLike[str]", None] = None, j
         InputError: with file, line and key, before any work is done.
         Interrupted: Ctrl-C; `result` has what is finished.
     """
+    jobs = whole("jobs", jobs, 1, 1024)
     with shown(progress, "study", show_point, "point") as call:
         core = _core.study(node_of(source), "" if out is None else os.fspath(out), jobs, resume, call)
     if core.interrupted:
-        raise Interrupted("interrupted; what is finished is kept in `out`", Study(core))
+        kept = "result has what is finished" + ("" if out is None else ", `out` too")
+        raise Interrupted(f"interrupted; {kept}", Study(core))
     return Study(core)

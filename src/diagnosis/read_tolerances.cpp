@@ -35,9 +35,12 @@ std::string allowed_channels(const Observations& observations) {
 
 double positive_quantity(const std::string& place, const std::string& text,
                          const Channel& channel) {
+  const Dimension dimension = unit_dimension(channel.unit);
+  const std::vector<OwnUnit> plain = {{"SI", 1.0, dimension}};  // a program's number of any channel
+  const OwnUnits own = [&]() -> const std::vector<OwnUnit>& { return plain; };
   double value = kNaN;
   try {
-    value = parse_quantity(text, unit_dimension(channel.unit));
+    value = parse_quantity(text, dimension, &own);
   } catch (const InputError& e) {
     throw InputError(fmt::format("{}: {}", place, e.what()));
   }

@@ -10,8 +10,8 @@ namespace jaculus::diagnosis {
 std::string channel_key(const Observations& observations, int dataset, int channel);
 
 /// "CHANNEL=QUANTITY" each. A channel is named as "x", "mocap.x" or "dataset.mocap.x", and stands
-/// for all that are so named. InputError where none is, where the quantity is of another dimension
-/// or not positive, or where a channel has two tolerances.
+/// for all that are so named; "0.005 SI" is in its SI unit. InputError where none is, where the
+/// quantity is of another dimension or not positive, or where a channel has two tolerances.
 Tolerances read_tolerances(const std::vector<std::string>& texts, const Observations& observations);
 
 }  // namespace jaculus::diagnosis

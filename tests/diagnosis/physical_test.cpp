@@ -138,6 +138,7 @@ TEST(Tolerance, IsRefusedWithWhatIsAllowed) {
     EXPECT_TRUE(test::holds(message(texts), expected)) << message(texts);
   EXPECT_DOUBLE_EQ(read_tolerances({"a=5mm", "b=1 cm"}, problem->observations).at("mocap.b").value,
                    0.01);
+  EXPECT_EQ(read_tolerances({"b=0.01 SI"}, problem->observations).at("mocap.b").value, 0.01);
 }
 
 TEST(ShownUnit, IsMillimetresAndDegrees) {

@@ -85,8 +85,9 @@ def test_faults_of_a_map_are_named_with_what_is_allowed(tmp_path, topics, told):
 def test_a_file_that_is_no_bag_is_refused(tmp_path):
     (tmp_path / "no.mcap").write_text("no bag")
     for given in ("no.mcap", "absent.mcap"):
-        with pytest.raises(jaculus.InputError, match=f"{given}.*"):
+        with pytest.raises(jaculus.InputError, match=f"{given}.*") as caught:
             jaculus.import_bag(tmp_path / given, tmp_path / "out", **PENDULUM)
+        assert caught.value.file == str(tmp_path / given)
 
 
 def test_a_bag_that_was_cut_off_or_has_foreign_messages_says_what_to_do(tmp_path):

@@ -66,6 +66,37 @@ def test_a_diagnosis_finds_what_was_planted(pendulum_trials, tmp_path):
     assert json.loads((tmp_path / "diagnosis.json").read_text()) == found.figures
 
 
+def test_a_horizon_and_tolerances_are_texts_or_numbers_in_si(pendulum_trials):
+    quick = {"largest_model": 1, "kept_singles": 1}
+    ways = [{"horizon": "200 ms", "tolerances": {"pendulum": "0.01 rad"}},
+            {"horizon": 0.2, "tolerances": {"pendulum": np.float64(0.01)}}]
+    texts, numbers = (jaculus.diagnose(pendulum_trials, settings=quick, **way) for way in ways)
+    assert texts.json == numbers.json
+    with pytest.raises(jaculus.InputError, match="horizon: '-1.0 s' given; allowed: ") as caught:
+        jaculus.diagnose(pendulum_trials, horizon=-1)
+    assert caught.value.key == "horizon"
+
+
+CHECKED = """
+import signal, threading, time, jaculus
+signal.signal(signal.SIGINT, signal.default_int_handler)
+def ctrl_c():
+    time.sleep(0.3)
+    signal.raise_signal(signal.SIGINT)
+threading.Thread(target=ctrl_c).start()
+try:
+    for _ in range(100):
+        jaculus.check_derivatives("leap_tail")
+except KeyboardInterrupt as stop:
+    print(type(stop).__name__)
+"""
+
+
+def test_ctrl_c_is_not_lost_in_work_that_takes_no_notice():
+    out = subprocess.run([sys.executable, "-c", CHECKED], capture_output=True, text=True, check=True)
+    assert out.stdout == "KeyboardInterrupt\n"
+
+
 def test_an_exception_of_the_progress_ends_a_diagnosis(pendulum_trials):
     def stop(stage):
         raise LookupError(stage)

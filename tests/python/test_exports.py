@@ -40,7 +40,9 @@ def exported(leap, tmp_path_factory):
 
 
 def fields(message):
-    return [name for name in message.__slots__]
+    """Of mcap-ros2-support's messages and of rosbags'."""
+    names = getattr(message, "__dataclass_fields__", None) or message.__slots__
+    return [name for name in names if name != "__msgtype__"]
 
 
 def nanoseconds(time):
@@ -131,6 +133,19 @@ def test_sqlite3_holds_the_plan_for_another_reader(leap, exported, tmp_path):
     check([(*topics[i], decoders[topics[i][1]](data), time) for i, time, data in rows], exported, 0)
     with pytest.raises(jaculus.InputError, match="exists; allowed: a new folder"):
         leap.to_bag(folder)
+
+
+@pytest.mark.parametrize("name", ["leap.mcap", "leap"])
+def test_rosbags_reads_every_field_by_the_bags_own_definitions(leap, exported, tmp_path, name):
+    highlevel = pytest.importorskip("rosbags.highlevel", reason="bags need rosbags")
+    file = leap.to_bag(tmp_path / name, rate=RATE, start=12.5)
+    with highlevel.AnyReader([file]) as reader:
+        read = [
+            (c.topic, c.msgtype, reader.deserialize(raw, c.msgtype), time)
+            for c, time, raw in reader.messages()
+        ]
+    read.sort(key=lambda entry: entry[0] != "/joint_trajectory")
+    check(read, exported, 12_500_000_000)
 
 
 def test_definitions_in_the_bag_are_those_of_ros(leap, tmp_path):

@@ -102,3 +102,37 @@ def test_an_error_keeps_its_message_in_a_pickle():
         jaculus.load_problem("nothing_like_it")
     except jaculus.InputError as error:
         assert str(pickle.loads(pickle.dumps(error))) == str(error)
+
+
+@pytest.mark.parametrize("call, key", [
+    (lambda: jaculus.solve("double_integrator", starts=0), "starts"),
+    (lambda: jaculus.solve("double_integrator", jobs=-1), "jobs"),
+    (lambda: jaculus.solve("double_integrator", jobs=1.5), "jobs"),
+    (lambda: jaculus.solve("double_integrator", seed=-1), "seed"),
+    (lambda: jaculus.simulate("pendulum_trials", trials=0), "trials"),
+    (lambda: jaculus.simulate("pendulum_trials", seed=True), "seed"),
+    (lambda: jaculus.simulate("pendulum_trials", effects=[("lugre", 1.0)]), "effects"),
+    (lambda: jaculus.diagnose("no_such", jobs=0), "jobs"),
+    (lambda: jaculus.diagnose("no_such", tolerances=0.01), "tolerances"),
+    (lambda: jaculus.preflight("pendulum_trials", jobs=0), "jobs"),
+    (lambda: jaculus.preflight("pendulum_trials", size=0.0), "size"),
+    (lambda: jaculus.study("drag_bench", jobs=2000), "jobs"),
+    (lambda: jaculus.check_derivatives("double_integrator", seed=-1), "seed"),
+    (lambda: jaculus.check_derivatives("double_integrator", spread=-0.1), "spread"),
+])
+def test_a_number_that_means_nothing_is_refused(call, key):
+    with pytest.raises(jaculus.InputError, match=f"^{key}: .* given; allowed: ") as caught:
+        call()
+    assert caught.value.key == key
+
+
+def test_numpys_whole_numbers_are_whole():
+    assert len(jaculus.simulate("pendulum_trials", trials=np.int64(1), seed=np.int32(2)).trials) == 1
+
+
+def test_a_fault_of_a_robots_file_names_its_line(tmp_path):
+    file = tmp_path / "broken.urdf"
+    file.write_text("<robot name='broken'>\n<link name='a'/>\n<joint>\n</robot>\n")
+    with pytest.raises(jaculus.InputError) as caught:
+        jaculus.import_robot(file, tmp_path / "out")
+    assert caught.value.file == str(file) and str(caught.value).startswith(str(file))

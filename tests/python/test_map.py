@@ -1,5 +1,6 @@
 """jaculus.map: the same results, in order, whatever runs the items."""
 import concurrent.futures
+import os
 
 import pytest
 
@@ -10,6 +11,14 @@ def doubled(item):
     if item == 13:
         raise ValueError("thirteen is refused")
     return 2 * item
+
+
+@pytest.fixture(autouse=True)
+def importable(monkeypatch):
+    """Jobs of submitit import this module."""
+    folder = os.path.dirname(os.path.abspath(__file__))
+    paths = [folder, *filter(None, [os.environ.get("PYTHONPATH")])]
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join(paths))
 
 
 ITEMS = [3, 1, 2, 2, 7]

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import jaculus
+from jaculus._command import program
 
 INTEGRATOR = {
     "format": "jaculus-problem/1",
@@ -148,6 +149,30 @@ def test_ctrl_c_leaves_the_last_iterate():
     assert out.stdout.splitlines() == ["Interrupted interrupted False True", "Python's handler is back"]
 
 
+STARTS = """
+import signal, sys, threading, time, pathlib, jaculus
+signal.signal(signal.SIGINT, signal.default_int_handler)
+problem = {"format": "jaculus-problem/1", "extends": "double_integrator.yaml", "name": "many"}
+def ctrl_c():
+    time.sleep(0.5)
+    signal.raise_signal(signal.SIGINT)
+threading.Thread(target=ctrl_c).start()
+try:
+    jaculus.solve(problem, starts=10000, jobs=2)
+except jaculus.Interrupted as stop:
+    plan = stop.result
+    print(stop)
+    print(plan.converged, plan.status, next(w for w in plan.figures["warnings"] if "interrupted" in w))
+"""
+
+
+def test_ctrl_c_leaves_the_best_of_the_starts_that_ended():
+    out = subprocess.run([sys.executable, "-c", STARTS], capture_output=True, text=True, check=True)
+    message, plan = out.stdout.splitlines()
+    assert message == "many: interrupted; result has the best plan until then"
+    assert plan.startswith("True optimal interrupted: ") and "of 10000 starts had ended" in plan
+
+
 def test_a_comparison_has_gains_over_the_first(leap):
     comparison = jaculus.compare(["leap_tailless", leap])
     frame = comparison.to_pandas()
@@ -155,6 +180,26 @@ def test_a_comparison_has_gains_over_the_first(leap):
     assert "leap_tailless" in comparison.summary
     assert comparison.figures["problems"][1]["name"] == "leap_tail"
     assert len(comparison.plot().axes[0].lines) == 2
+
+
+def test_a_comparison_writes_what_the_command_writes(leap, tmp_path):
+    subprocess.run([program(), "compare", "leap_tailless", "leap_tail", "--quiet", "--out",
+                    tmp_path / "command"], check=True)
+    comparison = jaculus.compare(["leap_tailless", leap])
+    assert comparison.save(tmp_path / "package") == tmp_path / "package"
+    for file in ("compare.json", "compare.csv", "leap_tail/plan.csv", "leap_tailless/summary.json"):
+        ours, theirs = ((tmp_path / of / file).read_text() for of in ("package", "command"))
+        assert ours == theirs
+    assert (tmp_path / "package/report.html").stat().st_size > 0
+    with pytest.raises(jaculus.InputError, match="'leap_tail' names two of these plans") as caught:
+        jaculus.compare([leap, leap]).save(tmp_path / "twice")
+    assert caught.value.key == "name" and not (tmp_path / "twice").exists()
+
+
+def test_one_problem_alone_can_be_compared():
+    assert len(jaculus.compare("double_integrator").plans) == 1
+    with pytest.raises(jaculus.InputError, match="one or more"):
+        jaculus.compare([])
 
 
 @pytest.mark.skipif(os.cpu_count() == 1, reason="forks beside each other")

@@ -89,3 +89,14 @@ def test_start_and_cut_select_samples(frame, tmp_path):
     np.testing.assert_allclose(stream.time, [-0.002, 0.0, 0.002, 0.004], atol=1e-12)
     with pytest.raises(jaculus.InputError, match="FROM below TO"):
         jaculus.import_table(frame, tmp_path / "out", cut=(1.0, 0.0), **OPTIONS)
+
+
+def test_a_fault_names_the_file_or_the_argument(frame, tmp_path):
+    frame.iloc[::-1].to_csv(tmp_path / "log.csv", index=False, na_rep="lost")
+    with pytest.raises(jaculus.InputError, match="rising times") as caught:
+        jaculus.import_table(tmp_path / "log.csv", tmp_path / "out", **OPTIONS)
+    assert caught.value.file == str(tmp_path / "log.csv")
+    for key, wrong in (("start", "nan"), ("start", "soon"), ("start", "no>1"), ("cut", (1, 0))):
+        with pytest.raises(jaculus.InputError, match=f"^{key}: ") as caught:
+            jaculus.import_table(frame, tmp_path / "out", **{key: wrong}, **OPTIONS)
+        assert (caught.value.key, caught.value.file) == (key, None)
