@@ -79,6 +79,26 @@ TEST(Acceptance, LeavesOutMembersThatPredictNothing) {
   }
 }
 
+TEST(Acceptance, LeavesOutWhatFitsOneDatasetAndHarmsAnother) {
+  for (const double in_second : {0.4, -0.4}) {
+    Fitted toy(toy_truth(0.5, 0.4));
+    test::ToyData other;
+    other.seed = 2;
+    toy.problem->observations.datasets.push_back(
+        toy_problem(toy_truth(0.5, in_second), other)->observations.datasets[0]);
+    toy.comparison = comparison_about(
+        *toy.problem,
+        with_random_effects(*toy.problem, estimate_noise(*toy.problem, Vector::Zero(4))));
+    for (ModelFit& model : toy.search.models)
+      model.fit = fit_model(*toy.problem, toy.comparison.whitening, model.candidates,
+                            {Vector::Zero(4), Vector::Constant(4, 0.1)});
+    const Posterior posterior = posterior_of(toy.search, {});
+    HeldOutGaps gaps = toy.gaps(posterior);
+    const std::vector<int> kept = without_harmful_members(gaps, *posterior.find({0, 1})).candidates;
+    EXPECT_EQ(kept, in_second > 0.0 ? (std::vector<int>{0, 1}) : std::vector<int>{0});
+  }
+}
+
 TEST(Acceptance, FitsASmallerSetThatTheSearchLeftOut) {
   Fitted toy(toy_truth(0.5, 0.0));
   std::erase_if(toy.search.models, [](const ModelFit& m) { return m.candidates.size() == 1; });

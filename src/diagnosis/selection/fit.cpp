@@ -160,9 +160,8 @@ std::vector<Vector> best_first(const Problem& problem, const Whitening& whitenin
 /// predictions each, where slopes told anew take one a nuisance. None where nothing can be
 /// simulated; the starts themselves where no slopes are known.
 std::vector<Vector> lowest_by_known(const Problem& problem, const Whitening& whitening,
-                                    const std::vector<int>& free,
-                                    const std::vector<Vector>& starts, const FitOptions& options,
-                                    long& predictions) {
+                                    const std::vector<int>& free, const std::vector<Vector>& starts,
+                                    const FitOptions& options, long& predictions) {
   const bool settles = options.with_forces && whitening.random.blocks.empty();
   if (starts.size() < 2 || options.known.cols() == 0 || !settles) return starts;
   const Vector scales = scales_of(options, whitening.random);

@@ -37,6 +37,15 @@ bool more_probable(HeldOutGaps& gaps, const ModelFit& model, const std::vector<i
          no_worse(gaps.of(*with).after, gaps.of(*without).after, settings);
 }
 
+/// Whether a condition that no fit saw is predicted better without a member.
+bool harms_a_condition(const HeldOut& with, const HeldOut& without, const Settings& settings) {
+  if (with.over != "conditions") return false;
+  for (std::size_t f = 0; f < with.by_fold.size(); ++f)
+    if (without.by_fold[f].after < (1.0 - settings.least_improvement) * with.by_fold[f].after)
+      return true;
+  return false;
+}
+
 /// What a member explains at most, where too many are there for all of their orders.
 double largest_share(const EffectShare& share) {
   return std::isfinite(share.shapley) ? share.shapley : std::max(share.alone, share.last);
@@ -58,6 +67,23 @@ ModelFit without_idle_members(HeldOutGaps& gaps, ModelFit model) {
     if (!best || needed(all, gaps.of(*best), gaps.settings()) ||
         more_probable(gaps, model, best->candidates))
       break;
+    model = std::move(*best);
+  }
+  return model;
+}
+
+ModelFit without_harmful_members(HeldOutGaps& gaps, ModelFit model) {
+  while (model.candidates.size() > 1 && gaps.of(model).valid) {
+    const HeldOut all = gaps.of(model);
+    std::optional<ModelFit> best;
+    for (const int dropped : model.candidates) {
+      const ModelFit& less = without_member(gaps, model, dropped);
+      if (!less.fit.valid || !gaps.of(less).valid ||
+          !harms_a_condition(all, gaps.of(less), gaps.settings()))
+        continue;
+      if (!best || gaps.of(less).after < gaps.of(*best).after) best = less;
+    }
+    if (!best) break;
     model = std::move(*best);
   }
   return model;

@@ -14,6 +14,12 @@ namespace jaculus::diagnosis {
 /// predicted no worse with it. Smaller sets that the search did not fit are fitted here.
 ModelFit without_idle_members(HeldOutGaps& gaps, ModelFit model);
 
+/// The model without those members that make the error of a dataset larger by
+/// settings.least_improvement where no fit saw it, the one first without which the error of all is
+/// least: a cause that fits one set and harms another is not the cause. One always stays. For
+/// single datasets the model itself.
+ModelFit without_harmful_members(HeldOutGaps& gaps, ModelFit model);
+
 /// The model without those members that explain less than settings.remainder_share of the held-out
 /// gap's energy in the mean over the orders in which its members may join (shares.h), the least
 /// first: what would not be worth stating as a remainder is not worth a name. One always stays, and

@@ -166,14 +166,17 @@ Proposal propose(HeldOutGaps& gaps) {
 
   leading = best_predicting(gaps);
   Proposal proposal = name_effects(posterior, *leading, settings);
-  ModelFit kept = without_members_of_no_share(gaps, without_idle_members(gaps, *leading));
+  const ModelFit harmless = without_harmful_members(gaps, *leading);
+  ModelFit kept = without_members_of_no_share(gaps, without_idle_members(gaps, harmless));
   if (kept.candidates != leading->candidates) kept = gaps.fitted(kept);
   for (const int c : leading->candidates) {
     if (contains(kept.candidates, c)) continue;
-    proposal.reasons.push_back(
-        fmt::format("{} would raise the evidence, but held-out data are predicted as well without "
-                    "it, or it explains nothing of their gap",
-                    gaps.problem().hypotheses.candidates[c].name));
+    const char* why = contains(harmless.candidates, c)
+                          ? "held-out data are predicted as well without it, or it explains "
+                            "nothing of their gap"
+                          : "a dataset that no fit saw is predicted better without it";
+    proposal.reasons.push_back(fmt::format("{} would raise the evidence, but {}",
+                                           gaps.problem().hypotheses.candidates[c].name, why));
   }
 
   std::erase_if(proposal.effects, [&](const Established& e) {
