@@ -1,13 +1,18 @@
-// The plant on a leap and a drop: simulations a second, real-time factor, evaluations, and the
-// error against a tight reference.
+// The plant on a leap, without and with dry friction, and a drop: simulations a second, real-time
+// factor, evaluations, and the error against a tight reference. And what an effect of a file costs
+// beside the same in C++.
 
 #include <benchmark/benchmark.h>
 
 #include <cmath>
 #include <numbers>
 
+#include "jaculus/core/installation.h"
+#include "jaculus/effects/user_effect.h"
 #include "jaculus/model/robot.h"
+#include "jaculus/simulation/experiment.h"
 #include "jaculus/simulation/simulate.h"
+#include "support/lugre.h"
 
 namespace jaculus {
 namespace {
@@ -92,8 +97,41 @@ void run(benchmark::State& state, const Case& c, int samples) {
 void leap_1khz(benchmark::State& state) { run(state, leap(), 61); }
 BENCHMARK(leap_1khz)->Arg(4)->Arg(6)->Arg(8)->Unit(benchmark::kMillisecond);
 
+void leap_with_dry_friction(benchmark::State& state) {
+  Case c = leap();
+  for (const model::PlanarMotor& motor : c.plant.model.motors)
+    c.plant.friction.push_back({.joint = motor.joint, .coulomb = 0.3, .stribeck = 0.3});
+  run(state, c, 61);
+}
+BENCHMARK(leap_with_dry_friction)->Arg(4)->Arg(6)->Arg(8)->Unit(benchmark::kMillisecond);
+
 void drop_of_two_bodies(benchmark::State& state) { run(state, drop(), 77); }
 BENCHMARK(drop_of_two_bodies)->Arg(4)->Arg(6)->Arg(8)->Unit(benchmark::kMillisecond);
+
+/// A trial of pendulum_trials with LuGre friction.
+void with_lugre(benchmark::State& state, bool by_file) {
+  const simulation::Experiment experiment =
+      simulation::read_experiment(source_folder() / "problems" / "pendulum_trials.yaml");
+  const model::PlanarModel model = simulation::dataset_robot(experiment.setup).planar;
+  const simulation::Controller controller = simulation::experiment_controller(experiment, model);
+  const effects::UserEffect user =
+      effects::read_user_effect(source_folder() / "effects" / "lugre.yaml");
+  const Vector theta = user.effect.probed();
+  simulation::Plant plant = simulation::dataset_plant(experiment.setup, model);
+  if (by_file)
+    user.effect.apply(theta, plant);
+  else
+    plant.laws = {test::lugre("pendulum", theta)};
+  for (auto _ : state) {
+    const auto trial = simulation::run_trial(experiment, plant, controller, 0, 1);
+    benchmark::DoNotOptimize(trial.truth.q.data());
+    state.counters["evaluations"] = static_cast<double>(trial.truth.evaluations);
+  }
+}
+void lugre_in_cpp(benchmark::State& state) { with_lugre(state, false); }
+BENCHMARK(lugre_in_cpp)->Unit(benchmark::kMillisecond);
+void lugre_by_file(benchmark::State& state) { with_lugre(state, true); }
+BENCHMARK(lugre_by_file)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace jaculus

@@ -13,6 +13,7 @@
 #include "jaculus/effects/select.h"
 #include "jaculus/model/robot.h"
 #include "support/input_error.h"
+#include "support/lugre.h"
 #include "support/temporary_folder.h"
 
 namespace jaculus::effects {
@@ -271,25 +272,6 @@ TEST(UserEffect, IsFoundInACatalogueByItsName) {
 // Beside C++
 // -------------------------------------------------------------------------------------------------
 
-/// effects/lugre.yaml's law written out.
-simulation::Law lugre(const std::string& joint, const Vector& theta) {
-  simulation::Law law;
-  law.name = "lugre";
-  law.readings = {{ReadingKind::joint_rate, joint}};
-  law.actions = {{ActionKind::joint_torque, joint}};
-  law.states = {{0.0, 1.0}};
-  law.functions = [theta] {
-    return LawFunctions{
-        nullptr, [theta](const double* read, const double* state, double* act, double* rate) {
-          const double qd = read[0], s = state[0], slow = qd / theta[2];
-          const double level = 1.0 + theta[1] * std::exp(-slow * slow);
-          rate[0] = (qd - std::abs(qd) * s / level) / theta[3];
-          act[0] = -theta[0] * (s + theta[4] * rate[0]);
-        }};
-  };
-  return law;
-}
-
 /// A trial of pendulum_trials on plants with one of two effects.
 struct Trial {
   simulation::Experiment experiment =
@@ -321,7 +303,7 @@ TEST(UserEffect, LuGreDoesWhatItDoesInCpp) {
   theta[3] = 0.01;
   Plant by_file = trial.plant, in_cpp = trial.plant;
   user.effect.apply(theta, by_file);
-  in_cpp.laws = {lugre("pendulum", theta)};
+  in_cpp.laws = {test::lugre("pendulum", theta)};
   expect_alike(trial, by_file, in_cpp);
 }
 
