@@ -132,6 +132,8 @@ TEST(FastParts, OfAPlantAreTheSlopesOfItsEquationsWithFeetOnTheFloorAndOff) {
   const model::PlanarModel model = model::read_robot(model::find_robot("minitaur", "")).planar;
   const Plant smooth = nominal_plant(model);
   Plant plant = smooth;
+  plant.model.motors[1].dry_friction = 0.3;
+  plant.model.motors[1].viscous_friction = 0.05;
   for (const model::PlanarMotor& motor : model.motors)
     plant.friction.push_back({.joint = motor.joint, .coulomb = 0.4, .viscous = 0.02});
   Controller controller = test::no_controller();
@@ -159,7 +161,7 @@ TEST(FastParts, OfAPlantAreTheSlopesOfItsEquationsWithFeetOnTheFloorAndOff) {
     }
     ASSERT_TRUE(possible);
     const FastParts fast = with.fast_parts(y, modes);
-    ASSERT_EQ(count_of(fast.parts), count_of(model.motors));
+    ASSERT_EQ(count_of(fast.parts), count_of(model.motors) + 1);
 
     for (int j = 0; j < n; ++j) {
       constexpr double kStep = 1e-7;

@@ -166,6 +166,12 @@ void PassiveForces::list_fast_parts(const Mechanism& mechanism,
     parts.push_back({*joint.row, f.count * (slope + f.law->viscous)});
   }
 
+  for (const MotorRub& rub : rubbing_) {
+    const double rate = mechanism.motor_rate(rub.motor, v);
+    const double slope = components::motor_friction(rub.data, rate).d_rate;
+    parts.push_back({mechanism.motor_row[rub.motor], -rub.data.count * slope});
+  }
+
   for (std::size_t k = 0; k < springs_.size(); ++k) {
     FastPart hinge{{}, springs_[k].damping, springs_[k].stiffness};
     hinge.row[mechanism.hinges[k].coordinate] = 1.0;
