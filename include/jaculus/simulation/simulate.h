@@ -31,11 +31,11 @@ struct StartState {
 
 /// When a simulation ends, and where it is sampled.
 struct SimulationOptions {
-  double duration = 0.0;  ///< [s]
-  Vector sample_times;    ///< rising, within [0, duration]; where the results stand [s]
-  double relative_tolerance = 1e-6;
-  double absolute_tolerance = 1e-8;
-  double contact_tolerance = 1e-6;  ///< [m]
+  double duration = 0.0;             ///< [s]
+  Vector sample_times;               ///< rising, within [0, duration]; where the results stand [s]
+  double relative_tolerance = 1e-6;  ///< of a step's error beside a state's size [-]
+  double absolute_tolerance = 1e-8;  ///< of coordinates; rates have 100/s times as much [rad, m]
+  double contact_tolerance = 1e-6;   ///< [m]
   int max_events = 2000;
   bool stop_at_lift_off = false;  ///< ends when no point touches the floor any more
   /// Whether torques, currents, voltages and contact forces are left out (NaN): each sample of them

@@ -156,17 +156,17 @@ std::vector<Vector> best_first(const Problem& problem, const Whitening& whitenin
   return sorted;
 }
 
-/// Of some starts the one from which slopes that are known lead lowest, and where they lead: a few
-/// predictions each, where slopes told anew take one a nuisance. None where nothing can be
-/// simulated; the starts themselves where no slopes are known.
+/// Where slopes that are known lead from some starts, the lowest and those nearly as low: a few
+/// predictions each, where slopes told anew take one a nuisance. The starts themselves where none
+/// can be simulated or no slopes are known.
 std::vector<Vector> lowest_by_known(const Problem& problem, const Whitening& whitening,
                                     const std::vector<int>& free, const std::vector<Vector>& starts,
                                     const FitOptions& options, long& predictions) {
   const bool settles = options.with_forces && whitening.random.blocks.empty();
   if (starts.size() < 2 || options.known.cols() == 0 || !settles) return starts;
   const Vector scales = scales_of(options, whitening.random);
-  std::vector<Vector> lowest;
-  double least = kInfinity;
+  std::vector<std::pair<double, Vector>> ends;
+  std::vector<Vector> reduced;
   for (const Vector& start : starts) {
     Residual residual = residual_of(problem, whitening, free, start, options);
     Vector u = residual.reduced(start), r;
@@ -174,12 +174,17 @@ std::vector<Vector> lowest_by_known(const Problem& problem, const Whitening& whi
                                 iterations_of(problem, options, 0), u) &&
                        residual.value(u, r);
     predictions += residual.predictions();
-    if (!ended) continue;
-    const double cost = cost_of(whitening.random, scales, misfits_of(options), r, u);
-    if (cost >= least) continue;
-    least = cost;
-    lowest = {residual.full(u)};
+    if (!ended || reached(reduced, u, problem.settings)) continue;
+    reduced.push_back(u);
+    ends.emplace_back(cost_of(whitening.random, scales, misfits_of(options), r, u),
+                      residual.full(u));
   }
+  if (ends.empty()) return starts;
+  std::sort(ends.begin(), ends.end(),
+            [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::vector<Vector> lowest;
+  for (const auto& [cost, p] : ends)
+    if (cost <= ends.front().first + problem.settings.lower_valley) lowest.push_back(p);
   return lowest;
 }
 

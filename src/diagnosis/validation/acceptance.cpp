@@ -37,9 +37,10 @@ bool more_probable(HeldOutGaps& gaps, const ModelFit& model, const std::vector<i
          no_worse(gaps.of(*with).after, gaps.of(*without).after, settings);
 }
 
-/// Whether a condition that no fit saw is predicted better without a member.
+/// Whether a condition that no fit saw is predicted better without a member, and all together no
+/// worse.
 bool harms_a_condition(const HeldOut& with, const HeldOut& without, const Settings& settings) {
-  if (with.over != "conditions") return false;
+  if (with.over != "conditions" || without.after > with.after) return false;
   for (std::size_t f = 0; f < with.by_fold.size(); ++f)
     if (without.by_fold[f].after < (1.0 - settings.least_improvement) * with.by_fold[f].after)
       return true;
@@ -73,8 +74,10 @@ ModelFit without_idle_members(HeldOutGaps& gaps, ModelFit model) {
 }
 
 ModelFit without_harmful_members(HeldOutGaps& gaps, ModelFit model) {
+  if (gaps.of(model).over != "conditions") return model;
   while (model.candidates.size() > 1 && gaps.of(model).valid) {
-    const HeldOut all = gaps.of(model);
+    // Tolerances stay in the smaller sets, so they do in this one.
+    const HeldOut all = gaps.of(gaps.held(model, model.candidates));
     std::optional<ModelFit> best;
     for (const int dropped : model.candidates) {
       const ModelFit& less = without_member(gaps, model, dropped);

@@ -215,7 +215,10 @@ HeldOutGaps::HeldOutGaps(const Problem& problem, const Comparison& comparison,
       none_(judge_fit(problem, comparison, folds_, none, open_)) {}
 
 const ModelFit& HeldOutGaps::subset(const ModelFit& model, const std::vector<int>& members) {
-  if (members == model.candidates) return model;
+  return members == model.candidates ? model : held(model, members);
+}
+
+const ModelFit& HeldOutGaps::held(const ModelFit& model, const std::vector<int>& members) {
   const auto known = subsets_.find(members);
   if (known != subsets_.end()) return known->second;
 

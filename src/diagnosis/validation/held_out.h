@@ -63,6 +63,8 @@ class HeldOutGaps {
   /// that asks and the others at nominal: what a member does is not what tolerances could do in its
   /// place.
   const ModelFit& subset(const ModelFit& model, const std::vector<int>& members);
+  /// The same of all its members too: tolerances stay, what is left can be set beside it.
+  const ModelFit& held(const ModelFit& model, const std::vector<int>& members);
 
   /// A subset with tolerances of its own: as the search fitted it, else fitted from there.
   [[nodiscard]] ModelFit fitted(const ModelFit& held) const;

@@ -106,11 +106,16 @@ const ContactRows* PlantEquations::rows(const State& y, const std::vector<int>& 
   return fill_rows(y, touching) ? &rows_ : nullptr;
 }
 
+void PlantEquations::fast_slopes(const State& y, std::vector<FastPart>& parts) {
+  parts.clear();
+  if (!passive_.has_fast_parts() || !weigh(y)) return;
+  passive_.list_fast_parts(mechanism_, drive_.motors, y.data(), y.data() + size(), parts);
+}
+
 const FastParts& PlantEquations::fast_parts(const State& y, const std::vector<Touch>& modes) {
   fast_.size = size();
-  fast_.parts.clear();
-  if (!passive_.has_fast_parts() || !weigh(y)) return fast_;
-  passive_.list_fast_parts(mechanism_, drive_.motors, y.data(), y.data() + size(), fast_.parts);
+  fast_slopes(y, fast_.parts);
+  if (fast_.parts.empty()) return fast_;
   list_touching(modes);
   if (!touching_.empty()) fill_rows(y, touching_);
 
@@ -121,6 +126,7 @@ const FastParts& PlantEquations::fast_parts(const State& y, const std::vector<To
       system_ = rows_.system(unilaterals_);
       std::fill(system_.b, system_.b + 2 * system_.count, 0.0);
       rows_.add_product(part.response.data(), system_.b);
+      // Contacts that are singular stop evaluate() as well; here a slope is less exact.
       if (solve_forces(system_, touching_modes_.data()))
         rows_.add_transposed(system_.lambda, part.response.data());
     }

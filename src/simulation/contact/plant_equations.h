@@ -78,6 +78,8 @@ class PlantEquations {
   const ContactRows* rows(const State& y, const std::vector<int>& touching);
   /// Hinges and joints that rub, as they settle at y; none where there are no such parts.
   const FastParts& fast_parts(const State& y, const std::vector<Touch>& modes);
+  /// The same without responses, at y, where the last evaluation was.
+  void fast_slopes(const State& y, std::vector<FastPart>& parts);
   /// Generalised forces less the bias, Q - h, without rigid contacts.
   const double* balance(double t, const State& y, const std::vector<Touch>& modes);
   /// What Coulomb's law asks of contacts: w their accelerations at (t, y), or their rates.

@@ -79,7 +79,8 @@ void ImplicitMethod::solve(const FastParts& fast, double inverse, State& x) cons
   for (int i = 0; i < size_; ++i) x[i] += inverse * v[i];
 }
 
-void ImplicitMethod::take(const RightHandSide& f, const FastParts& fast, Step& step, State& error) {
+void ImplicitMethod::take(const RightHandSide& f, const FastParts& fast, const FastSlopes& slopes,
+                          Step& step, State& error) {
   const Coefficients& k = coefficients();
   const double h = step.length, inverse = kGamma * h;
   size_ = fast.size;
@@ -103,9 +104,11 @@ void ImplicitMethod::take(const RightHandSide& f, const FastParts& fast, Step& s
     add(k.m[i], u_[i], step.y_end);
     add(k.e[i], u_[i], error);
   }
+  if (!f(step.t + h, step.y_end, step.dydt_end)) return;
+  slopes(step.y_end, at_end_);
+  if (!fast.last(at_end_, inverse)) return;
   for (double& x : error) x /= inverse;
   solve(fast, inverse, error);
-  f(step.t + h, step.y_end, step.dydt_end);
 }
 
 void ImplicitMethod::dense(const Step& step, double t, State& out) const {

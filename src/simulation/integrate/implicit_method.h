@@ -11,13 +11,19 @@
 //     (I/(gamma h) - J) u_i = f(t + c_i h, y + sum_j a_ij u_j) + sum_j c_ij u_j/h,
 //     y(t + h) = y + sum_i m_i u_i,   error = (I - gamma h J)^-1 sum_i e_i u_i.
 // An error of a fast part is forgotten as the part settles: the inverse counts what is left of it
-// (as RADAU5 does; Hairer and Wanner, Solving Ordinary Differential Equations II, section IV.8).
+// (as RADAU5 does; Hairer and Wanner, Solving Ordinary Differential Equations II, section IV.8). A
+// part that is fast no more at the step's end (a joint that breaks away) forgets nothing: where one
+// has changed by a factor of two the error is sum_i e_i u_i itself.
+// What is stiff beside these parts (compliant ground, users' laws, a motor's damping behind a stiff
+// hinge) is as in an explicit method.
 // Coefficients: ROS34PW2 (Rang and Angermann, New Rosenbrock W-methods of order 3 for partial
 // differential algebraic equations of index 1, BIT 45, 2005), in the form without products by J
 // (Hairer and Wanner, section IV.7).
 
 #include <Eigen/LU>
 #include <array>
+#include <functional>
+#include <vector>
 
 #include "jaculus/core/types.h"
 #include "simulation/integrate/step.h"
@@ -25,11 +31,16 @@
 
 namespace jaculus::simulation::detail {
 
+/// Fast parts at a state at which f was evaluated last, without responses.
+using FastSlopes = std::function<void(const State& y, std::vector<FastPart>& parts)>;
+
 class ImplicitMethod {
  public:
   /// Takes `step` over its length: sets y_end and dydt_end, and `error`, an estimate of the error
-  /// of y_end. The last evaluation of f is at the end. `fast`: those at the step's start.
-  void take(const RightHandSide& f, const FastParts& fast, Step& step, State& error);
+  /// of y_end. The last evaluation of f is at the end. `fast`: those at the step's start; `slopes`
+  /// at a state.
+  void take(const RightHandSide& f, const FastParts& fast, const FastSlopes& slopes, Step& step,
+            State& error);
   /// The state at t within the last step: coordinates by the cubic through both ends and their
   /// rates; the others, whose rates may jump at the start, by the parabola that ends as the step.
   void dense(const Step& step, double t, State& out) const;
@@ -46,6 +57,7 @@ class ImplicitMethod {
   Eigen::PartialPivLU<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxSize, kMaxSize>>
       factors_;
   State at_, rate_;
+  std::vector<FastPart> at_end_;
 };
 
 }  // namespace jaculus::simulation::detail

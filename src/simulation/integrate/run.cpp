@@ -140,7 +140,10 @@ Outcome take_step(Run& run, double limit, Step& step, const Evaluation*& at_end)
   step.t = run.state.t;
   step.y = run.state.y;
   step.dydt = run.state.dydt;
-  run.stepper.expect(run.equations.fast_parts(step.y, run.state.modes));
+  run.stepper.expect(run.equations.fast_parts(step.y, run.state.modes),
+                     [&run](const State& y, std::vector<FastPart>& parts) {
+                       run.equations.fast_slopes(y, parts);
+                     });
   const RightHandSide rates = [&run, &at_end](double t, const State& y, State& dydt) {
     at_end = run.equations.evaluate(t, y, run.state.modes, dydt);
     return at_end != nullptr;

@@ -50,17 +50,22 @@ void project(Run& run, const Evaluation& at, State& y) {
   }
 }
 
-/// Samples before t, on the dense output of the step.
-void record_before(Run& run, const Step& step, double t) {
-  if (run.recorder.next() >= t) return;
+/// Samples within the step and before t: the motion by its interpolant, forces where it is exact.
+/// Whether the equations were evaluated.
+bool record_before(Run& run, const Step& step, double t) {
+  const bool forces = !run.options.motion_alone;
+  if (run.recorder.next() >= t) return false;
   State y(step.y.size()), dydt(step.y.size());
   while (run.recorder.next() < t) {
     const double at = run.recorder.next();
-    run.stepper.dense(step, at, y);
-    const Evaluation* there =
-        run.options.motion_alone ? nullptr : run.equations.evaluate(at, y, run.state.modes, dydt);
-    run.recorder.record(run.equations, y, there);
+    if (forces)
+      run.stepper.state_at(rates_of(run.equations, run.state.modes), step, at, y);
+    else
+      run.stepper.dense(step, at, y);
+    run.recorder.record(run.equations, y,
+                        forces ? run.equations.evaluate(at, y, run.state.modes, dydt) : nullptr);
   }
+  return forces;
 }
 
 /// Modes of the contact that an event is of, and of those that it carries along.
@@ -115,7 +120,11 @@ void end_at_limit(Run& run, Step& step, const Evaluation& at) {
   }
 
   project(run, at, step.y_end);
-  record_before(run, step, step.end);
+  // The next step's slopes are those of its start, whatever was sampled before it.
+  if (record_before(run, step, step.end)) {
+    State dydt(step.y.size());
+    run.equations.evaluate(step.end, step.y_end, run.state.modes, dydt);
+  }
   run.state.t = step.end;
   run.state.y = step.y_end;
   run.state.dydt = step.dydt_end;

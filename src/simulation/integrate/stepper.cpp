@@ -14,8 +14,10 @@ constexpr double kRestart = 1e-4;        ///< length to start with after an even
 /// Dormand and Prince's method is stable up to this length times the fastest rate (Hairer and
 /// Wanner II, section IV.2).
 constexpr double kStable = 3.3;
-/// How long an error of a rate acts on its coordinate: some holds of a command [s].
-constexpr double kActs = 0.01;
+/// Of the first difference of slopes, beyond which the second one is no smooth motion's: a tenth of
+/// what an explicit method is stable for.
+constexpr double kSmooth = 0.15;
+constexpr double kRates = 100.0;  ///< absolute tolerance of rates beside that of coordinates [1/s]
 constexpr double kDormandPrince = 6.0;  ///< evaluations of a step
 /// steps for which the implicit method rests after one that did not pay
 constexpr int kImplicitPause = 32;
@@ -27,7 +29,7 @@ constexpr int kPause = 16;
 Stepper::Stepper(double relative_tolerance, double absolute_tolerance, int coordinates, int states)
     : relative_tolerance_(relative_tolerance), absolute_tolerance_(states, absolute_tolerance) {
   for (int i = coordinates; i < std::min(2 * coordinates, states); ++i)
-    absolute_tolerance_[i] /= kActs;
+    absolute_tolerance_[i] *= kRates;
   for (State* s : {&error_, &y_stage_, &k2_, &k3_, &k4_}) s->assign(states, 0.0);
 }
 
@@ -66,6 +68,19 @@ double Stepper::worst_error(const Step& step) {
   return worst;
 }
 
+/// Whether the second slope at the middle of a step differs from the first by more than a smooth
+/// motion's does, which is of the next order: a joint that breaks away or turns back within a step
+/// may show in neither of the two slopes that the error is told by.
+bool Stepper::bends(const Step& step) const {
+  if (fast_ == nullptr || fast_->parts.empty()) return false;
+  for (std::size_t i = 0; i < step.y.size(); ++i) {
+    const double first = std::abs(k2_[i] - step.dydt[i]), second = std::abs(k3_[i] - k2_[i]);
+    const double granted = absolute_tolerance_[i] + relative_tolerance_ * std::abs(step.y[i]);
+    if (second > kSmooth * first && step.length / 6.0 * second > granted) return true;
+  }
+  return false;
+}
+
 /// Over the whole of the step's length. False where it errs by more than the tolerance: nothing is
 /// lost but the time.
 bool Stepper::attempt_kutta(const RightHandSide& f, Step& step) {
@@ -79,7 +94,7 @@ bool Stepper::attempt_kutta(const RightHandSide& f, Step& step) {
   stage(0.5, k1);
   if (!f(t + 0.5 * h, y_stage_, k2_)) return false;
   stage(0.5, k2_);
-  if (!f(t + 0.5 * h, y_stage_, k3_)) return false;
+  if (!f(t + 0.5 * h, y_stage_, k3_) || bends(step)) return false;
   stage(1.0, k3_);
   if (!f(t + h, y_stage_, k4_)) return false;
   for (std::size_t i = 0; i < y.size(); ++i)
@@ -107,7 +122,7 @@ double Stepper::paying_length() const {
 bool Stepper::attempt_implicit(const RightHandSide& f, double limit, double least, Step& step) {
   step.method = Method::implicit;
   const bool whole = set_length(std::max(least, implicit_length_), limit - step.t, step);
-  implicit_.take(f, *fast_, step, error_);
+  implicit_.take(f, *fast_, slopes_, step, error_);
   const bool accepted = accept(3.0, implicit_length_, step);
   if (implicit_length_ < least) implicit_pause_ = kImplicitPause;
   if (accepted) step.end = whole ? limit : step.t + step.length;
@@ -168,7 +183,7 @@ void Stepper::state_at(const RightHandSide& f, const Step& step, double t, State
   }
   Step part = step;
   part.length = t - step.t;
-  implicit_.take(f, *fast_, part, error_);
+  implicit_.take(f, *fast_, slopes_, part, error_);
   out = part.y_end;
 }
 

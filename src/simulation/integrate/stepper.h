@@ -28,14 +28,17 @@ enum class StepResult { accepted, no_step_is_short_enough, equations_fail };
 
 class Stepper {
  public:
-  /// Absolute tolerances are those of the first `coordinates` states; their rates, which follow
-  /// them, are granted what changes them by as much in a hundredth of a second.
+  /// The absolute tolerance is that of coordinates; their rates, which come next, are granted a
+  /// hundred times as much a second: measured, a leap with dry friction is as exact as with one for
+  /// all, 3e-7 rad by 1e-8, in three quarters of the time.
   Stepper(double relative_tolerance, double absolute_tolerance, int coordinates, int states);
 
-  /// Tells what is fast in the equations where the next step begins; must outlive it.
-  void expect(const FastParts& fast) {
+  /// Tells what is fast in the equations where the next step begins; must outlive it. `slopes`: of
+  /// the same anywhere.
+  void expect(const FastParts& fast, FastSlopes slopes) {
     fast_ = &fast;
     fastest_rate_ = fast.rate();
+    slopes_ = std::move(slopes);
   }
 
   /// Fills `step`, which has t, y and dydt, with one that meets the tolerances and ends at `limit`
@@ -56,12 +59,14 @@ class Stepper {
   static bool set_length(double next, double left, Step& step);
   [[nodiscard]] double paying_length() const;
   double worst_error(const Step& step);
+  [[nodiscard]] bool bends(const Step& step) const;
 
   double relative_tolerance_;
   State absolute_tolerance_;  ///< of each state
   boost::numeric::odeint::runge_kutta_dopri5<State> dopri5_;
   ImplicitMethod implicit_;
   const FastParts* fast_ = nullptr;
+  FastSlopes slopes_;
   double fastest_rate_ = 0.0;      ///< [1/s]
   double next_length_ = 1e-3;      ///< of an explicit step [s]
   double implicit_length_ = 1e-3;  ///< [s]

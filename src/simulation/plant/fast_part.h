@@ -28,6 +28,21 @@ struct FastParts {
   int size = 0;  ///< coordinates: a state is (q, v, others)
   std::vector<FastPart> parts;
 
+  /// Whether what is fast over a time [s], here or there, is as fast there, within a factor of two.
+  /// `there`: the same parts at another state, their responses not needed.
+  [[nodiscard]] bool last(const std::vector<FastPart>& there, double time) const {
+    for (std::size_t k = 0; k < parts.size(); ++k) {
+      FastPart faster = parts[k], slower = parts[k];
+      faster.damping = std::max(parts[k].damping, there[k].damping);
+      faster.stiffness = std::max(parts[k].stiffness, there[k].stiffness);
+      slower.damping = std::min(parts[k].damping, there[k].damping);
+      slower.stiffness = std::min(parts[k].stiffness, there[k].stiffness);
+      if (time * faster.rate(size) > 1.0 && faster.rate(size) > 2.0 * slower.rate(size))
+        return false;
+    }
+    return true;
+  }
+
   /// Of the fastest [1/s].
   [[nodiscard]] double rate() const {
     double fastest = 0.0;

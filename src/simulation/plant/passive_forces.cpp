@@ -173,8 +173,11 @@ void PassiveForces::list_fast_parts(const Mechanism& mechanism,
   }
 
   for (std::size_t k = 0; k < springs_.size(); ++k) {
-    FastPart hinge{{}, springs_[k].damping, springs_[k].stiffness};
-    hinge.row[mechanism.hinges[k].coordinate] = 1.0;
+    const Spring& spring = springs_[k];
+    const int i = mechanism.hinges[k].coordinate;
+    const double slope = beyond_play(q[i], spring.half_play, spring.smoothing).slope;
+    FastPart hinge{{}, slope * spring.damping, slope * spring.stiffness};
+    hinge.row[i] = 1.0;
     parts.push_back(hinge);
   }
 }
