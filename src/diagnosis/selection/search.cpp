@@ -29,9 +29,24 @@ ProbedColumns columns_of_probes(const RandomEffects& random, const std::vector<P
   return columns;
 }
 
-/// Candidates whose columns, at either strength, reproduce the signature of a fitted single.
+/// Log evidence of every candidate alone: as fitted, else as screening has it.
+std::vector<double> evidence_alone(const FittedModels& models, const std::vector<Probe>& probes) {
+  std::vector<double> evidence;
+  for (int c = 0; c < count_of(probes); ++c) {
+    const ModelFit* fitted = models.find({c});
+    const bool known = fitted != nullptr && fitted->fit.valid;
+    evidence.push_back(known ? fitted->fit.log_evidence
+                             : models.none().fit.log_evidence + probes[c].score);
+  }
+  return evidence;
+}
+
+/// Candidates whose columns, at either strength, reproduce the signature of a fitted single. A
+/// signature that the nuisances reproduce by themselves says nothing of candidates: then those that
+/// are as probable.
 Members indistinguishable_from(const RandomEffects& random, const ModelFit& none,
-                               const ModelFit& single, const ProbedColumns& probed, double below) {
+                               const ModelFit& single, const ProbedColumns& probed,
+                               const std::vector<double>& evidence, double below) {
   const Columns nuisances = columns_of(random, none.fit.jacobian);
   const Columns signature =
       side_by_side(random, columns_of(random, none.fit.residual - single.fit.residual), nuisances);
@@ -44,9 +59,12 @@ Members indistinguishable_from(const RandomEffects& random, const ModelFit& none
                                                  nuisances.X.cols()));
   });
 
+  const double alone =
+      unexplained_energy(random, single.fit.scales, signature.products, nuisances.X.cols());
+  const double least = 0.5 * alone < below ? single.fit.log_evidence - below : -kInfinity;
   Members found;
   for (int c = 0; c < count_of(probed); ++c)
-    if (0.5 * energy[c] < below) found.push_back(c);
+    if (0.5 * energy[c] < below && evidence[c] >= least) found.push_back(c);
   return found;
 }
 
@@ -59,7 +77,8 @@ void fit_indistinguishable(const Settings& settings, const RandomEffects& random
   if (best == nullptr || models.value(*best) < models.value(none)) return;
 
   Members others =
-      indistinguishable_from(random, none, *best, probed, settings.indistinguishable_below);
+      indistinguishable_from(random, none, *best, probed, evidence_alone(models, probes),
+                             settings.indistinguishable_below);
   std::stable_sort(others.begin(), others.end(),
                    [&](int a, int b) { return probes[a].score > probes[b].score; });
   std::erase_if(others, [&](int c) { return models.find({c}) != nullptr; });
@@ -69,12 +88,14 @@ void fit_indistinguishable(const Settings& settings, const RandomEffects& random
 }
 
 std::vector<Members> indistinguishable_sets(const RandomEffects& random, const FittedModels& models,
+                                            const std::vector<Probe>& probes,
                                             const ProbedColumns& probed, double below) {
+  const std::vector<double> evidence = evidence_alone(models, probes);
   std::vector<Members> sets(probed.size());
   for (const ModelFit& model : models.all()) {
     if (model.candidates.size() != 1 || !model.fit.valid) continue;
     const int own = model.candidates.front();
-    Members others = indistinguishable_from(random, models.none(), model, probed, below);
+    Members others = indistinguishable_from(random, models.none(), model, probed, evidence, below);
     std::erase(others, own);
     others.insert(others.begin(), own);
     sets[own] = others;
@@ -299,8 +320,8 @@ SearchResult search_models(const Problem& problem, const Comparison& comparison,
   }
 
   if (options.earlier != nullptr) models.refine();
-  out.indistinguishable =
-      indistinguishable_sets(random, models, probed, problem.settings.indistinguishable_below);
+  out.indistinguishable = indistinguishable_sets(random, models, out.probes, probed,
+                                                 problem.settings.indistinguishable_below);
   out.models = models.all();
   out.predictions = models.predictions();
   return out;

@@ -38,8 +38,8 @@ class PassiveForces {
   [[nodiscard]] bool has_fast_parts() const {
     return !springs_.empty() || !friction_.empty() || !rubbing_.empty();
   }
-  /// Hinges' springs and dampers, joints and motors that rub, with the slopes of their laws at (q, v) and
-  /// without responses. After the first add(), at its motors.
+  /// Hinges' springs and dampers, joints and motors that rub, with the slopes of their laws at
+  /// (q, v) and without responses. After the first add(), at its motors.
   void list_fast_parts(const Mechanism& mechanism, const std::vector<MotorState>& motors,
                        const double* q, const double* v, std::vector<FastPart>& parts) const;
 
