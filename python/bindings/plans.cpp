@@ -17,7 +17,6 @@
 #include "jaculus/report/plan_report.h"
 #include "jaculus/solver/plan_files.h"
 #include "jaculus/studies/comparison.h"
-#include "jaculus/trajectory/csv.h"
 
 namespace jaculus::python {
 namespace {
@@ -110,9 +109,7 @@ void save_comparison(const std::vector<const PlanResult*>& plans, const fs::path
     fs::create_directories(own);
     solver::write_plan(plan->solved, own);
   }
-  const std::vector<studies::ComparisonRow> rows = rows_of(plans);
-  trajectory::write_file(folder / "compare.csv", studies::comparison_csv(rows));
-  trajectory::write_file(folder / "compare.json", studies::comparison_json(rows).dump(1) + "\n");
+  studies::write_comparison(rows_of(plans), folder);
   report::write_report(comparison_report(plans), folder);
 }
 

@@ -123,13 +123,9 @@ void solve_all(const std::vector<Loaded>& all, const CompareOptions& options,
 
 /// Prints and writes what the comparison says; the exit code.
 int report(const std::vector<studies::ComparisonRow>& rows, const Common& common) {
-  const std::string json = studies::comparison_json(rows).dump(1) + "\n";
-  if (!common.out.empty()) {
-    trajectory::write_file(fs::path(common.out) / "compare.csv", studies::comparison_csv(rows));
-    trajectory::write_file(fs::path(common.out) / "compare.json", json);
-  }
+  if (!common.out.empty()) studies::write_comparison(rows, common.out);
   if (common.json) {
-    print(json);
+    print(studies::comparison_json(rows).dump(1) + "\n");
   } else if (!common.quiet) {
     print(report::comparison_text(rows, colours()));
     if (!common.out.empty()) print(fmt::format("written to {}\n", common.out));

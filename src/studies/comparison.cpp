@@ -6,6 +6,7 @@
 
 #include "jaculus/core/installation.h"
 #include "jaculus/core/json.h"
+#include "jaculus/trajectory/csv.h"
 
 namespace jaculus::studies {
 namespace {
@@ -104,6 +105,11 @@ std::string comparison_csv(const std::vector<ComparisonRow>& rows) {
   }
 
   return text;
+}
+
+void write_comparison(const std::vector<ComparisonRow>& rows, const std::filesystem::path& folder) {
+  trajectory::write_file(folder / "compare.csv", comparison_csv(rows));
+  trajectory::write_file(folder / "compare.json", comparison_json(rows).dump(1) + "\n");
 }
 
 }  // namespace jaculus::studies

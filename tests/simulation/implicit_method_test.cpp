@@ -105,8 +105,8 @@ TEST(Stepper, TakesTheImplicitMethodWhereStabilityWouldShortenSteps) {
   for (const double rate : {3.0, 1e6}) {
     const Followed f{rate, 0.0};
     const FastParts fast = f.fast();
-    Stepper stepper(1e-6, 1e-8, 1, 3);
-    stepper.expect(fast, f.slopes(1.0));
+    Stepper stepper(1e-6, 1e-8, 1, 3, f.slopes(1.0));
+    stepper.expect(fast);
     Step step = step_from(f, 0.0, 0.0);
     int steps = 0;
     for (; step.t < 1.0; ++steps) {
@@ -140,14 +140,15 @@ struct BreakAway {
       dydt[1] = (torque - friction * std::tanh(y[1] / smoothing)) / inertia;
       return true;
     };
-    Stepper stepper(100.0 * tolerance, tolerance, 1, 2);
+    Stepper stepper(100.0 * tolerance, tolerance, 1, 2,
+                    [&](const State& y, std::vector<FastPart>& out) { out = {part(y)}; });
     Step step;
     step.y = {0.0, 0.0};
     step.dydt.resize(2);
     f(0.0, step.y, step.dydt);
     while (step.t < 0.01) {
       const FastParts fast{1, {part(step.y)}};
-      stepper.expect(fast, [&](const State& y, std::vector<FastPart>& out) { out = {part(y)}; });
+      stepper.expect(fast);
       const double hold = 1e-3 * (std::floor(step.t / 1e-3 + 1e-9) + 1.0);
       EXPECT_EQ(stepper.take(f, hold, step), detail::StepResult::accepted);
       step.t = step.end;

@@ -1,6 +1,7 @@
 #pragma once
 // The comparison of solved problems as values, JSON and CSV: every plan's summary beside its gains.
 
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -32,5 +33,8 @@ nlohmann::ordered_json comparison_json(const std::vector<ComparisonRow>& rows);
 
 /// compare.csv: one row a problem, units in the header, empty where there is no figure.
 std::string comparison_csv(const std::vector<ComparisonRow>& rows);
+
+/// Both into a folder that is there.
+void write_comparison(const std::vector<ComparisonRow>& rows, const std::filesystem::path& folder);
 
 }  // namespace jaculus::studies

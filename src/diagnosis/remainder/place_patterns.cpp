@@ -150,6 +150,7 @@ void add_body_axis(PatternMaker& maker, const std::string& axis) {
     return std::vector<std::string>{along(axis, formula, "0*(" + formula + ")")};
   };
   const std::string start = constant("start", "m", place.start);
+
   maker.add(Regressor::constant, axis + "_offset", "is always there", {maker.parameter("offset")},
             force("offset"));
   maker
@@ -167,6 +168,7 @@ void add_body_axis(PatternMaker& maker, const std::string& axis) {
                force("-stiffness*max(0, x - start - slack)"))
           .constants = {start, constant("slack", "m", slack)};
     }
+
   maker.add(Regressor::speed, axis + "_damping", "grows with the speed",
             {maker.parameter("damping", "m/s", place.speed)}, force("-damping*" + v));
   maker.add(Regressor::speed_squared, axis + "_drag", "grows with the square of the speed",

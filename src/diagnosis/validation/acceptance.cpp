@@ -40,7 +40,7 @@ bool more_probable(HeldOutGaps& gaps, const ModelFit& model, const std::vector<i
 /// Whether a condition that no fit saw is predicted better without a member, and all together no
 /// worse.
 bool harms_a_condition(const HeldOut& with, const HeldOut& without, const Settings& settings) {
-  if (with.over != "conditions" || without.after > with.after) return false;
+  if (without.after > with.after) return false;
   for (std::size_t f = 0; f < with.by_fold.size(); ++f)
     if (without.by_fold[f].after < (1.0 - settings.least_improvement) * with.by_fold[f].after)
       return true;

@@ -117,13 +117,15 @@ const FastParts& PlantEquations::fast_parts(const State& y, const std::vector<To
   fast_slopes(y, fast_.parts);
   if (fast_.parts.empty()) return fast_;
   list_touching(modes);
-  if (!touching_.empty()) fill_rows(y, touching_);
+  if (!touching_.empty()) {
+    fill_rows(y, touching_);
+    system_ = rows_.system(unilaterals_);
+  }
 
   for (FastPart& part : fast_.parts) {
     part.response = part.row;
     inertia_.forward(part.response.data());
     if (!touching_.empty()) {
-      system_ = rows_.system(unilaterals_);
       std::fill(system_.b, system_.b + 2 * system_.count, 0.0);
       rows_.add_product(part.response.data(), system_.b);
       // Contacts that are singular stop evaluate() as well; here a slope is less exact.

@@ -62,7 +62,10 @@ Run::Run(const Plant& plant, const Controller& controller, const StartState& sta
     : options(given),
       equations(plant, controller),
       stepper(given.relative_tolerance, given.absolute_tolerance, equations.size(),
-              equations.states()),
+              equations.states(),
+              [this](const State& y, std::vector<FastPart>& parts) {
+                equations.fast_slopes(y, parts);
+              }),
       recorder(equations, given.sample_times),
       state(start_state(equations, start)),
       limited(equations.motors().size(), false) {}
@@ -140,11 +143,8 @@ Outcome take_step(Run& run, double limit, Step& step, const Evaluation*& at_end)
   step.t = run.state.t;
   step.y = run.state.y;
   step.dydt = run.state.dydt;
-  run.stepper.expect(run.equations.fast_parts(step.y, run.state.modes),
-                     [&run](const State& y, std::vector<FastPart>& parts) {
-                       run.equations.fast_slopes(y, parts);
-                     });
-  const RightHandSide rates = [&run, &at_end](double t, const State& y, State& dydt) {
+  run.stepper.expect(run.equations.fast_parts(step.y, run.state.modes));
+  const auto rates = [&run, &at_end](double t, const State& y, State& dydt) {
     at_end = run.equations.evaluate(t, y, run.state.modes, dydt);
     return at_end != nullptr;
   };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "jaculus/core/types.h"
 
@@ -26,10 +27,12 @@ constexpr int kPause = 16;
 
 }  // namespace
 
-Stepper::Stepper(double relative_tolerance, double absolute_tolerance, int coordinates, int states)
-    : relative_tolerance_(relative_tolerance), absolute_tolerance_(states, absolute_tolerance) {
-  for (int i = coordinates; i < std::min(2 * coordinates, states); ++i)
-    absolute_tolerance_[i] *= kRates;
+Stepper::Stepper(double relative_tolerance, double absolute_tolerance, int coordinates, int states,
+                 FastSlopes slopes)
+    : relative_tolerance_(relative_tolerance),
+      absolute_tolerance_(states, absolute_tolerance),
+      slopes_(std::move(slopes)) {
+  for (int i = coordinates; i < 2 * coordinates; ++i) absolute_tolerance_[i] *= kRates;
   for (State* s : {&error_, &y_stage_, &k2_, &k3_, &k4_}) s->assign(states, 0.0);
 }
 

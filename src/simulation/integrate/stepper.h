@@ -31,14 +31,14 @@ class Stepper {
   /// The absolute tolerance is that of coordinates; their rates, which come next, are granted a
   /// hundred times as much a second: measured, a leap with dry friction is as exact as with one for
   /// all, 3e-7 rad by 1e-8, in three quarters of the time.
-  Stepper(double relative_tolerance, double absolute_tolerance, int coordinates, int states);
+  /// `slopes`: of what is fast, at any state.
+  Stepper(double relative_tolerance, double absolute_tolerance, int coordinates, int states,
+          FastSlopes slopes);
 
-  /// Tells what is fast in the equations where the next step begins; must outlive it. `slopes`: of
-  /// the same anywhere.
-  void expect(const FastParts& fast, FastSlopes slopes) {
+  /// Tells what is fast in the equations where the next step begins; must outlive it.
+  void expect(const FastParts& fast) {
     fast_ = &fast;
     fastest_rate_ = fast.rate();
-    slopes_ = std::move(slopes);
   }
 
   /// Fills `step`, which has t, y and dydt, with one that meets the tolerances and ends at `limit`

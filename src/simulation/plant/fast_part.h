@@ -18,9 +18,11 @@ struct FastPart {
   Row response{};          ///< with the contacts that are closed [1/(kg m^2) and the like]
 
   /// How fast it settles or swings, with n coordinates [1/s].
-  [[nodiscard]] double rate(int n) const {
+  [[nodiscard]] double rate(int n) const { return rate_of(*this, n); }
+  /// The same with the slopes of this part at another state, its response as here.
+  [[nodiscard]] double rate_of(const FastPart& there, int n) const {
     const double a = std::max(0.0, dot(row, response.data(), n));
-    return std::max(damping * a, std::sqrt(stiffness * a));
+    return std::max(there.damping * a, std::sqrt(there.stiffness * a));
   }
 };
 
@@ -32,13 +34,9 @@ struct FastParts {
   /// `there`: the same parts at another state, their responses not needed.
   [[nodiscard]] bool last(const std::vector<FastPart>& there, double time) const {
     for (std::size_t k = 0; k < parts.size(); ++k) {
-      FastPart faster = parts[k], slower = parts[k];
-      faster.damping = std::max(parts[k].damping, there[k].damping);
-      faster.stiffness = std::max(parts[k].stiffness, there[k].stiffness);
-      slower.damping = std::min(parts[k].damping, there[k].damping);
-      slower.stiffness = std::min(parts[k].stiffness, there[k].stiffness);
-      if (time * faster.rate(size) > 1.0 && faster.rate(size) > 2.0 * slower.rate(size))
-        return false;
+      const auto [slower, faster] =
+          std::minmax({parts[k].rate(size), parts[k].rate_of(there[k], size)});
+      if (time * faster > 1.0 && faster > 2.0 * slower) return false;
     }
     return true;
   }
