@@ -223,7 +223,7 @@ void FittedModels::fit_again(const std::vector<ModelFit>& earlier) {
   for (const ModelFit& model : earlier) {
     if (!model.fit.valid || find(model.candidates) != nullptr) continue;
     Job job{model.candidates, {model.fit.p}};
-    job.scales = model.fit.scales;
+    if (in_windows(problem_)) job.scales = model.fit.scales;
     jobs.push_back(job);
   }
   fit(jobs);

@@ -41,7 +41,7 @@ class FittedModels {
   /// yet. `probes`: screened about that model.
   void fit_sets(const ModelFit& about, const std::vector<LinearSet>& sets,
                 const std::vector<Probe>& probes);
-  /// Fits models of an earlier search again, from where they were.
+  /// Fits models of an earlier search again, from where they were, those that were not fitted yet.
   void fit_again(const std::vector<ModelFit>& earlier);
   /// The leading models again, best first, and none, with tolerances simulated: slopes served to
   /// find them. Each sets out from where it is, from where slopes were told or from the nuisances

@@ -256,6 +256,24 @@ std::vector<ModelFit> leading_models(const SearchResult& search, const Problem& 
   return models;
 }
 
+/// The singles that led none in a search, and what could not be told from the best of them. A space
+/// about a strong effect may not show it to screening, which looks from none: there noise is told
+/// by what the effect leaves, and a step of the effect alone leaves the reach of slopes.
+std::vector<ModelFit> rivals_that_led(const SearchResult& search, const Problem& problem) {
+  const double none = search.models.front().log_weight();
+  double best = none;
+  for (const ModelFit& model : search.models)
+    if (model.candidates.size() == 1 && model.fit.valid) best = std::max(best, model.log_weight());
+  const double least = std::max(none, best - problem.settings.indistinguishable_below);
+
+  std::vector<ModelFit> rivals;
+  for (const ModelFit& model : search.models)
+    if (model.candidates.size() == 1 && model.fit.valid && model.log_weight() > none &&
+        model.log_weight() >= least)
+      rivals.push_back(model);
+  return rivals;
+}
+
 /// log likelihood of white residuals scaled back to the data's units, where the size of each
 /// channel's noise is not known, -sum n/2 log(r^T r/n): a measure, rough, of models that are each
 /// told about in a space of their own, in which what fits badly is granted more noise.
@@ -315,6 +333,7 @@ SearchResult search_models(const Problem& problem, const Comparison& comparison,
   } else {
     if (options.progress) options.progress("single effects");
     models.extend(none, out.probes, problem.settings.kept_singles);
+    if (options.earlier != nullptr) models.fit_again(rivals_that_led(*options.earlier, problem));
     fit_indistinguishable(problem.settings, random, out.probes, probed, models);
     search_about_leaders(problem, options, models);
   }
