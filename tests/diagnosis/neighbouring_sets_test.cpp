@@ -35,6 +35,18 @@ TEST(NeighbouringSets, LargerAndExchangedSetsRise) {
   EXPECT_FALSE(holds_twice(two_joints(), {0, 2, 3}));
 }
 
+TEST(NeighbouringSets, WhatExtendsAnotherIsTriedWithoutItsMore) {
+  Hypotheses hypotheses = two_joints();
+  effects::Effect directional;
+  directional.special_case = "friction@elbow";
+  hypotheses.candidates.push_back({});
+  hypotheses.candidates.back().name = "directional_friction@elbow";
+  hypotheses.candidates.back().effect = &directional;
+  EXPECT_EQ(plainer_sets(hypotheses, {0, 4}), (std::vector<Members>{{0, 2}}));
+  EXPECT_TRUE(plainer_sets(hypotheses, {0, 2}).empty());
+  EXPECT_TRUE(plainer_sets(hypotheses, {2, 4}).empty()) << "they stand beside one another";
+}
+
 /// Two joints that rub unlike: one value for both would be neither's.
 TEST(NeighbouringSets, EachJointHasItsOwnFriction) {
   const trajectory::Dataset dataset = test::logged(

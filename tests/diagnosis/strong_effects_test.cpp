@@ -8,6 +8,7 @@
 #include "diagnosis/noise/whitening.h"
 #include "diagnosis/selection/fit.h"
 #include "diagnosis/selection/screen.h"
+#include "diagnosis/selection/search.h"
 #include "diagnosis/toy.h"
 
 namespace jaculus::test {
@@ -84,6 +85,36 @@ TEST(LineSearch, FindsTheValleyJustPastAThreshold) {
       diagnosis::fit_model(*problem, space, {1}, diagnosis::fit_starts(*problem, none.p, 1, probe))
           .p[1],
       0.31, 1e-3);
+}
+
+TEST(Search, FitsAgainWhatLedThoughScreeningMissesIt) {
+  // Without steps between its rungs the line search passes the valley by.
+  const auto narrow =
+      shaped([](int channel, double t,
+                const Vector& p) { return channel == 0 ? t : 0.05 * std::sin(120.0 * p[1] * t); },
+             toy_truth(0.0, 0.43));
+  diagnosis::Problem problem = *narrow;
+  problem.settings.line_search_refinements = 0;
+  problem.settings.tolerances_granted = 0;
+  const diagnosis::Comparison comparison = diagnosis::comparison_about(
+      problem,
+      diagnosis::with_random_effects(problem, diagnosis::estimate_noise(problem, Vector::Zero(4))));
+  const diagnosis::SearchOptions once{.largest = 1};
+  diagnosis::SearchResult earlier = diagnosis::search_models(problem, comparison, once);
+  const auto phase = [](const diagnosis::SearchResult& found) {
+    for (const diagnosis::ModelFit& model : found.models)
+      if (model.candidates == std::vector<int>{1} && model.fit.valid) return model.fit.p[1];
+    return kNaN;
+  };
+  ASSERT_FALSE(std::abs(phase(earlier) - 0.43) < 0.02) << "it has to be missed first";
+
+  diagnosis::ModelFit led;
+  led.candidates = {1};
+  led.fit = diagnosis::fit_model(problem, comparison.whitening, {1}, {toy_truth(0.0, 0.425)});
+  std::erase_if(earlier.models, [](const auto& model) { return !model.candidates.empty(); });
+  earlier.models.push_back(led);
+  const diagnosis::SearchOptions again{.largest = 1, .earlier = &earlier};
+  EXPECT_NEAR(phase(diagnosis::search_models(problem, comparison, again)), 0.43, 1e-3);
 }
 
 TEST(Jump, CountsForLittleBetweenItsPredictedAndItsMeasuredTime) {

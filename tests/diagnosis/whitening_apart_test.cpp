@@ -57,5 +57,20 @@ TEST(WhiteningApart, HasAClocksWholeDepartureOutsideOfTheMisfit) {
   }
 }
 
+TEST(WhiteningApart, APartOfTheSegmentsHasTheirRows) {
+  const Whitened w;
+  std::vector<bool> mask(w.problem->observations.datasets[0].segments.size(), true);
+  ASSERT_GT(mask.size(), 2U);
+  mask[1] = false;
+  const Whitening part = whitening_of(*w.problem, w.noise, {mask});
+  ASSERT_LT(part.rows, w.apart.rows);
+  ASSERT_GT(part.apart, 0);
+
+  std::srand(5);
+  const Vector raw = Vector::Random(w.together.measured[0].size());
+  const Vector white = w.apart.apply({raw}), of_part = part.apply({raw});
+  EXPECT_TRUE(Vector(white(rows_of_part(w.apart, part))).isApprox(of_part, 1e-12));
+}
+
 }  // namespace
 }  // namespace jaculus::diagnosis

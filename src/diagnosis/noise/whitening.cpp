@@ -292,4 +292,23 @@ Whitening whitening_of(const Problem& problem, const NoiseModel& noise, const Se
   return out;
 }
 
+std::vector<Eigen::Index> rows_of_part(const Whitening& all, const Whitening& part) {
+  std::vector<Eigen::Index> rows, apart;
+  Eigen::Index first = 0, behind = all.rows - all.apart;
+  const auto add = [](Eigen::Index from, Eigen::Index count, std::vector<Eigen::Index>& to) {
+    for (Eigen::Index i = 0; i < count; ++i) to.push_back(from + i);
+  };
+  for (std::size_t d = 0; d < all.datasets.size(); ++d) {
+    for (const SegmentBlock& block : all.datasets[d].blocks) {
+      const bool in_part = part.datasets[d].block_of(block.segment) >= 0;
+      if (in_part) add(first + block.first, block.count, rows);
+      if (in_part) add(behind, block.apart.shrink.size(), apart);
+      behind += block.apart.shrink.size();
+    }
+    first += all.datasets[d].rows;
+  }
+  rows.insert(rows.end(), apart.begin(), apart.end());
+  return rows;
+}
+
 }  // namespace jaculus::diagnosis

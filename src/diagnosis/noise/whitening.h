@@ -78,4 +78,8 @@ using SegmentMask = std::vector<std::vector<bool>>;
 Whitening whitening_of(const Problem& problem, const NoiseModel& noise,
                        const SegmentMask& mask = {});
 
+/// Of the white rows of all segments those of a part of them, in its order: each segment is made
+/// white by itself, so that the values are the same. Both by one noise model.
+std::vector<Eigen::Index> rows_of_part(const Whitening& all, const Whitening& part);
+
 }  // namespace jaculus::diagnosis

@@ -119,8 +119,14 @@ Fit fit_from(const Problem& problem, const Whitening& whitening, const std::vect
 
 Residual residual_of(const Problem& problem, const Whitening& whitening,
                      const std::vector<int>& free, const Vector& p, const FitOptions& options) {
-  if (options.by_slopes == nullptr) return {problem, whitening, free, p, options.known};
-  return {problem, whitening, free, p, *options.by_slopes};
+  Residual residual =
+      options.by_slopes == nullptr
+          ? Residual(problem, whitening, free, p, options.known, options.effect_slopes)
+          : Residual(problem, whitening, free, p, *options.by_slopes, options.effect_slopes);
+  // Where no slope is known at all the first ones are differenced together.
+  if (options.effects_follow && options.by_slopes == nullptr && options.known.cols() == 0)
+    residual.follow_effects();
+  return residual;
 }
 
 /// Whether one of some points is next to another.

@@ -56,6 +56,10 @@ struct FitOptions {
   /// Slopes of the nuisances to set out with, white rows x nuisances (residual.h); empty: those at
   /// the start.
   Matrix known{};
+  /// The same of the effects, white rows x their parameters, then by secants; empty: differenced.
+  Matrix effect_slopes{};
+  /// Whether they follow by secants where they were not given either, once differenced.
+  bool effects_follow = false;
   /// Tolerances by their slopes alone (residual.h); null or without slopes: simulated. Has to
   /// outlive the fit.
   const LinearNuisances* by_slopes = nullptr;

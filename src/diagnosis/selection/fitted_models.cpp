@@ -188,10 +188,32 @@ void FittedModels::fit_sets(const ModelFit& about, const std::vector<LinearSet>&
     job.starts = starts_of(about, set, probes);
     job.enough = job.base.log_evidence + problem_.settings.member_gain;
     // Deviations near none are those of its whole misfit: plain least squares first.
-    if (!about.candidates.empty()) job.scales = set.scales;
+    if (!about.candidates.empty()) {
+      job.scales = set.scales;
+      job.effect_slopes = slopes_about(about, set.members, probes);
+    }
     jobs.push_back(job);
   }
   fit(jobs);
+}
+
+Matrix FittedModels::slopes_about(const ModelFit& about, const Members& set,
+                                  const std::vector<Probe>& probes) const {
+  const std::vector<int> parameters = problem_.hypotheses.parameters_of(set);
+  Matrix slopes(comparison_.whitening.rows, count_of(parameters));
+  Eigen::Index k = 0;
+  for (const int c : set) {
+    const std::vector<int>& own = problem_.hypotheses.candidates[c].parameters;
+    for (int i = 0; i < count_of(own); ++i, ++k) {
+      const int place = index_of(about.fit.free, own[i]);
+      if (place < 0 && !probes[c].valid) return {};
+      if (place >= 0)
+        slopes.col(k) = about.fit.jacobian.col(place);
+      else
+        slopes.col(k) = -probes[c].better().col(i);
+    }
+  }
+  return slopes;
 }
 
 std::vector<Vector> FittedModels::starts_of(const ModelFit& about, const LinearSet& set,
@@ -254,7 +276,7 @@ void FittedModels::refine() {
   }
 
   refine_within(*leading(), refined);
-  share_valleys(refined);
+  if (!in_windows(problem_)) share_valleys(refined);
 }
 
 void FittedModels::refine_within(const ModelFit& larger, std::set<Members>& refined) {
@@ -315,6 +337,10 @@ FitOptions FittedModels::exact_options(const ModelFit& model) const {
   options.scales = model.fit.scales;
   options.with_forces = true;
   options.known = linear_.slopes;
+  // Under a plan a valley is narrow, and effects are few beside eighty tolerances.
+  if (in_windows(problem_))
+    options.effect_slopes =
+        model.fit.jacobian.leftCols(count_of(problem_.hypotheses.parameters_of(model.candidates)));
   return options;
 }
 
@@ -355,8 +381,9 @@ void FittedModels::fit(const std::vector<Job>& jobs) {
     if (jobs[i].scales.size() > 0) {
       options.scales = jobs[i].scales;
       options.with_forces = true;
-      options.iterations = problem_.settings.move_iterations;
       options.rounds = 1;
+      options.effect_slopes = jobs[i].effect_slopes;
+      if (options.effect_slopes.cols() == 0) options.iterations = problem_.settings.move_iterations;
     }
     const std::vector<int> free = problem_.hypotheses.freed_by(model.candidates);
     model.fit = fit_model(problem_, whitening, free, jobs[i].starts, options);

@@ -45,7 +45,7 @@ class FittedModels {
   void fit_again(const std::vector<ModelFit>& earlier);
   /// The leading models again, best first, and none, with tolerances simulated: slopes served to
   /// find them. Each sets out from where it is, from where slopes were told or from the nuisances
-  /// of what leads; then they try each other's.
+  /// of what leads; under a plan they then try each other's.
   void refine();
   /// The same of these candidates.
   void extend(const ModelFit& base, const std::vector<Probe>& probes, const Members& which);
@@ -57,10 +57,15 @@ class FittedModels {
     Fit base{};                 ///< of the model that this one extends
     double enough = kInfinity;  ///< log evidence at which no further start is tried
     Vector scales{};            ///< deviations of the forces at the starts; empty: not known
+    Matrix effect_slopes{};     ///< at the starts (fit.h); none: not known
   };
 
   [[nodiscard]] std::vector<Vector> starts_of(const ModelFit& about, const LinearSet& set,
                                               const std::vector<Probe>& probes) const;
+  /// Slopes of a set's effects about a model: its own, or of what it lacks those of screening. None
+  /// where these are no slopes.
+  [[nodiscard]] Matrix slopes_about(const ModelFit& about, const Members& set,
+                                    const std::vector<Probe>& probes) const;
   [[nodiscard]] const Fit* fitted_earlier(int candidate) const;
   /// The best fit of what is left where one member of a set is dropped, or none's.
   [[nodiscard]] const Fit& contained_in(const Members& members) const;

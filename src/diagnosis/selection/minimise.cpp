@@ -27,7 +27,7 @@ class WeighedSlopes {
       : weights_(weights), parts_(std::move(parts)), grams_(parts_.size()) {}
 
   void follow(const Residual& residual, const Matrix& J) {
-    const Eigen::Index before = residual.before_nuisances();
+    const Eigen::Index before = residual.first_followed();
     const std::vector<Residual::Secant>& secants = residual.secants();
     if (W_.size() == 0 || renewed_ != residual.times_renewed()) {
       W_ = weights_.stacked(J);
@@ -78,7 +78,7 @@ class WeighedSlopes {
     }
   }
 
-  /// Of the columns from the first nuisance's on; those before are made anew.
+  /// Of the columns that follow; those before are made anew.
   void add(const Residual::Secant& secant, Eigen::Index before) {
     const Vector w = weights_.stacked(secant.missed);
     const Eigen::Index n = W_.cols() - before, moved = secant.along.size();

@@ -94,4 +94,13 @@ bool extends(const Hypotheses& hypotheses, int candidate, int other) {
   return effect != nullptr && effect->special_case == hypotheses.candidates[other].name;
 }
 
+std::vector<Members> plainer_sets(const Hypotheses& hypotheses, const Members& set) {
+  std::vector<Members> out;
+  for (const int c : set)
+    for (int other = 0; other < count_of(hypotheses.candidates); ++other)
+      if (extends(hypotheses, c, other) && index_of(set, other) < 0)
+        out.push_back(exchanged(set, c, other));
+  return out;
+}
+
 }  // namespace jaculus::diagnosis

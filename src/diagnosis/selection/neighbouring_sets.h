@@ -27,5 +27,7 @@ bool extends(const Hypotheses& hypotheses, int candidate, int other);
 /// `set` with an effect that joints share, of one value, given to each of them with its own, and
 /// the other way round.
 std::vector<Members> parted_sets(const Hypotheses& hypotheses, const Members& set, int largest);
+/// `set` with a member that is another candidate with parameters more in that one's place.
+std::vector<Members> plainer_sets(const Hypotheses& hypotheses, const Members& set);
 
 }  // namespace jaculus::diagnosis

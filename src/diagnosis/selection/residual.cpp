@@ -15,7 +15,7 @@ namespace {
 /// there, forces take that are granted to every model.
 constexpr double kForcesTake = 10.0;
 
-/// A step of the nuisances below which a secant says nothing [prior scales].
+/// A step of what follows below which a secant says nothing [prior scales].
 constexpr double kLeastSecant = 1e-6;
 
 /// How many of some free parameters come before the first of those listed.
@@ -27,22 +27,27 @@ Eigen::Index count_before(const std::vector<int>& listed, const std::vector<int>
 }  // namespace
 
 Residual::Residual(const Problem& problem, const Whitening& whitening, std::vector<int> free,
-                   Vector fixed, const Matrix& known)
+                   Vector fixed, const Matrix& known, const Matrix& effects)
     : problem_(problem),
       whitening_(whitening),
       free_(std::move(free)),
       nuisances_(count_before(problem.hypotheses.nuisances(), free_)),
       tolerances_(count_before(problem.hypotheses.tolerances, free_)),
+      first_followed_(nuisances_),
       fixed_(std::move(fixed)),
       steps_(Vector::Constant(count_of(free_), problem.settings.first_step)) {
-  if (known.cols() == 0 || known.cols() != size() - nuisances_) return;
+  const bool all = effects.cols() > 0 && effects.cols() == nuisances_;
+  if (known.cols() != size() - nuisances_ || (known.cols() == 0 && !all)) return;
   slopes_ = Matrix::Zero(whitening.rows, size());
   slopes_.rightCols(known.cols()) = known;
+  if (!all) return;
+  slopes_.leftCols(nuisances_) = effects;
+  follow_effects();
 }
 
 Residual::Residual(const Problem& problem, const Whitening& whitening, std::vector<int> free,
-                   Vector fixed, const LinearNuisances& linear)
-    : Residual(problem, whitening, std::move(free), std::move(fixed), linear.slopes) {
+                   Vector fixed, const LinearNuisances& linear, const Matrix& effects)
+    : Residual(problem, whitening, std::move(free), std::move(fixed), linear.slopes, effects) {
   if (slopes_.size() > 0 && tolerances_ < size()) linear_ = &linear;
 }
 
@@ -102,12 +107,13 @@ bool Residual::difference_columns(const Vector& u, const std::vector<Eigen::Inde
 }
 
 void Residual::follow(const Vector& u, const Matrix& before, Matrix& J) {
-  const Vector du = u - slopes_at_, dn = du.segment(nuisances_, followed());
+  const Eigen::Index n = first_followed_;
+  const Vector du = u - slopes_at_, dn = du.segment(n, followed());
   if (dn.size() == 0 || dn.norm() < kLeastSecant) return;
   Vector missed = residual_ - slopes_residual_ - before * du;
-  missed -= 0.5 * (J.leftCols(nuisances_) - before.leftCols(nuisances_)) * du.head(nuisances_);
+  missed -= 0.5 * (J.leftCols(n) - before.leftCols(n)) * du.head(n);
   secants_.push_back({std::move(missed), dn / dn.squaredNorm()});
-  J.middleCols(nuisances_, dn.size()).noalias() +=
+  J.middleCols(n, dn.size()).noalias() +=
       secants_.back().missed * secants_.back().along.transpose();
 }
 
@@ -123,7 +129,7 @@ bool Residual::slopes(const Vector& u, Matrix& J) {
     J = slopes_;
     return true;
   }
-  std::vector<Eigen::Index> effects(nuisances_);
+  std::vector<Eigen::Index> effects(first_followed_);
   std::iota(effects.begin(), effects.end(), Eigen::Index{0});
   J = slopes_;
   if (!difference_columns(u, effects, J)) return false;
@@ -144,7 +150,7 @@ bool Residual::renewed_slopes(const Vector& u, Matrix& J) {
   const double least = problem_.settings.slope_renewed * (in_windows(problem_) ? kForcesTake : 1.0);
   J = anew ? Matrix(whitening_.rows, size()) : slopes_;
   std::vector<Eigen::Index> columns;
-  for (Eigen::Index i = 0; i < (anew ? size() : nuisances_ + followed()); ++i) {
+  for (Eigen::Index i = 0; i < (anew ? size() : first_followed_ + followed()); ++i) {
     // Effects' anew too: their steps are told by now.
     const bool strong = i < tolerances_ || J.col(i).norm() > least;
     if (anew || strong) columns.push_back(i);

@@ -11,7 +11,9 @@
 // others' rows by less than noise. While models are sought, tolerances go by their slopes at one
 // point,
 //   r(u) = r(u_e, u_g, t_0) + N_t (t - t_0),
-// t of u the tolerances: effects and gains u_g are a few parameters again.
+// t of u the tolerances: effects and gains u_g are a few parameters again. Beside a model that is
+// fitted already the effects' slopes are known as well, those of what is added from screening: then
+// E follows by the same secants until it is renewed.
 
 #include "diagnosis/noise/whitening.h"
 
@@ -28,12 +30,16 @@ class Residual {
  public:
   /// `fixed`: all parameters, the free ones of no account. `known`: slopes of the nuisances among
   /// the free ones to set out with, white rows x nuisances; else they are differenced at the
-  /// start.
+  /// start. `effects`: the same of the effects, white rows x their parameters, which then follow by
+  /// secants too; else they are differenced.
   Residual(const Problem& problem, const Whitening& whitening, std::vector<int> free, Vector fixed,
-           const Matrix& known = {});
+           const Matrix& known = {}, const Matrix& effects = {});
   /// The same with tolerances by their slopes. `linear` has to outlive it.
   Residual(const Problem& problem, const Whitening& whitening, std::vector<int> free, Vector fixed,
-           const LinearNuisances& linear);
+           const LinearNuisances& linear, const Matrix& effects = {});
+
+  /// Lets the effects' slopes follow by secants too, from where they are differenced first.
+  void follow_effects() { first_followed_ = 0; }
 
   /// By what the slopes that follow were moved: N += missed along^T.
   struct Secant {
@@ -44,12 +50,12 @@ class Residual {
   [[nodiscard]] const std::vector<Secant>& secants() const { return secants_; }
   /// How often they were.
   [[nodiscard]] int times_renewed() const { return times_renewed_; }
-  /// How many free parameters come before the nuisances.
-  [[nodiscard]] Eigen::Index before_nuisances() const { return nuisances_; }
-  /// How many nuisances follow by secants, from the first on: all, or gains where tolerances go by
-  /// their slopes.
+  /// Place of the first free parameter whose slopes follow by secants: the first nuisance's, or the
+  /// first of all.
+  [[nodiscard]] Eigen::Index first_followed() const { return first_followed_; }
+  /// How many do, from there on: all, or but tolerances where these go by their slopes.
   [[nodiscard]] Eigen::Index followed() const {
-    return (linear_ == nullptr ? size() : tolerances_) - nuisances_;
+    return (linear_ == nullptr ? size() : tolerances_) - first_followed_;
   }
 
   /// Of one free parameter.
@@ -66,9 +72,10 @@ class Residual {
   /// False where the simulation fails. What was asked for last is kept: a minimiser and the rounds
   /// about it ask for the same point again.
   bool value(const Vector& u, Vector& r);
-  /// dr/du at the point of the last `value`, nuisances by secants. False where a simulation fails.
+  /// dr/du at the point of the last `value`, what follows by secants so. False where a simulation
+  /// fails.
   bool slopes(const Vector& u, Matrix& J);
-  /// The same with those of gains and strong tolerances by differences.
+  /// The same with those of effects, gains and strong tolerances by differences.
   bool renewed_slopes(const Vector& u, Matrix& J);
 
   [[nodiscard]] const Settings& settings() const { return problem_.settings; }
@@ -88,6 +95,7 @@ class Residual {
   std::vector<int> free_;
   Eigen::Index nuisances_ = 0;               ///< place of the first: gains, then tolerances
   Eigen::Index tolerances_ = 0;              ///< place of the first of them, which come last
+  Eigen::Index first_followed_ = 0;          ///< place of the first that follows by secants
   const LinearNuisances* linear_ = nullptr;  ///< null: tolerances are simulated
   Vector fixed_, steps_;
   std::vector<Vector> rows_;  ///< predicted at `simulated_`
@@ -95,7 +103,7 @@ class Residual {
   Vector at_, residual_;      ///< of the last `value`
   Vector slopes_at_, slopes_residual_;
   Matrix slopes_;     ///< there; empty: not known anywhere
-  bool new_ = false;  ///< whether those of gains and strong tolerances were differenced there
+  bool new_ = false;  ///< whether those of all but weak tolerances were differenced there
   std::vector<Secant> secants_;
   int times_renewed_ = 0;
   long predictions_ = 0;

@@ -166,29 +166,32 @@ bool enlarge(const Surroundings& near, int largest, FittedModels& models) {
   return models.leading()->candidates != near.about.candidates;
 }
 
-/// The same of sets of its size: what stands in for a member.
+/// The same of sets of its size: what stands in for a member, unless slopes leave it far behind.
 void exchange_members(const Surroundings& near, FittedModels& models) {
   const Settings& settings = near.problem.settings;
+  const double least = near.about.fit.log_evidence - settings.far_behind;
   std::vector<LinearSet> chosen;
   for (const int c : near.about.candidates) {
     const auto others = exchanged_sets(near.about.candidates, c, count_of(near.probes));
-    const auto best = near.best_of(others, models, settings.kept_rivals);
-    chosen.insert(chosen.end(), best.begin(), best.end());
+    for (const LinearSet& set : near.best_of(others, models, settings.kept_rivals))
+      if (set.log_evidence >= least) chosen.push_back(set);
   }
   models.fit_sets(near.about, chosen, near.probes);
 }
 
 /// Sets in which each joint has its own value of what joints share in the leading model, or all the
-/// same in place of their own.
+/// same in place of their own, or a member has fewer parameters.
 void part_members(const Surroundings& near, int largest, FittedModels& models) {
-  const std::vector<Members> sets =
-      parted_sets(near.problem.hypotheses, near.about.candidates, largest);
+  const Hypotheses& hypotheses = near.problem.hypotheses;
+  std::vector<Members> sets = parted_sets(hypotheses, near.about.candidates, largest);
+  const std::vector<Members> plainer = plainer_sets(hypotheses, near.about.candidates);
+  sets.insert(sets.end(), plainer.begin(), plainer.end());
   models.fit_sets(near.about, near.best_of(sets, models, count_of(sets)), near.probes);
 }
 
-/// Moves from the leading model to a better one, by one or two effects more, one exchanged, or one
-/// that joints share given to each of them, until none leads. Slopes hold near a fit only, so each
-/// move is judged about what leads there.
+/// Moves from the leading model to a better one, by one or two effects more, one exchanged, one
+/// that joints share given to each of them or one with fewer parameters, until none leads. Slopes
+/// hold near a fit only, so each move is judged about what leads there.
 void search_from_leader(const Problem& problem, const Whitening& whitening,
                         const std::vector<Probe>& about_none, const SearchOptions& options,
                         FittedModels& models) {
@@ -245,7 +248,8 @@ const ModelFit* clear_leader(const Posterior& posterior, const Settings& setting
   return best->log_weight() - none->log_weight() > settings.clear_lead ? best : nullptr;
 }
 
-/// The best models of a search, as many as are fitted in one move.
+/// The best models of a search, as many as are fitted in one move, none of which another one leads
+/// clearly.
 std::vector<ModelFit> leading_models(const SearchResult& search, const Problem& problem) {
   std::vector<ModelFit> models = search.models;
   std::stable_sort(models.begin(), models.end(), [](const ModelFit& a, const ModelFit& b) {
@@ -253,6 +257,8 @@ std::vector<ModelFit> leading_models(const SearchResult& search, const Problem& 
   });
   const int kept = problem.settings.kept_singles;
   if (count_of(models) > kept) models.resize(kept);
+  const double least = models.front().log_weight() - problem.settings.clear_lead;
+  std::erase_if(models, [&](const ModelFit& model) { return model.log_weight() < least; });
   return models;
 }
 
@@ -304,12 +310,12 @@ double likelihood_by_size(const Relinearised& told) {
 /// values: a strong effect is told there, but what tolerances do beyond slopes may be taken for
 /// one.
 Comparison told_anew(const Problem& problem, const Comparison& comparison, const Fit& none,
-                     const ModelFit* leader) {
-  if (leader == nullptr) return relinearise(problem, comparison, none).comparison;
-  Relinearised about = relinearise(problem, comparison, leader->fit);
+                     const ModelFit* leader, int rounds) {
+  if (leader == nullptr) return relinearise(problem, comparison, none, rounds).comparison;
+  Relinearised about = relinearise(problem, comparison, leader->fit, rounds);
   if (problem.hypotheses.tolerances.empty() || !leaves_more(problem, about.fit))
     return std::move(about.comparison);
-  Relinearised about_none = relinearise(problem, comparison, none);
+  Relinearised about_none = relinearise(problem, comparison, none, rounds);
   const bool less = likelihood_by_size(about) > likelihood_by_size(about_none);
   return std::move((less ? about : about_none).comparison);
 }
@@ -361,7 +367,9 @@ Selection select_models(const Problem& problem, Comparison comparison,
   const bool same_space = leader == nullptr && fixed;
   if (same_space && in_windows(problem))
     return {std::move(comparison), singles};  // sought in full already
-  if (!same_space) comparison = told_anew(problem, comparison, singles.models.front().fit, leader);
+  if (!same_space)
+    comparison = told_anew(problem, comparison, singles.models.front().fit, leader,
+                           problem.settings.relinearisations);
   const int largest =
       in_windows(problem) ? problem.settings.largest_set : problem.settings.largest_model;
   const SearchOptions options{largest, &singles, same_space, {}, progress};
@@ -374,7 +382,10 @@ Selection select_models_from(const Problem& problem, Comparison comparison,
                              const SearchResult& part,
                              const std::function<void(const std::string&)>& progress) {
   const auto fitted = [&](const Fit& fit) {
-    return fit_model(problem, comparison.whitening, fit.free, {fit.p});
+    FitOptions options;
+    options.rounds = 1;
+    options.effects_follow = true;
+    return fit_model(problem, comparison.whitening, fit.free, {fit.p}, options);
   };
   const Fit none = fitted(part.models.front().fit);
   const Posterior posterior = posterior_of(part, problem.settings);
@@ -385,7 +396,8 @@ Selection select_models_from(const Problem& problem, Comparison comparison,
   }
   if (!none.valid || (leader && !leader->fit.valid))
     return select_models(problem, std::move(comparison), progress);
-  comparison = told_anew(problem, comparison, none, leader ? &*leader : nullptr);
+  // Where the part's search ended there is little to move.
+  comparison = told_anew(problem, comparison, none, leader ? &*leader : nullptr, 1);
   const SearchOptions options{problem.settings.largest_set, &part, false, 1, progress};
   SearchResult search = search_models(problem, comparison, options);
   search.predictions += part.predictions;
@@ -393,13 +405,24 @@ Selection select_models_from(const Problem& problem, Comparison comparison,
 }
 
 Relinearised relinearise(const Problem& problem, Comparison comparison, Fit fit) {
-  for (int round = 0; round < problem.settings.relinearisations; ++round) {
+  return relinearise(problem, std::move(comparison), std::move(fit),
+                     problem.settings.relinearisations);
+}
+
+Relinearised relinearise(const Problem& problem, Comparison comparison, Fit fit, int rounds) {
+  FitOptions options;
+  // Each of many windows is a simulation, and what noise is about needs no more.
+  if (in_windows(problem)) {
+    options.rounds = 1;
+    options.effects_follow = true;
+  }
+  for (int round = 0; round < rounds; ++round) {
     NoiseModel again = estimate_noise(problem, fit.simulated, comparison.noise.alignments);
     if (!again.valid()) break;
     Comparison about = comparison_about(problem, with_random_effects(problem, std::move(again)));
 
     // A fit goes with the comparison that it was made in: both are taken, or neither.
-    const Fit next = fit_model(problem, about.whitening, fit.free, {fit.simulated});
+    const Fit next = fit_model(problem, about.whitening, fit.free, {fit.simulated}, options);
     if (!next.valid) break;
     comparison = std::move(about);
     const Vector moved =

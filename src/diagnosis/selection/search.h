@@ -56,5 +56,7 @@ struct Relinearised {
   Fit fit;
 };
 Relinearised relinearise(const Problem& problem, Comparison comparison, Fit fit);
+/// The same, in so many rounds at most.
+Relinearised relinearise(const Problem& problem, Comparison comparison, Fit fit, int rounds);
 
 }  // namespace jaculus::diagnosis

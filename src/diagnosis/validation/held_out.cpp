@@ -63,11 +63,10 @@ std::vector<Matrix> open_rows_of(const Problem& problem, const Whitening& fold,
 /// where the fold has no rows or can't be simulated. `open`: a dataset each; null: nothing is.
 std::optional<Errors> judge_fold(const Problem& problem, const Comparison& comparison,
                                  const SegmentMask& mask, const Fit& fit,
-                                 const std::vector<std::vector<Vector>>& slopes,
                                  const std::vector<Matrix>* open) {
   const Whitening fold = whitening_of(problem, comparison.noise, mask);
   if (fold.rows == 0) return {};
-  const Matrix J = white_slopes(fold, slopes);
+  const Matrix J = fit.jacobian(rows_of_part(comparison.whitening, fold), Eigen::all);
   const RandomWeights weights(fold.random, fit.scales);
   const NearFit there =
       fit_by_known_slopes(problem, fold, weights, fit.free, J, fit.p, problem.settings.refit_steps);
@@ -86,6 +85,20 @@ std::optional<Errors> judge_fold(const Problem& problem, const Comparison& compa
       if (!mask[d][s]) judge.judge(d, s, residual, errors);
   }
   return errors;
+}
+
+/// A fit of some of a fit's free parameters, gains last: slopes that are there serve until they are
+/// renewed.
+FitOptions known_options(const Problem& problem, const Fit& fit, const std::vector<int>& free) {
+  const auto gains = count_of(problem.hypotheses.gains);
+  Matrix slopes(fit.jacobian.rows(), count_of(free));
+  for (int k = 0; k < count_of(free); ++k)
+    slopes.col(k) = fit.jacobian.col(index_of(fit.free, free[k]));
+  FitOptions options;
+  options.scales = fit.scales;
+  options.known = slopes.rightCols(gains);
+  options.effect_slopes = slopes.leftCols(slopes.cols() - gains);
+  return options;
 }
 
 double shrink_of(double before, double after) { return 1.0 - (after - 1.0) / (before - 1.0); }
@@ -155,11 +168,9 @@ JudgedFit judge_fit(const Problem& problem, const Comparison& comparison, const 
                     const Fit& fit, const OpenRows& open) {
   JudgedFit judged{std::vector<std::optional<Errors>>(folds.masks.size())};
   if (!fit.valid) return judged;
-  const auto slopes = slopes_of(problem, comparison.whitening, fit);
-  if (!slopes) return judged;
   tbb::parallel_for(0, count_of(judged.folds), [&](int f) {
-    judged.folds[f] = judge_fold(problem, comparison, folds.masks[f], fit, *slopes,
-                                 open.empty() ? nullptr : &open[f]);
+    judged.folds[f] =
+        judge_fold(problem, comparison, folds.masks[f], fit, open.empty() ? nullptr : &open[f]);
   });
   return judged;
 }
@@ -232,9 +243,8 @@ const ModelFit& HeldOutGaps::held(const ModelFit& model, const std::vector<int>&
   }
   std::vector<int> free = hypotheses.parameters_of(members);
   free.insert(free.end(), hypotheses.gains.begin(), hypotheses.gains.end());
-  FitOptions options;
-  options.scales = model.fit.scales;
-  less.fit = fit_model(problem_, comparison_.whitening, free, {p}, options);
+  less.fit = fit_model(problem_, comparison_.whitening, free, {p},
+                       known_options(problem_, model.fit, free));
   less.log_prior = log_prior(members.size(), hypotheses.candidates.size(), problem_.settings);
   return subsets_.emplace(members, std::move(less)).first->second;
 }
