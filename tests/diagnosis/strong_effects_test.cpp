@@ -117,6 +117,26 @@ TEST(Search, FitsAgainWhatLedThoughScreeningMissesIt) {
   EXPECT_NEAR(phase(diagnosis::search_models(problem, comparison, again)), 0.43, 1e-3);
 }
 
+TEST(Fit, ReachesItsOptimumFromGivenSlopesThatAreWrong) {
+  const auto problem = toy_problem(toy_truth(0.3, 0.43));
+  const diagnosis::Comparison comparison = diagnosis::comparison_about(
+      *problem, diagnosis::with_random_effects(
+                    *problem, diagnosis::estimate_noise(*problem, Vector::Zero(4))));
+  const auto fitted = [&](const Matrix& slopes) {
+    diagnosis::FitOptions options;
+    options.effect_slopes = slopes;
+    return diagnosis::fit_model(*problem, comparison.whitening, {0, 1}, {Vector::Zero(4)}, options);
+  };
+  const diagnosis::Fit plain = fitted({});
+  ASSERT_TRUE(plain.valid);
+  for (const double share : {1.0, -1.0, 0.2}) {
+    const diagnosis::Fit given = fitted(share * plain.jacobian);
+    ASSERT_TRUE(given.valid) << share;
+    EXPECT_NEAR(given.log_evidence, plain.log_evidence, 0.1) << share;
+    EXPECT_NEAR(given.p[1], plain.p[1], 1e-3) << share;
+  }
+}
+
 TEST(Jump, CountsForLittleBetweenItsPredictedAndItsMeasuredTime) {
   const auto at = [](const Vector& p) { return 0.25 + 0.02 * p[1]; };
   const auto problem =

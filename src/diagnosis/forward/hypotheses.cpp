@@ -72,6 +72,16 @@ std::vector<int> Hypotheses::freed_by(const std::vector<int>& members) const {
   return free;
 }
 
+Vector Hypotheses::with_nuisances_of(Vector p, const Vector& other) const {
+  for (const int i : nuisances()) p[i] = other[i];
+  return p;
+}
+
+Vector Hypotheses::without_effects(Vector p, const std::vector<int>& members) const {
+  for (const int i : parameters_of(members)) p[i] = parameters[i].nominal;
+  return p;
+}
+
 int Hypotheses::candidate(const std::string& name) const {
   for (int i = 0; i < count_of(candidates); ++i)
     if (candidates[i].name == name) return i;

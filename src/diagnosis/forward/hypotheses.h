@@ -81,6 +81,9 @@ struct Hypotheses {
   [[nodiscard]] std::vector<int> parameters_of(const std::vector<int>& members) const;
   /// Indices of the parameters that a model of some candidates frees: theirs, then the nuisances.
   [[nodiscard]] std::vector<int> freed_by(const std::vector<int>& members) const;
+  /// p with the nuisances of another point; with the parameters of some candidates at nominal.
+  [[nodiscard]] Vector with_nuisances_of(Vector p, const Vector& other) const;
+  [[nodiscard]] Vector without_effects(Vector p, const std::vector<int>& members) const;
   [[nodiscard]] int candidate(const std::string& name) const;  ///< index, -1 where there is none
 };
 

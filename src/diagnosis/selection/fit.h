@@ -58,7 +58,7 @@ struct FitOptions {
   Matrix known{};
   /// The same of the effects, white rows x their parameters, then by secants; empty: differenced.
   Matrix effect_slopes{};
-  /// Whether they follow by secants where they were not given either, once differenced.
+  /// Whether they follow by secants where no slope is given at all, once differenced.
   bool effects_follow = false;
   /// Tolerances by their slopes alone (residual.h); null or without slopes: simulated. Has to
   /// outlive the fit.

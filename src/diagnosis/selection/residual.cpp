@@ -39,7 +39,7 @@ Residual::Residual(const Problem& problem, const Whitening& whitening, std::vect
   const bool all = effects.cols() > 0 && effects.cols() == nuisances_;
   if (known.cols() != size() - nuisances_ || (known.cols() == 0 && !all)) return;
   slopes_ = Matrix::Zero(whitening.rows, size());
-  slopes_.rightCols(known.cols()) = known;
+  if (known.cols() > 0) slopes_.rightCols(known.cols()) = known;
   if (!all) return;
   slopes_.leftCols(nuisances_) = effects;
   follow_effects();
@@ -155,6 +155,12 @@ bool Residual::renewed_slopes(const Vector& u, Matrix& J) {
     const bool strong = i < tolerances_ || J.col(i).norm() > least;
     if (anew || strong) columns.push_back(i);
   }
+
+  // What effects bend by secants lands on weak nuisances too, in prior scales the ones that move.
+  if (first_followed_ < nuisances_ && !anew)
+    for (Eigen::Index i = nuisances_; i < first_followed_ + followed(); ++i)
+      for (const Secant& secant : secants_)
+        J.col(i) -= secant.missed * secant.along[i - first_followed_];
 
   if (!difference_columns(u, columns, J)) return false;
   keep(u, J);

@@ -75,7 +75,8 @@ class Residual {
   /// dr/du at the point of the last `value`, what follows by secants so. False where a simulation
   /// fails.
   bool slopes(const Vector& u, Matrix& J);
-  /// The same with those of effects, gains and strong tolerances by differences.
+  /// The same with those of effects, gains and strong tolerances by differences; where effects
+  /// followed, the others as they were.
   bool renewed_slopes(const Vector& u, Matrix& J);
 
   [[nodiscard]] const Settings& settings() const { return problem_.settings; }

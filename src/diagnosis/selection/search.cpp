@@ -4,8 +4,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <cmath>
-#include <map>
+#include <functional>
 #include <set>
 
 #include "diagnosis/selection/fitted_models.h"
@@ -13,8 +12,6 @@
 
 namespace jaculus::diagnosis {
 namespace {
-
-constexpr double kLeastSize = 1e-30;  // of a channel's squares [unit^2], where logarithms end
 
 /// Columns of every candidate at the two strengths; none where its probe is not valid.
 using ProbedColumns = std::vector<std::vector<Columns>>;
@@ -248,8 +245,7 @@ const ModelFit* clear_leader(const Posterior& posterior, const Settings& setting
   return best->log_weight() - none->log_weight() > settings.clear_lead ? best : nullptr;
 }
 
-/// The best models of a search, as many as are fitted in one move, none of which another one leads
-/// clearly.
+/// The best models of a search, as many as are fitted in one move.
 std::vector<ModelFit> leading_models(const SearchResult& search, const Problem& problem) {
   std::vector<ModelFit> models = search.models;
   std::stable_sort(models.begin(), models.end(), [](const ModelFit& a, const ModelFit& b) {
@@ -257,14 +253,27 @@ std::vector<ModelFit> leading_models(const SearchResult& search, const Problem& 
   });
   const int kept = problem.settings.kept_singles;
   if (count_of(models) > kept) models.resize(kept);
-  const double least = models.front().log_weight() - problem.settings.clear_lead;
-  std::erase_if(models, [&](const ModelFit& model) { return model.log_weight() < least; });
   return models;
 }
 
-/// The singles that led none in a search, and what could not be told from the best of them. A space
-/// about a strong effect may not show it to screening, which looks from none: there noise is told
-/// by what the effect leaves, and a step of the effect alone leaves the reach of slopes.
+/// A search without the models that its best one leads clearly, but none and the next few: on more
+/// windows it would lead them by more.
+SearchResult without_led_models(SearchResult search, const Problem& problem) {
+  const Settings& settings = problem.settings;
+  std::vector<double> weights;
+  for (const ModelFit& model : search.models) weights.push_back(model.log_weight());
+  std::sort(weights.begin(), weights.end(), std::greater<>());
+  const auto next = std::min<std::size_t>(settings.kept_rivals, weights.size() - 1);
+  const double least = std::min(weights[next], weights.front() - settings.clear_lead);
+  std::erase_if(search.models, [&](const ModelFit& model) {
+    return !model.candidates.empty() && model.log_weight() < least;
+  });
+  return search;
+}
+
+/// The best single of a search, if it led none, and those that led and can't be told from it. A
+/// space about a strong effect may not show it to screening, which looks from none: there noise is
+/// told by what the effect leaves, and a step of the effect alone leaves the reach of slopes.
 std::vector<ModelFit> rivals_that_led(const SearchResult& search, const Problem& problem) {
   const double none = search.models.front().log_weight();
   double best = none;
@@ -278,46 +287,6 @@ std::vector<ModelFit> rivals_that_led(const SearchResult& search, const Problem&
         model.log_weight() >= least)
       rivals.push_back(model);
   return rivals;
-}
-
-/// log likelihood of white residuals scaled back to the data's units, where the size of each
-/// channel's noise is not known, -sum n/2 log(r^T r/n): a measure, rough, of models that are each
-/// told about in a space of their own, in which what fits badly is granted more noise.
-double likelihood_by_size(const Relinearised& told) {
-  const Whitening& whitening = told.comparison.whitening;
-  const Vector white = whitening.in_rows(told.fit.residual);
-  double sum = 0.0;
-  Eigen::Index first = 0;
-  for (const DatasetWhitening& own : whitening.datasets) {
-    const Vector r = white.segment(first, own.rows).cwiseProduct(own.sigma);
-    std::map<int, std::pair<double, int>> sizes;  // by channel: squares and rows
-    int row = 0;
-    for (const RowSpan& span : own.spans) {
-      auto& [squares, rows] = sizes[span.channel];
-      squares += r.segment(row, span.count).squaredNorm();
-      rows += span.count;
-      row += span.count;
-    }
-    for (const auto& [channel, size] : sizes)
-      sum -= 0.5 * size.second * std::log(std::max(size.first / size.second, kLeastSize));
-    first += own.rows;
-  }
-  return sum;
-}
-
-/// The space about a leading effect, or about none where there is no such effect or where it leaves
-/// forces and none's own tolerances, fitted, leave less. Singles are judged by slopes at the files'
-/// values: a strong effect is told there, but what tolerances do beyond slopes may be taken for
-/// one.
-Comparison told_anew(const Problem& problem, const Comparison& comparison, const Fit& none,
-                     const ModelFit* leader, int rounds) {
-  if (leader == nullptr) return relinearise(problem, comparison, none, rounds).comparison;
-  Relinearised about = relinearise(problem, comparison, leader->fit, rounds);
-  if (problem.hypotheses.tolerances.empty() || !leaves_more(problem, about.fit))
-    return std::move(about.comparison);
-  Relinearised about_none = relinearise(problem, comparison, none, rounds);
-  const bool less = likelihood_by_size(about) > likelihood_by_size(about_none);
-  return std::move((less ? about : about_none).comparison);
 }
 
 }  // namespace
@@ -382,10 +351,7 @@ Selection select_models_from(const Problem& problem, Comparison comparison,
                              const SearchResult& part,
                              const std::function<void(const std::string&)>& progress) {
   const auto fitted = [&](const Fit& fit) {
-    FitOptions options;
-    options.rounds = 1;
-    options.effects_follow = true;
-    return fit_model(problem, comparison.whitening, fit.free, {fit.p}, options);
+    return fit_model(problem, comparison.whitening, fit.free, {fit.p}, brief());
   };
   const Fit none = fitted(part.models.front().fit);
   const Posterior posterior = posterior_of(part, problem.settings);
@@ -396,42 +362,13 @@ Selection select_models_from(const Problem& problem, Comparison comparison,
   }
   if (!none.valid || (leader && !leader->fit.valid))
     return select_models(problem, std::move(comparison), progress);
-  // Where the part's search ended there is little to move.
+  // The part's search told noise anew already; once more, about all windows.
   comparison = told_anew(problem, comparison, none, leader ? &*leader : nullptr, 1);
-  const SearchOptions options{problem.settings.largest_set, &part, false, 1, progress};
+  const SearchResult leaders = without_led_models(part, problem);
+  const SearchOptions options{problem.settings.largest_set, &leaders, false, 1, progress};
   SearchResult search = search_models(problem, comparison, options);
   search.predictions += part.predictions;
   return {std::move(comparison), std::move(search)};
-}
-
-Relinearised relinearise(const Problem& problem, Comparison comparison, Fit fit) {
-  return relinearise(problem, std::move(comparison), std::move(fit),
-                     problem.settings.relinearisations);
-}
-
-Relinearised relinearise(const Problem& problem, Comparison comparison, Fit fit, int rounds) {
-  FitOptions options;
-  // Each of many windows is a simulation, and what noise is about needs no more.
-  if (in_windows(problem)) {
-    options.rounds = 1;
-    options.effects_follow = true;
-  }
-  for (int round = 0; round < rounds; ++round) {
-    NoiseModel again = estimate_noise(problem, fit.simulated, comparison.noise.alignments);
-    if (!again.valid()) break;
-    Comparison about = comparison_about(problem, with_random_effects(problem, std::move(again)));
-
-    // A fit goes with the comparison that it was made in: both are taken, or neither.
-    const Fit next = fit_model(problem, about.whitening, fit.free, {fit.simulated}, options);
-    if (!next.valid) break;
-    comparison = std::move(about);
-    const Vector moved =
-        problem.hypotheses.scaled(fit.free, next.p) - problem.hypotheses.scaled(fit.free, fit.p);
-    fit = next;
-    if (moved.size() == 0 || moved.cwiseAbs().maxCoeff() < problem.settings.relinearised_within)
-      break;
-  }
-  return {std::move(comparison), std::move(fit)};
 }
 
 }  // namespace jaculus::diagnosis

@@ -20,6 +20,7 @@
 
 #include "diagnosis/selection/comparison.h"
 #include "diagnosis/selection/posterior.h"
+#include "diagnosis/selection/relinearise.h"
 
 namespace jaculus::diagnosis {
 
@@ -49,14 +50,5 @@ Selection select_models(const Problem& problem, Comparison comparison,
 Selection select_models_from(const Problem& problem, Comparison comparison,
                              const SearchResult& part,
                              const std::function<void(const std::string&)>& progress);
-
-/// The space about a model, which is fitted again from there until it stays.
-struct Relinearised {
-  Comparison comparison;
-  Fit fit;
-};
-Relinearised relinearise(const Problem& problem, Comparison comparison, Fit fit);
-/// The same, in so many rounds at most.
-Relinearised relinearise(const Problem& problem, Comparison comparison, Fit fit, int rounds);
 
 }  // namespace jaculus::diagnosis

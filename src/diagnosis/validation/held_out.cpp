@@ -97,7 +97,8 @@ FitOptions known_options(const Problem& problem, const Fit& fit, const std::vect
   FitOptions options;
   options.scales = fit.scales;
   options.known = slopes.rightCols(gains);
-  options.effect_slopes = slopes.leftCols(slopes.cols() - gains);
+  // Under a plan a valley is narrow, and the larger set's slopes are of another one.
+  if (in_windows(problem)) options.effect_slopes = slopes.leftCols(slopes.cols() - gains);
   return options;
 }
 

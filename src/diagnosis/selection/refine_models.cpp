@@ -1,0 +1,114 @@
+// Models that lead, fitted again with tolerances simulated.
+
+#include <algorithm>
+#include <iterator>
+#include <map>
+#include <set>
+
+#include "diagnosis/selection/fitted_models.h"
+
+namespace jaculus::diagnosis {
+
+void FittedModels::refine() {
+  if (problem_.hypotheses.tolerances.empty() || linear_.slopes.cols() == 0) return;
+  std::set<Members> refined = {Members{}};
+  refine(models_.front());
+  for (int count = 0;; ++count) {
+    if (count >= problem_.settings.refined && refined.contains(leading()->candidates)) break;
+    const double best = value(*leading());
+    ModelFit* next = nullptr;
+    for (ModelFit& model : models_)
+      if (model.fit.valid && !refined.contains(model.candidates) &&
+          (next == nullptr || value(model) > value(*next)))
+        next = &model;
+    if (next == nullptr || value(*next) < best - problem_.settings.indistinguishable_below) break;
+    refine(*next);
+    refined.insert(next->candidates);
+  }
+
+  refine_within(*leading(), refined);
+  // Windows start from what was measured, so that no landing makes valleys there.
+  if (!in_windows(problem_)) share_valleys(refined);
+}
+
+void FittedModels::refine_within(const ModelFit& larger, std::set<Members>& refined) {
+  const Members all = larger.candidates;
+  for (const int dropped : all) {
+    const Members rest = without_one(all, dropped);
+    for (ModelFit& model : models_)
+      if (model.candidates == rest && model.fit.valid && refined.insert(rest).second) refine(model);
+  }
+}
+
+void FittedModels::share_valleys(const std::set<Members>& refined) {
+  std::vector<ModelFit*> models;
+  for (ModelFit& model : models_)
+    if (model.fit.valid && refined.contains(model.candidates)) models.push_back(&model);
+  // A larger model's evidence where another one last set out from it: from there again is no news.
+  std::map<std::pair<const ModelFit*, const ModelFit*>, double> from;
+  for (int round = 0; round < problem_.settings.search_rounds; ++round) {
+    bool moved = false;
+    for (ModelFit* model : models) {
+      std::vector<Vector> starts;
+      for (const ModelFit* other : models)
+        starts.push_back(problem_.hypotheses.with_nuisances_of(model->fit.p, other->fit.p));
+      const double before = model->fit.log_evidence;
+      model->fit = fit_from_lower(problem_, comparison_.whitening, std::move(model->fit), starts,
+                                  exact_options(*model));
+      for (const ModelFit* other : models) {
+        double& last = from.try_emplace({other, model}, -kInfinity).first->second;
+        if (other->fit.log_evidence > last) fit_within(*other, *model);
+        last = other->fit.log_evidence;
+      }
+      moved = moved || model->fit.log_evidence > before + problem_.settings.scales_settled;
+    }
+    if (!moved) return;
+  }
+}
+
+void FittedModels::fit_within(const ModelFit& larger, ModelFit& model) {
+  const bool within = std::includes(larger.candidates.begin(), larger.candidates.end(),
+                                    model.candidates.begin(), model.candidates.end());
+  if (!within || larger.candidates == model.candidates ||
+      larger.fit.log_evidence < model.fit.log_evidence + problem_.settings.scales_settled)
+    return;
+  Members more;
+  std::set_difference(larger.candidates.begin(), larger.candidates.end(), model.candidates.begin(),
+                      model.candidates.end(), std::back_inserter(more));
+  const Vector start = problem_.hypotheses.without_effects(larger.fit.p, more);
+  Fit fit =
+      fit_model(problem_, comparison_.whitening, problem_.hypotheses.freed_by(model.candidates),
+                {start}, exact_options(model));
+  predictions_ += fit.predictions;
+  if (fit.valid && fit.log_evidence > model.fit.log_evidence) model.fit = std::move(fit);
+}
+
+FitOptions FittedModels::exact_options(const ModelFit& model) const {
+  FitOptions options;
+  options.scales = model.fit.scales;
+  options.with_forces = true;
+  options.known = linear_.slopes;
+  // Not under a plan: there a valley is narrow, and effects are few beside eighty tolerances.
+  if (in_windows(problem_))
+    options.effect_slopes =
+        model.fit.jacobian.leftCols(count_of(problem_.hypotheses.parameters_of(model.candidates)));
+  return options;
+}
+
+void FittedModels::refine(ModelFit& model) {
+  const ModelFit* lead = leading();
+  const Vector& of = (lead == &model ? none() : *lead).fit.p;
+  const std::vector<Vector> starts = {model.fit.p, model.fit.simulated,
+                                      problem_.hypotheses.with_nuisances_of(model.fit.p, of)};
+
+  FitOptions options = exact_options(model);
+  options.enough = model.fit.log_evidence;
+  const std::vector<int> free = problem_.hypotheses.freed_by(model.candidates);
+  Fit exact = fit_model(problem_, comparison_.whitening, free, starts, options);
+  predictions_ += exact.predictions;
+  exact.predictions += model.fit.predictions;
+  if (exact.valid && (model.fit.by_slopes() || exact.log_evidence > model.fit.log_evidence))
+    model.fit = std::move(exact);
+}
+
+}  // namespace jaculus::diagnosis

@@ -1,0 +1,84 @@
+#include "diagnosis/selection/relinearise.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+namespace jaculus::diagnosis {
+namespace {
+
+constexpr double kLeastSize = 1e-30;  // of a channel's squares [unit^2], where logarithms end
+
+/// log likelihood of white residuals scaled back to the data's units, where the size of each
+/// channel's noise is not known, -sum n/2 log(r^T r/n): a measure, rough, of models that are each
+/// told about in a space of their own, in which what fits badly is granted more noise.
+double likelihood_by_size(const Relinearised& told) {
+  const Whitening& whitening = told.comparison.whitening;
+  const Vector white = whitening.in_rows(told.fit.residual);
+  double sum = 0.0;
+  Eigen::Index first = 0;
+  for (const DatasetWhitening& own : whitening.datasets) {
+    const Vector r = white.segment(first, own.rows).cwiseProduct(own.sigma);
+    std::map<int, std::pair<double, int>> sizes;  // by channel: squares and rows
+    int row = 0;
+    for (const RowSpan& span : own.spans) {
+      auto& [squares, rows] = sizes[span.channel];
+      squares += r.segment(row, span.count).squaredNorm();
+      rows += span.count;
+      row += span.count;
+    }
+    for (const auto& [channel, size] : sizes)
+      sum -= 0.5 * size.second * std::log(std::max(size.first / size.second, kLeastSize));
+    first += own.rows;
+  }
+  return sum;
+}
+
+}  // namespace
+
+FitOptions brief() {
+  FitOptions options;
+  options.rounds = 1;
+  options.effects_follow = true;
+  return options;
+}
+
+Relinearised relinearise(const Problem& problem, Comparison comparison, Fit fit) {
+  return relinearise(problem, std::move(comparison), std::move(fit),
+                     problem.settings.relinearisations, {});
+}
+
+Relinearised relinearise(const Problem& problem, Comparison comparison, Fit fit, int rounds,
+                         const FitOptions& options) {
+  for (int round = 0; round < rounds; ++round) {
+    NoiseModel again = estimate_noise(problem, fit.simulated, comparison.noise.alignments);
+    if (!again.valid()) break;
+    Comparison about = comparison_about(problem, with_random_effects(problem, std::move(again)));
+
+    // A fit goes with the comparison that it was made in: both are taken, or neither.
+    const Fit next = fit_model(problem, about.whitening, fit.free, {fit.simulated}, options);
+    if (!next.valid) break;
+    comparison = std::move(about);
+    const Vector moved =
+        problem.hypotheses.scaled(fit.free, next.p) - problem.hypotheses.scaled(fit.free, fit.p);
+    fit = next;
+    if (moved.size() == 0 || moved.cwiseAbs().maxCoeff() < problem.settings.relinearised_within)
+      break;
+  }
+  return {std::move(comparison), std::move(fit)};
+}
+
+Comparison told_anew(const Problem& problem, const Comparison& comparison, const Fit& none,
+                     const ModelFit* leader, int rounds) {
+  const FitOptions options = in_windows(problem) ? brief() : FitOptions{};
+  if (leader == nullptr) return relinearise(problem, comparison, none, rounds, options).comparison;
+  Relinearised about = relinearise(problem, comparison, leader->fit, rounds, options);
+  if (problem.hypotheses.tolerances.empty() || !leaves_more(problem, about.fit))
+    return std::move(about.comparison);
+  Relinearised about_none = relinearise(problem, comparison, none, rounds, options);
+  const bool less = likelihood_by_size(about) > likelihood_by_size(about_none);
+  return std::move((less ? about : about_none).comparison);
+}
+
+}  // namespace jaculus::diagnosis
