@@ -26,10 +26,11 @@ Selection selected(const Prepared& prepared, const ProblemBuilder& rebuild,
     const bool same = part.problem->hypotheses.parameters.size() == all.parameters.size();
     NoiseModel noise = estimate_noise(*part.problem, part.problem->hypotheses.nominal());
     if (same && noise.valid()) {
-      const Selection found = select_models(
+      Selection found = select_models(
           *part.problem, first_comparison(*part.problem, std::move(noise)), options.progress);
       if (!found.search.models.empty())
-        return select_models_from(problem, std::move(comparison), found.search, options.progress);
+        return select_models_from(problem, std::move(comparison), std::move(found.search),
+                                  options.progress);
     }
   }
   return select_models(problem, std::move(comparison), options.progress);

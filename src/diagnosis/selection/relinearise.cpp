@@ -37,7 +37,7 @@ double likelihood_by_size(const Relinearised& told) {
 
 }  // namespace
 
-FitOptions brief() {
+FitOptions short_fit() {
   FitOptions options;
   options.rounds = 1;
   options.effects_follow = true;
@@ -71,7 +71,7 @@ Relinearised relinearise(const Problem& problem, Comparison comparison, Fit fit,
 
 Comparison told_anew(const Problem& problem, const Comparison& comparison, const Fit& none,
                      const ModelFit* leader, int rounds) {
-  const FitOptions options = in_windows(problem) ? brief() : FitOptions{};
+  const FitOptions options = in_windows(problem) ? short_fit() : FitOptions{};
   if (leader == nullptr) return relinearise(problem, comparison, none, rounds, options).comparison;
   Relinearised about = relinearise(problem, comparison, leader->fit, rounds, options);
   if (problem.hypotheses.tolerances.empty() || !leaves_more(problem, about.fit))

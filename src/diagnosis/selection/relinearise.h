@@ -20,7 +20,7 @@ Relinearised relinearise(const Problem& problem, Comparison comparison, Fit fit,
 
 /// Of a fit that tells what noise is about, no result: one round more, effects by secants. Each of
 /// many windows is a simulation.
-FitOptions brief();
+FitOptions short_fit();
 
 /// The space about a leading effect, or about none where there is no such effect or where it leaves
 /// forces and none's own tolerances, fitted, leave less. Singles are judged by slopes at the files'

@@ -256,10 +256,9 @@ std::vector<ModelFit> leading_models(const SearchResult& search, const Problem& 
   return models;
 }
 
-/// A search without the models that its best one leads clearly, but none and the next few: on more
-/// windows it would lead them by more.
-SearchResult without_led_models(SearchResult search, const Problem& problem) {
-  const Settings& settings = problem.settings;
+/// Leaves out the models that the best one of a search leads clearly, but for none and the next
+/// few: on more windows it would lead them by more.
+void leave_out_led_models(const Settings& settings, SearchResult& search) {
   std::vector<double> weights;
   for (const ModelFit& model : search.models) weights.push_back(model.log_weight());
   std::sort(weights.begin(), weights.end(), std::greater<>());
@@ -268,7 +267,6 @@ SearchResult without_led_models(SearchResult search, const Problem& problem) {
   std::erase_if(search.models, [&](const ModelFit& model) {
     return !model.candidates.empty() && model.log_weight() < least;
   });
-  return search;
 }
 
 /// The best single of a search, if it led none, and those that led and can't be told from it. A
@@ -277,15 +275,15 @@ SearchResult without_led_models(SearchResult search, const Problem& problem) {
 std::vector<ModelFit> rivals_that_led(const SearchResult& search, const Problem& problem) {
   const double none = search.models.front().log_weight();
   double best = none;
-  for (const ModelFit& model : search.models)
-    if (model.candidates.size() == 1 && model.fit.valid) best = std::max(best, model.log_weight());
-  const double least = std::max(none, best - problem.settings.indistinguishable_below);
-
   std::vector<ModelFit> rivals;
-  for (const ModelFit& model : search.models)
-    if (model.candidates.size() == 1 && model.fit.valid && model.log_weight() > none &&
-        model.log_weight() >= least)
-      rivals.push_back(model);
+  for (const ModelFit& model : search.models) {
+    if (model.candidates.size() != 1 || model.log_weight() <= none) continue;
+    best = std::max(best, model.log_weight());
+    rivals.push_back(model);
+  }
+
+  const double least = best - problem.settings.indistinguishable_below;
+  std::erase_if(rivals, [&](const ModelFit& model) { return model.log_weight() < least; });
   return rivals;
 }
 
@@ -347,11 +345,10 @@ Selection select_models(const Problem& problem, Comparison comparison,
   return {std::move(comparison), std::move(search)};
 }
 
-Selection select_models_from(const Problem& problem, Comparison comparison,
-                             const SearchResult& part,
+Selection select_models_from(const Problem& problem, Comparison comparison, SearchResult part,
                              const std::function<void(const std::string&)>& progress) {
   const auto fitted = [&](const Fit& fit) {
-    return fit_model(problem, comparison.whitening, fit.free, {fit.p}, brief());
+    return fit_model(problem, comparison.whitening, fit.free, {fit.p}, short_fit());
   };
   const Fit none = fitted(part.models.front().fit);
   const Posterior posterior = posterior_of(part, problem.settings);
@@ -364,8 +361,8 @@ Selection select_models_from(const Problem& problem, Comparison comparison,
     return select_models(problem, std::move(comparison), progress);
   // The part's search told noise anew already; once more, about all windows.
   comparison = told_anew(problem, comparison, none, leader ? &*leader : nullptr, 1);
-  const SearchResult leaders = without_led_models(part, problem);
-  const SearchOptions options{problem.settings.largest_set, &leaders, false, 1, progress};
+  leave_out_led_models(problem.settings, part);
+  const SearchOptions options{problem.settings.largest_set, &part, false, 1, progress};
   SearchResult search = search_models(problem, comparison, options);
   search.predictions += part.predictions;
   return {std::move(comparison), std::move(search)};
