@@ -217,11 +217,16 @@ TEST(Calibration, GivesEveryVerdictItsShareAndSumsToOne) {
       EXPECT_GE(c.ranking[i - 1].probability, c.ranking[i].probability);
     // nothing is impossible
     for (const Ranked& row : c.ranking) EXPECT_GT(row.probability, 0.0) << row.effect;
-    for (const FoundEffect& e : c.effects) EXPECT_LT(e.probability, 1.0);
+    for (const FoundEffect& e : c.effects) {
+      EXPECT_LT(e.probability, 1.0);
+      if (verdict == Verdict::effect) {
+        EXPECT_NEAR(e.probability, probability(c.ranking, "a"), 1e-12);
+      }
+    }
   }
 }
 
-TEST(Calibration, HasLowConfidenceInAnEffectThatHeldOutDataDoNotSetApart) {
+TEST(Calibration, SaysWhatSpeaksAgainstAnEffect) {
   const Stated clear = stated({"a"});
   Stated rivalled = clear, small = clear, left = clear, unjudged = clear;
   unjudged.gap.valid = false;
@@ -229,16 +234,9 @@ TEST(Calibration, HasLowConfidenceInAnEffectThatHeldOutDataDoNotSetApart) {
   small.gap.before = small.gap.adjusted = 1.4;
   left.gap.after = 1.8;
   EXPECT_TRUE(doubts(Verdict::effect, clear.gap, clear.effects, clear.ranking, {}).empty());
-  EXPECT_GT(
-      probability(calibrate(Verdict::effect, false, clear.effects, clear.ranking).ranking, "a"),
-      0.8);
 
   for (const Stated* s : {&rivalled, &small, &left, &unjudged}) {
     EXPECT_EQ(doubts(Verdict::effect, s->gap, s->effects, s->ranking, {}).size(), 1u);
-    const Calibrated c = calibrate(Verdict::effect, true, s->effects, s->ranking);
-    EXPECT_LT(probability(c.ranking, "a"), 0.8);
-    EXPECT_NEAR(c.effects.front().probability, probability(c.ranking, "a"), 1e-12);
-    EXPECT_GT(probability(c.ranking, "a"), probability(c.ranking, "c"));
   }
   const auto said = doubts(Verdict::effect, rivalled.gap, rivalled.effects, rivalled.ranking, {});
   EXPECT_NE(said.front().find("c predicts"), std::string::npos) << said.front();

@@ -9,10 +9,11 @@ namespace jaculus::diagnosis {
 namespace {
 
 constexpr const char* kCounted =
-    "two blinded batches of 40 cluttered cases of 2026-11-25, labels open now: by 02b7af6, and by "
-    "8e56bd7, of which a verdict is known where its stated probability was no other's";
-constexpr const char* kPooled =
-    "the same batches: effects of low confidence, several and ambiguous, too few to be told apart";
+    "the two newest blinded batches of cluttered cases, of 20 and 40, 2026-11-26, labels open now: "
+    "by a program of that day and by 323cefe";
+constexpr const char* kDoubted =
+    "the same batches; 7 of 8 where something speaks against it, 4 of 5 where nothing does";
+constexpr const char* kSeveral = "the same batches: several (1 of 3) and partial (0 of 3)";
 
 bool names(const std::vector<std::string>& members, const std::string& effect) {
   return std::find(members.begin(), members.end(), effect) != members.end();
@@ -56,7 +57,7 @@ std::vector<double> rest_weights(const std::vector<Ranked>& ranking,
 /// What is stated for the reported rows, of which the posterior claims `claimed`. That of none
 /// knows which effects are too small to be told; held-out data may say more, but not less.
 double stated_for(const Reliability& counted, double claimed) {
-  const bool by_posterior = counted.verdict == Verdict::none && !counted.low_confidence;
+  const bool by_posterior = counted.verdict == Verdict::none && !counted.beside_event;
   return by_posterior ? std::max(claimed, counted.stated()) : counted.stated();
 }
 
@@ -73,13 +74,13 @@ double share_of(const std::vector<Ranked>& ranking, const std::vector<bool>& rep
 
 const std::vector<Reliability>& reliabilities() {
   static const std::vector<Reliability> table = {
-      {Verdict::effect, false, 9, 10, 0.5, 0.1, 0.4, kCounted},
-      {Verdict::effect, true, 10, 17, 0.3, 0.1, 0.6, kPooled},
-      {Verdict::several, false, 10, 17, 0.5, 0.1, 0.4, kPooled},
-      {Verdict::ambiguous, false, 10, 17, 0.5, 0.1, 0.4, kPooled},
+      {Verdict::effect, false, 11, 13, 0.4, 0.1, 0.5, kDoubted},
+      {Verdict::several, false, 1, 6, 0.5, 0.1, 0.4, kSeveral},
+      {Verdict::partial, false, 1, 6, 0.5, 0.1, 0.4, kSeveral},
+      {Verdict::ambiguous, false, 3, 10, 0.5, 0.1, 0.4, kCounted},
+      {Verdict::none, true, 2, 4, 0.4, 0.0, 0.6, kCounted},
       {Verdict::none, false, 11, 21, 0.4, 0.0, 0.6, kCounted},
-      {Verdict::none, true, 3, 4, 0.4, 0.0, 0.6, kCounted},
-      {Verdict::unexplained, false, 7, 13, 0.0, 0.2, 0.8, kCounted}};
+      {Verdict::unexplained, false, 1, 6, 0.0, 0.2, 0.8, kCounted}};
   return table;
 }
 
@@ -102,15 +103,11 @@ std::vector<std::string> doubts(Verdict verdict, const HeldOut& gap,
   return found;
 }
 
-Calibrated calibrate(Verdict verdict, bool low_confidence, std::vector<FoundEffect> effects,
+Calibrated calibrate(Verdict verdict, bool beside_event, std::vector<FoundEffect> effects,
                      std::vector<Ranked> ranking) {
   const std::vector<Reliability>& table = reliabilities();
-  // Nothing was counted yet for `partial`: it takes what is nearest to it.
-  const bool partial = verdict == Verdict::partial, alone = effects.size() == 1;
-  const Verdict like = !partial ? verdict : alone ? Verdict::effect : Verdict::several;
-  const bool low = partial ? alone : low_confidence;
   const auto counted = std::find_if(table.begin(), table.end(), [&](const Reliability& r) {
-    return r.verdict == like && r.low_confidence == low;
+    return r.verdict == verdict && (!r.beside_event || beside_event);
   });
   std::vector<bool> reported;
   double claimed = 0.0;

@@ -20,9 +20,8 @@ namespace jaculus::diagnosis {
 /// How often a verdict was right, counted on cases that no score of these rules rests on.
 struct Reliability {
   Verdict verdict;
-  /// An effect that something speaks against (doubts); none beside a force that acted once, which
-  /// may be something else that acts briefly.
-  bool low_confidence;
+  /// Beside a force that acted once, which may be something else that acts briefly.
+  bool beside_event;
   int right, cases;                  ///< as counted
   double unexplained, none, others;  ///< parts of the rest
   const char* origin;                ///< robot and cases
@@ -32,9 +31,10 @@ struct Reliability {
 };
 const std::vector<Reliability>& reliabilities();
 
-/// Reasons for low confidence in the one effect that is reported: another predicts held-out data
-/// nearly as well, the gap was small from the start, or not all of it went. Empty for other
-/// verdicts.
+/// What speaks against the one effect that is reported: another predicts held-out data nearly as
+/// well, the gap was small from the start, or not all of it went. Empty for other verdicts. Of the
+/// counted verdicts as many were right with such reasons as without, so they are said and don't
+/// lower the probability.
 std::vector<std::string> doubts(Verdict verdict, const HeldOut& gap,
                                 const std::vector<FoundEffect>& effects,
                                 const std::vector<Ranked>& ranking, const Settings& settings);
@@ -44,9 +44,8 @@ struct Calibrated {
   std::vector<FoundEffect> effects;
   std::vector<Ranked> ranking;  ///< sums to 1, most probable first
 };
-/// As they come where nothing was counted for the verdict; `partial` counts as an effect of low
-/// confidence, or as several.
-Calibrated calibrate(Verdict verdict, bool low_confidence, std::vector<FoundEffect> effects,
+/// As they come where nothing was counted for the verdict.
+Calibrated calibrate(Verdict verdict, bool beside_event, std::vector<FoundEffect> effects,
                      std::vector<Ranked> ranking);
 
 }  // namespace jaculus::diagnosis

@@ -342,11 +342,9 @@ Statement state_verdict(const Problem& problem, const Selection& selection, bool
     const int c = problem.hypotheses.candidate(row.members.front());
     return c >= 0 && extends(problem.hypotheses, c, told.effects.front().effect);
   });
-  const std::vector<std::string> doubted = doubts(out.verdict, out.gap, effects, others, settings);
-  append(doubted, out.reasons);
-  const bool once_alone = out.verdict == Verdict::none && !out.events.empty();
-  Calibrated calibrated = calibrate(out.verdict, once_alone || !doubted.empty(), std::move(effects),
-                                    std::move(ranking));
+  append(doubts(out.verdict, out.gap, effects, others, settings), out.reasons);
+  Calibrated calibrated =
+      calibrate(out.verdict, !out.events.empty(), std::move(effects), std::move(ranking));
   out.effects = std::move(calibrated.effects);
   out.ranking = std::move(calibrated.ranking);
   out.posterior = posterior;
