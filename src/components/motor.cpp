@@ -55,9 +55,13 @@ double saturated_torque(double linear, double cubic, double current) {
   assert(linear >= 0.0 && cubic >= 0.0 && linear + cubic > 0.0);
   if (cubic == 0.0) return current / linear;
   if (linear == 0.0) return std::cbrt(current / cubic);
-  // With t = 2 p sinh(y), p = sqrt(a/(3c)), the cubic turns into sinh(3y) = 3 i / (2 a p).
+  // With t = 2 p sinh(y), p = sqrt(a/(3c)), the cubic turns into sinh(3y) = z = 3 i / (2 a p), and
+  // exp(y) = w = (z + sqrt(z^2 + 1))^(1/3). For small z w - 1/w cancels: a Newton step mends it.
   const double p = std::sqrt(linear / (3.0 * cubic));
-  return 2.0 * p * std::sinh(std::asinh(1.5 * current / (linear * p)) / 3.0);
+  const double z = 1.5 * std::abs(current) / (linear * p);
+  const double w = std::cbrt(z + std::sqrt(z * z + 1.0));
+  const double t = std::copysign(p * (w - 1.0 / w), current), t2 = t * t;
+  return t - (t * (linear + cubic * t2) - current) / (linear + 3.0 * cubic * t2);
 }
 
 double joint_torque_at_voltage(const model::PlanarMotor& motor, double voltage, double joint_rate) {

@@ -8,7 +8,7 @@
 namespace jaculus::components {
 namespace {
 
-// Integrals over a strip of l^j times the law g(u) and its derivatives by u.
+// Integrals over a strip of l^j times the law g(u) and, where asked, its derivatives by u.
 struct Moments {
   std::array<double, 2> g{};   // l^0, l^1
   std::array<double, 3> g1{};  // l^0 .. l^2
@@ -28,13 +28,21 @@ struct Law {
       g1 = g2 = 0.0;
     }
   }
-  // First and second antiderivative of g.
+  // First antiderivative of g.
   [[nodiscard]] double first() const { return r * r * r / 3.0; }
-  [[nodiscard]] double second(double eps2) const {
-    return (u * r * r * r / 4.0 + 0.375 * eps2 * (u * r + eps2 * std::asinh(u / std::sqrt(eps2)))) /
-           3.0;
-  }
 };
+
+// Second antiderivative of g at p less at q,
+//   (u r^3/4 + 3/8 eps^2 (u r + eps^2 asinh(u/eps)))/3,
+// with asinh(x) - asinh(y) = asinh(x sqrt(1 + y^2) - y sqrt(1 + x^2)).
+double second_between(const Law& p, const Law& q, double eps2) {
+  const double up = p.u * p.r, uq = q.u * q.r;
+  const double angle = std::asinh((p.u * q.r - q.u * p.r) / eps2);
+  return ((up * p.r * p.r - uq * q.r * q.r) / 4.0 + 0.375 * eps2 * (up - uq + eps2 * angle)) / 3.0;
+}
+
+// What is asked of the law: its values, or its derivatives as well.
+enum class Order { value, derivatives };
 
 DragLoad load_from(const Moments& m, double k) {
   DragLoad load;
@@ -47,17 +55,20 @@ DragLoad load_from(const Moments& m, double k) {
 }
 
 // Adds sign * Int_a^b of the polynomials that u|u| and its derivatives are where u keeps one sign.
+template <Order order>
 void add_one_signed(double a, double b, double s, double omega, double sign, Moments& m) {
   std::array<double, 4> p{};  // Int_a^b l^j dl = (b^(j+1) - a^(j+1)) / (j+1)
   double pa = a, pb = b;
   for (int j = 0; j < 4; ++j, pa *= a, pb *= b) p[j] = (pb - pa) / (j + 1);
   m.g[0] += sign * (s * s * p[0] + 2.0 * s * omega * p[1] + omega * omega * p[2]);
   m.g[1] += sign * (s * s * p[1] + 2.0 * s * omega * p[2] + omega * omega * p[3]);
+  if constexpr (order == Order::value) return;
   for (std::size_t j = 0; j < 3; ++j) m.g1[j] += 2.0 * sign * (s * p[j] + omega * p[j + 1]);
   for (std::size_t j = 0; j < 4; ++j) m.g2[j] += 2.0 * sign * p[j];
 }
 
 // Equation 8, signed, in closed form.
+template <Order order>
 Moments exact_moments(double a, double b, double s, double omega) {
   Moments m;
   const auto sign_on = [&](double l) {
@@ -66,22 +77,28 @@ Moments exact_moments(double a, double b, double s, double omega) {
   };
   const double turn = omega != 0.0 ? -s / omega : a;
   if (turn > a && turn < b) {
-    add_one_signed(a, turn, s, omega, omega > 0.0 ? -1.0 : 1.0, m);
-    add_one_signed(turn, b, s, omega, omega > 0.0 ? 1.0 : -1.0, m);
+    add_one_signed<order>(a, turn, s, omega, omega > 0.0 ? -1.0 : 1.0, m);
+    add_one_signed<order>(turn, b, s, omega, omega > 0.0 ? 1.0 : -1.0, m);
   } else {
-    add_one_signed(a, b, s, omega, sign_on(0.5 * (a + b)), m);
+    add_one_signed<order>(a, b, s, omega, sign_on(0.5 * (a + b)), m);
   }
   return m;
 }
 
 // The same integrals of the smoothed law over xi in [-1, 1], u = c + delta xi, with xi^j in place
 // of l^j.
+template <Order order>
 Moments quadrature_moments(double c, double delta, double eps2) {
   using Rule = boost::math::quadrature::gauss<double, 15>;
   Moments m;
   const auto add = [&](double xi, double weight) {
     const Law law(c + delta * xi, eps2);
     double w = weight;
+    if constexpr (order == Order::value) {
+      m.g[0] += w * law.g;
+      m.g[1] += w * xi * law.g;
+      return;
+    }
     for (std::size_t j = 0; j < 4; ++j, w *= xi) {
       if (j < 2) m.g[j] += w * law.g;
       if (j < 3) m.g1[j] += w * law.g1;
@@ -98,13 +115,15 @@ Moments quadrature_moments(double c, double delta, double eps2) {
 
 // By parts: Int xi^n f' = [xi^n f]/delta - n/delta Int xi^(n-1) f, going down to the
 // antiderivatives of g.
+template <Order order>
 Moments elementary_moments(double c, double delta, double eps2) {
   const Law p(c + delta, eps2);
   const Law q(c - delta, eps2);
   const double inv = 1.0 / delta;
   Moments m;
   m.g[0] = (p.first() - q.first()) * inv;
-  m.g[1] = (p.first() + q.first() - (p.second(eps2) - q.second(eps2)) * inv) * inv;
+  m.g[1] = (p.first() + q.first() - second_between(p, q, eps2) * inv) * inv;
+  if constexpr (order == Order::value) return m;
   m.g1[0] = (p.g - q.g) * inv;
   m.g1[1] = (p.g + q.g - m.g[0]) * inv;
   m.g1[2] = (p.g - q.g - 2.0 * m.g[1]) * inv;
@@ -130,6 +149,7 @@ std::array<double, N> shifted(const std::array<double, N>& x, double mid, double
   return y;
 }
 
+template <Order order>
 Moments smoothed_moments(double a, double b, double s, double omega, double eps) {
   const double mid = 0.5 * (a + b);
   const double half = 0.5 * (b - a);
@@ -139,8 +159,9 @@ Moments smoothed_moments(double a, double b, double s, double omega, double eps)
   // error falls by (2 + sqrt 3)^2 a point; nearer, delta is large enough for the closed form not to
   // cancel.
   const bool slow_variation = c * c + eps * eps >= 4.0 * delta * delta;
-  const Moments xi = slow_variation ? quadrature_moments(c, delta, eps * eps)
-                                    : elementary_moments(c, delta, eps * eps);
+  const Moments xi = slow_variation ? quadrature_moments<order>(c, delta, eps * eps)
+                                    : elementary_moments<order>(c, delta, eps * eps);
+  if constexpr (order == Order::value) return {shifted(xi.g, mid, half), {}, {}};
   return {shifted(xi.g, mid, half), shifted(xi.g1, mid, half), shifted(xi.g2, mid, half)};
 }
 
@@ -164,6 +185,28 @@ DragLoad rotation_load(const model::PlanarDrag& drag, double omega, double eps) 
   return load;
 }
 
+template <Order order>
+DragLoad load_of(const model::PlanarDrag& drag, double s, double omega, double smoothing) {
+  assert(smoothing >= 0.0);
+  const double k = 0.5 * drag.density * drag.coefficient;
+  switch (drag.kind) {
+    case model::DragKind::none:
+      return {};
+    case model::DragKind::rotation:
+      return rotation_load(drag, omega, smoothing);
+    case model::DragKind::point:
+      return load_from(point_moments(drag.point_distance, s, omega, smoothing),
+                       k * drag.point_area);
+    case model::DragKind::distributed:
+      break;
+  }
+  if (drag.end <= drag.start) return {};
+  const double a = drag.start, b = drag.end;
+  return load_from(smoothing > 0.0 ? smoothed_moments<order>(a, b, s, omega, smoothing)
+                                   : exact_moments<order>(a, b, s, omega),
+                   k * drag.width);
+}
+
 }  // namespace
 
 Vec2 drag_normal(const model::PlanarDrag& drag, double phi) {
@@ -181,23 +224,12 @@ double rotation_drag_factor(double density, double coefficient, double width, do
 }
 
 DragLoad drag_load(const model::PlanarDrag& drag, double s, double omega, double smoothing) {
-  assert(smoothing >= 0.0);
-  const double k = 0.5 * drag.density * drag.coefficient;
-  switch (drag.kind) {
-    case model::DragKind::none:
-      return {};
-    case model::DragKind::rotation:
-      return rotation_load(drag, omega, smoothing);
-    case model::DragKind::point:
-      return load_from(point_moments(drag.point_distance, s, omega, smoothing),
-                       k * drag.point_area);
-    case model::DragKind::distributed:
-      break;
-  }
-  if (drag.end <= drag.start) return {};
-  return load_from(smoothing > 0.0 ? smoothed_moments(drag.start, drag.end, s, omega, smoothing)
-                                   : exact_moments(drag.start, drag.end, s, omega),
-                   k * drag.width);
+  return load_of<Order::derivatives>(drag, s, omega, smoothing);
+}
+
+DragForce drag_force(const model::PlanarDrag& drag, double s, double omega, double smoothing) {
+  const DragLoad load = load_of<Order::value>(drag, s, omega, smoothing);
+  return {load.force, load.moment};
 }
 
 /// One lane at a time: each may be another case of the law.

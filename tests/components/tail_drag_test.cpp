@@ -77,6 +77,22 @@ double quadrature(const model::PlanarDrag& d, const State& x, int j, const auto&
   return sum;
 }
 
+TEST(TailDrag, ForceAloneIsThatOfTheLoad) {
+  for (const model::DragKind kind : {model::DragKind::none, model::DragKind::rotation,
+                                     model::DragKind::point, model::DragKind::distributed}) {
+    model::PlanarDrag drag = scoop();
+    drag.kind = kind;
+    for (const double smoothing : {0.0, 0.02}) {
+      for (const State& x : states(drag, 100)) {
+        const DragLoad load = drag_load(drag, x.s, x.omega, smoothing);
+        const DragForce force = drag_force(drag, x.s, x.omega, smoothing);
+        EXPECT_DOUBLE_EQ(force.force, load.force);
+        EXPECT_DOUBLE_EQ(force.moment, load.moment);
+      }
+    }
+  }
+}
+
 TEST(TailDrag, EquationEightEqualsAdaptiveQuadrature) {
   for (double start : {0.0, 0.6, 0.97}) {
     model::PlanarDrag d = scoop();

@@ -58,6 +58,13 @@ DragLoad drag_load(const model::PlanarDrag& drag, double s, double omega, double
 DragLoadOf<Lanes> drag_load(const model::PlanarDrag& drag, const Lanes& s, const Lanes& omega,
                             double smoothing);
 
+/// The load alone, as a plant needs it.
+struct DragForce {
+  double force = 0.0;   ///< along n(phi), at the pivot [N]
+  double moment = 0.0;  ///< about the pivot, positive with +phi [N m]
+};
+DragForce drag_force(const model::PlanarDrag& drag, double s, double omega, double smoothing);
+
 /// b of equation 2's moment = -b omega|omega|: 1/8 rho C_D w (L^4 - L0^4) [N m s^2].
 double rotation_drag_factor(double density, double coefficient, double width, double start,
                             double end);

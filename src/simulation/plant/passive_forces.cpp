@@ -190,8 +190,8 @@ void PassiveForces::add_drag(const Mechanism& mechanism, double* force) const {
     const double nx = -f.s * d.x() + f.c * d.y(), nz = -f.c * d.x() - f.s * d.y();
     const double s = nx * (f.vx - drag.wind_W.x()) + nz * (f.vz - drag.wind_W.y());
 
-    const components::DragLoad load =
-        components::drag_load(drag, s, f.omega, plant_.drag_smoothing);
+    const components::DragForce load =
+        components::drag_force(drag, s, f.omega, plant_.drag_smoothing);
     for (int i = 0; i < mechanism.n; ++i)
       force[i] += load.force * (nx * f.jx[i] + nz * f.jz[i]) + load.moment * f.w[i];
   }
