@@ -79,19 +79,25 @@ TEST(Acceptance, LeavesOutMembersThatPredictNothing) {
   }
 }
 
+/// Fitted to two datasets, each with a truth of its own.
+Fitted fitted_to_both(const Vector& first, const Vector& second) {
+  Fitted toy(first);
+  test::ToyData other;
+  other.seed = 2;
+  toy.problem->observations.datasets.push_back(
+      toy_problem(second, other)->observations.datasets[0]);
+  toy.comparison = comparison_about(
+      *toy.problem,
+      with_random_effects(*toy.problem, estimate_noise(*toy.problem, Vector::Zero(4))));
+  for (ModelFit& model : toy.search.models)
+    model.fit = fit_model(*toy.problem, toy.comparison.whitening, model.candidates,
+                          {Vector::Zero(4), Vector::Constant(4, 0.1)});
+  return toy;
+}
+
 TEST(Acceptance, LeavesOutWhatFitsOneDatasetAndHarmsAnother) {
   for (const double in_second : {0.4, -0.4}) {
-    Fitted toy(toy_truth(0.5, 0.4));
-    test::ToyData other;
-    other.seed = 2;
-    toy.problem->observations.datasets.push_back(
-        toy_problem(toy_truth(0.5, in_second), other)->observations.datasets[0]);
-    toy.comparison = comparison_about(
-        *toy.problem,
-        with_random_effects(*toy.problem, estimate_noise(*toy.problem, Vector::Zero(4))));
-    for (ModelFit& model : toy.search.models)
-      model.fit = fit_model(*toy.problem, toy.comparison.whitening, model.candidates,
-                            {Vector::Zero(4), Vector::Constant(4, 0.1)});
+    const Fitted toy = fitted_to_both(toy_truth(0.5, 0.4), toy_truth(0.5, in_second));
     const Posterior posterior = posterior_of(toy.search, {});
     HeldOutGaps gaps = toy.gaps(posterior);
     const std::vector<int> kept = without_harmful_members(gaps, *posterior.find({0, 1})).candidates;
@@ -148,6 +154,25 @@ TEST(Proposal, IsJudgedByTheModelOfWhatItNames) {
     EXPECT_FALSE(named.empty());
     EXPECT_EQ(proposal.chosen.candidates, named);
   }
+}
+
+TEST(Proposal, LeavesToDatasetsThatNoFitSawWhatEvidenceSetsApartUnclearly) {
+  const Vector truth = toy_truth(0.5, 0.0);
+  const Fitted one(truth), two = fitted_to_both(truth, truth);
+  // The first effect predicts best; the second is made to lead it by so many nats.
+  const auto chosen = [&](Fitted toy, double lead) {
+    std::erase_if(toy.search.models, [](const ModelFit& m) { return m.candidates.size() > 1; });
+    ModelFit& second = toy.search.models[2];
+    second.log_prior += toy.search.models[1].log_weight() - second.log_weight() + lead;
+    const Posterior posterior = posterior_of(toy.search, {});
+    HeldOutGaps gaps = toy.gaps(posterior);
+    return propose(gaps).chosen.candidates;
+  };
+  const std::vector<int> first = {0}, other = {1};
+  EXPECT_EQ(chosen(two, 9.0), first);
+  EXPECT_EQ(chosen(two, 20.0), other);
+  EXPECT_EQ(chosen(one, 2.0), first);
+  EXPECT_EQ(chosen(one, 9.0), other);
 }
 
 TEST(Proposal, NamesNothingWhereNoneIsProbable) {

@@ -117,17 +117,24 @@ std::vector<int> members_of(const std::vector<Established>& effects) {
   return members;
 }
 
-/// The most probable set, or one of settings.listed of its probability that predicts held-out data
-/// better by settings.least_improvement: evidence that hardly decides leaves it to them.
-const ModelFit* best_predicting(HeldOutGaps& gaps) {
+/// Share of the best set's probability from which held-out data may decide for another one. Evidence
+/// counts what the trials of a dataset repeat, be it the robot or that day; where datasets of other
+/// days judge one another, it decides by a clear lead only.
+double left_to_held_out(HeldOutGaps& gaps, const ModelFit& best) {
   const Settings& settings = gaps.settings();
+  return gaps.of(best).over == "conditions" ? std::exp(-settings.clear_lead) : settings.listed;
+}
+
+/// The most probable set, or one that evidence hardly sets apart from it and that predicts held-out
+/// data better by settings.least_improvement.
+const ModelFit* best_predicting(HeldOutGaps& gaps) {
   const ModelFit* best = gaps.posterior().leading();
-  const double listed = settings.listed * best->probability();
+  const double least = left_to_held_out(gaps, *best) * best->probability();
   for (const ModelFit& model : gaps.posterior().models) {
-    if (model.candidates.empty() || !model.fit.valid || model.probability() < listed) continue;
+    if (model.candidates.empty() || !model.fit.valid || model.probability() < least) continue;
     const HeldOut own = gaps.of(model), present = gaps.of(*best);
     if (own.valid && present.valid &&
-        own.after < (1.0 - settings.least_improvement) * present.after)
+        own.after < (1.0 - gaps.settings().least_improvement) * present.after)
       best = &model;
   }
   return best;
