@@ -1,252 +1,29 @@
-// Marks and sums against cases worked out by hand.
+// Sums and goals of batches worked out by hand.
 
 #include "jaculus/evaluation/score.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
 
-#include "evaluation/estimates.h"
 #include "evaluation/goals.h"
 #include "evaluation/metrics.h"
-#include "support/input_error.h"
-#include "support/temporary_folder.h"
+#include "evaluation/sample_cases.h"
 
 namespace jaculus::evaluation {
 namespace {
 
 using diagnosis::Verdict;
-
-CaseTruth single(const std::string& effect, std::vector<std::string> equivalent = {}) {
-  CaseTruth truth;
-  truth.case_id = "case";
-  truth.kind = "single";
-  truth.effects = {effect};
-  truth.parameters = {{0.01, kNaN}};
-  truth.strength_in_noise_floors = 5.0;
-  truth.equivalent = std::move(equivalent);
-  truth.component = "tail_transmission";
-  truth.possible_after_gap = 1.1;
-  return truth;
-}
-
-CaseTruth of_kind(const std::string& kind) {
-  CaseTruth truth;
-  truth.kind = kind;
-  truth.strength_in_noise_floors = kind == "none" ? 0.0 : 6.0;
-  return truth;
-}
-
-Prediction says(std::optional<Verdict> verdict,
-                const std::vector<std::pair<std::string, double>>& effects = {}) {
-  Prediction prediction;
-  prediction.verdict = verdict;
-  for (const auto& [name, p] : effects) {
-    NamedEffect effect;
-    effect.name = name;
-    effect.probability = p;
-    prediction.effects.push_back(effect);
-    prediction.ranking[name] = p;
-  }
-  return prediction;
-}
-
-TEST(Mark, CreditOfASingle) {
-  const CaseTruth truth = single("tail_compliance", {"tail_backlash"});
-  EXPECT_EQ(score_case(truth, says(Verdict::effect, {{"tail_compliance", 0.9}})).credit, 1.0);
-  EXPECT_EQ(score_case(truth, says(Verdict::effect, {{"tail_backlash", 0.9}})).credit, 1.0);
-  EXPECT_EQ(score_case(truth, says(Verdict::effect, {{"wind", 0.9}})).credit, 0.0);
-  EXPECT_EQ(score_case(truth,
-                       says(Verdict::ambiguous, {{"tail_compliance", 0.5}, {"tail_backlash", 0.5}}))
-                .credit,
-            1.0);
-  EXPECT_EQ(
-      score_case(truth, says(Verdict::ambiguous, {{"tail_compliance", 0.5}, {"wind", 0.5}})).credit,
-      0.5);
-  EXPECT_NEAR(score_case(truth, says(Verdict::ambiguous,
-                                     {{"wind", 0.4}, {"tail_compliance", 0.3}, {"payload", 0.3}}))
-                  .credit,
-              1.0 / 3.0, 1e-15);
-  for (const Verdict verdict : {Verdict::none, Verdict::unexplained, Verdict::insufficient})
-    EXPECT_EQ(score_case(truth, says(verdict)).credit, 0.0) << to_text(verdict);
-  EXPECT_EQ(score_case(truth, says(std::nullopt)).credit, 0.0) << "no answer";
-}
-
-TEST(Mark, CreditOfPairsNoneAndOutside) {
-  CaseTruth pair = of_kind("pair");
-  pair.effects = {"payload", "wind"};
-  EXPECT_EQ(score_case(pair, says(Verdict::several, {{"wind", 0.9}, {"payload", 0.9}})).credit,
-            1.0);
-  EXPECT_EQ(score_case(pair, says(Verdict::effect, {{"wind", 0.9}})).credit, 0.5);
-  EXPECT_NEAR(score_case(pair, says(Verdict::several,
-                                    {{"wind", 0.9}, {"payload", 0.9}, {"late_start", 0.9}}))
-                  .credit,
-              2.0 / 3.0, 1e-15);
-  EXPECT_EQ(score_case(of_kind("none"), says(Verdict::none)).credit, 1.0);
-  EXPECT_EQ(score_case(of_kind("none"), says(Verdict::effect, {{"wind", 0.6}})).credit, 0.0);
-  EXPECT_EQ(score_case(of_kind("outside"), says(Verdict::unexplained)).credit, 1.0);
-  EXPECT_EQ(score_case(of_kind("outside"), says(Verdict::none)).credit, 0.0);
-  CaseTruth outside = of_kind("outside");
-  outside.effects = {"wind"};  // the generator's own name, which only sounds like the catalogue's
-  EXPECT_EQ(score_case(outside, says(Verdict::effect, {{"wind", 0.9}})).credit, 0.0);
-}
-
-TEST(Mark, LogScoreSumsTheClassAndHasAFloor) {
-  const CaseTruth truth = single("tail_compliance", {"tail_backlash"});
-  const Prediction prediction =
-      says(Verdict::ambiguous, {{"tail_compliance", 0.5}, {"tail_backlash", 0.3}, {"wind", 0.2}});
-  EXPECT_NEAR(score_case(truth, prediction).log_score, std::log(0.8), 1e-12);
-  EXPECT_NEAR(score_case(truth, says(Verdict::effect, {{"wind", 1.0}})).log_score, std::log(1e-3),
-              1e-12);
-  EXPECT_NEAR(score_case(of_kind("none"), says(Verdict::effect, {{"wind", 0.7}})).log_score,
-              std::log(0.15), 1e-12);
-  EXPECT_NEAR(score_case(of_kind("none"), says(Verdict::none, {{"wind", 0.1}})).log_score,
-              std::log(0.9), 1e-12);
-  Prediction ranked = says(Verdict::effect, {{"wind", 0.7}});
-  ranked.ranking["none"] = 0.25;
-  EXPECT_NEAR(score_case(of_kind("none"), ranked).log_score, std::log(0.25), 1e-12);
-}
-
-TEST(Mark, ParametersInTheCataloguesTerms) {
-  Prediction prediction = says(Verdict::effect, {{"tail_compliance", 0.9}});
-  prediction.effects[0].parameters["stiffness"] = 80.0;  // 0.0125 rad/(N m), in truth 0.01
-  prediction.effects[0].ci95["stiffness"] = {70.0, 90.0};
-  const CaseScore score = score_case(single("tail_compliance"), prediction);
-  EXPECT_NEAR(score.parameter_error, 0.25, 1e-12);
-  EXPECT_EQ(score.parameters_judged, 1);
-  EXPECT_EQ(score.parameters_covered, 0);
-  prediction.effects[0].ci95["stiffness"] = {70.0, 101.0};
-  EXPECT_EQ(score_case(single("tail_compliance"), prediction).parameters_covered, 1);
-}
-
-TEST(Mark, ComponentAndShrink) {
-  Prediction prediction = says(Verdict::effect, {{"tail_compliance", 0.9}});
-  prediction.components = {{"tail_transmission", 0.7}, {"body", 0.3}};
-  prediction.gap_after = 1.21;
-  EXPECT_TRUE(score_case(single("tail_compliance"), prediction).component_right);
-  EXPECT_NEAR(score_case(single("tail_compliance"), prediction).shrink_ratio, 1.1, 1e-12);
-  prediction.components["contact"] = 0.8;
-  EXPECT_FALSE(score_case(single("tail_compliance"), prediction).component_right);
-}
-
-CaseTruth push() {
-  CaseTruth truth = of_kind("event");
-  truth.events = {{"elbow", 0.40, 0.60, -2.0}};
-  truth.trials = 4;
-  return truth;
-}
-
-/// Nothing named, and a push of this middle and peak.
-Prediction tells(double middle, double peak, const std::string& joint = "elbow",
-                 const std::string& trial = "trial_01") {
-  Prediction prediction = says(Verdict::none);
-  prediction.ranking["none"] = 0.9;
-  prediction.events = {{trial, joint, middle - 0.05, middle + 0.05, peak}};
-  return prediction;
-}
-
-TEST(Mark, AnEventIsToldByJointMiddlePeakAndSign) {
-  EXPECT_EQ(score_case(push(), tells(0.5, -2.0)).credit, 1.0);
-  EXPECT_EQ(score_case(push(), tells(0.59, -2.59)).credit, 1.0);
-  EXPECT_EQ(score_case(push(), tells(0.61, -2.0)).credit, 0.0) << "too late";
-  EXPECT_EQ(score_case(push(), tells(0.5, -2.61)).credit, 0.0) << "too strong";
-  EXPECT_EQ(score_case(push(), tells(0.5, 2.0)).credit, 0.0) << "the other way";
-  EXPECT_EQ(score_case(push(), tells(0.5, -2.0, "shoulder")).credit, 0.0) << "another joint";
-
-  Prediction named = tells(0.5, -2.0);
-  named.verdict = Verdict::effect;
-  named.effects = {{"payload", 0.6, {}, {}}};
-  EXPECT_EQ(score_case(push(), named).credit, 0.0) << "something else is named";
-  EXPECT_EQ(score_case(push(), named).events_found, 1);
-}
-
-TEST(Mark, AnEventThatIsNotToldIsNoNone) {
-  const CaseScore missed = score_case(push(), tells(0.8, -2.0));
-  EXPECT_FALSE(missed.right);
-  EXPECT_EQ(missed.confidence, 0.9);
-  EXPECT_NEAR(missed.log_score, std::log(1e-3), 1e-12);
-  EXPECT_EQ(missed.events_invented, 1);
-  EXPECT_NEAR(score_case(push(), tells(0.5, -2.0)).log_score, 0.0, 1e-12)
-      << "none and what none leaves: no effect is named";
-}
-
-TEST(Mark, AnEventCountsOnceACaseAndOnceATrial) {
-  Prediction prediction = tells(0.5, -2.0);
-  prediction.events.push_back({"trial_02", "elbow", 0.4, 0.6, -2.1});
-  const CaseScore everywhere = score_case(push(), prediction);
-  EXPECT_EQ(everywhere.events_found, 1);
-  EXPECT_EQ(everywhere.events_invented, 0);
-  prediction.events.push_back({"trial_02", "elbow", 0.41, 0.6, -2.1});
-  EXPECT_EQ(score_case(push(), prediction).events_invented, 1);
-  EXPECT_EQ(score_case(of_kind("none"), prediction).events_invented, 3);
-}
-
-TEST(Mark, SeveralAreTwoOrThree) {
-  CaseTruth three = of_kind("several");
-  three.effects = {"payload", "wind", "late_start"};
-  const auto named = [&](const std::vector<std::pair<std::string, double>>& effects) {
-    return score_case(three, says(Verdict::several, effects));
-  };
-  EXPECT_TRUE(named({{"wind", 0.9}, {"payload", 0.9}, {"late_start", 0.9}}).right);
-  EXPECT_EQ(named({{"wind", 0.9}, {"payload", 0.9}, {"late_start", 0.9}}).credit, 1.0);
-  EXPECT_NEAR(named({{"wind", 0.9}, {"payload", 0.9}}).credit, 2.0 / 3.0, 1e-15);
-  EXPECT_FALSE(named({{"wind", 0.9}, {"payload", 0.9}}).right);
-
-  Prediction ranked = says(Verdict::several, {{"wind", 0.9}, {"payload", 0.9}});
-  ranked.ranking = {{"late_start + payload + wind", 0.25}, {"payload + wind", 0.5}};
-  EXPECT_NEAR(score_case(three, ranked).log_score, std::log(0.25), 1e-12);
-  three.kind = "pair";
-  three.effects.pop_back();
-  EXPECT_NEAR(score_case(three, ranked).log_score, std::log(0.5), 1e-12);
-}
-
-TEST(Mark, AnEffectAtOneJointIsNamedThereOrWithoutJoints) {
-  CaseTruth truth = single("joint_coulomb_friction@elbow");
-  truth.parameters = {{0.2}};
-  const auto at = [&](const std::vector<std::string>& joints) {
-    Prediction prediction = says(Verdict::effect, {{"joint_coulomb_friction", 0.9}});
-    prediction.effects[0].joints = joints;
-    prediction.effects[0].parameters["torque"] = 0.3;
-    return score_case(truth, prediction);
-  };
-  EXPECT_EQ(at({}).credit, 1.0);
-  EXPECT_EQ(at({"shoulder", "elbow"}).credit, 1.0);
-  EXPECT_NEAR(at({"elbow"}).log_score, std::log(0.9), 1e-12);
-  EXPECT_NEAR(at({"elbow"}).parameter_error, 0.5, 1e-12);
-  EXPECT_EQ(at({"shoulder"}).credit, 0.0);
-  EXPECT_FALSE(at({"shoulder"}).right);
-  EXPECT_NEAR(at({"shoulder"}).log_score, std::log(1e-3), 1e-12);
-  EXPECT_TRUE(std::isnan(at({"shoulder"}).parameter_error));
-  EXPECT_EQ(score_case(truth, says(Verdict::effect, {{"joint_viscous_friction", 0.9}})).credit,
-            0.0);
-}
-
-TEST(Mark, WhoGivesNoProbabilityScoresAtTheFloor) {
-  for (const std::optional<Verdict> verdict :
-       {std::optional<Verdict>(), std::optional<Verdict>(Verdict::insufficient)})
-    EXPECT_NEAR(score_case(of_kind("none"), says(verdict)).log_score, std::log(1e-3), 1e-12);
-}
-
-TEST(Estimates, WilsonAgainstItsTable) {
-  // 0 of 60: z^2/(60 + z^2); 5 of 10: published (0.2366, 0.7634).
-  EXPECT_NEAR(evaluation::proportion(0, 60).ci95.upper, 3.8414588 / 63.8414588, 1e-7);
-  EXPECT_NEAR(evaluation::proportion(0, 60).ci95.lower, 0.0, 1e-15);
-  EXPECT_NEAR(evaluation::proportion(5, 10).ci95.lower, 0.2366, 5e-5);
-  EXPECT_NEAR(evaluation::proportion(5, 10).ci95.upper, 0.7634, 5e-5);
-  EXPECT_EQ(evaluation::proportion(0, 0).count, 0);
-}
-
-TEST(Estimates, MedianByOrderStatistics) {
-  std::vector<double> values;
-  for (int i = 1; i <= 20; ++i) values.push_back(i);
-  const ScoreEstimate e = evaluation::median(values);
-  EXPECT_EQ(e.value, 10.5);
-  EXPECT_EQ(e.ci95.lower, 6.0);  // binomial(20, 1/2): 6 and 15 cover 95.9 %
-  EXPECT_EQ(e.ci95.upper, 15.0);
-  EXPECT_TRUE(std::isinf(evaluation::median({1.0, 2.0, 3.0}).ci95.upper));
-}
+using test::of_kind;
+using test::push;
+using test::says;
+using test::single;
+using test::tells;
 
 /// 40 singles of which the diagnosis gets 36, 20 without effect of which it blames one, 10 outside.
 struct Batch {
@@ -471,67 +248,6 @@ TEST(Score, JsonAndText) {
   EXPECT_NE(text.find("credit of singles, plain gap"), std::string::npos);
   EXPECT_NE(text.find("missed"), std::string::npos);
   EXPECT_NE(text.find("lowest training error"), std::string::npos);
-}
-
-TEST(Answer, ReadsTheFormatAndKeepsItThroughText) {
-  const test::TemporaryFolder folder;
-  const auto file =
-      folder.write("diagnosis.json", R"({"format": "jaculus-diagnosis/1", "verdict": "effect",
-    "effects": [{"name": "tail_compliance", "probability": 0.97,
-      "parameters": {"stiffness": {"value": 98.0, "ci95": [90.0, 107.0], "unit": "N m/rad"}}}],
-    "ranking": [{"effect": "tail_compliance", "log_evidence": 0, "held_out_error": 0, )"
-                                     R"("probability": 0.97}],
-    "where": {"components": {"tail_transmission": 0.8}},
-    "gap": {"before": 5.0, "after": 1.1, "noise_floor": 0.0, "shrink": null, "ci95": [0, 1], )"
-                                     R"("per_channel": {}}})");
-  const Prediction prediction = prediction_from_text(prediction_to_text(read_prediction(file)));
-  EXPECT_EQ(prediction.verdict, Verdict::effect);
-  EXPECT_EQ(prediction.effects.at(0).parameters.at("stiffness"), 98.0);
-  EXPECT_EQ(prediction.effects.at(0).ci95.at("stiffness").upper, 107.0);
-  EXPECT_EQ(prediction.ranking.at("tail_compliance"), 0.97);
-  EXPECT_EQ(prediction.components.at("tail_transmission"), 0.8);
-  EXPECT_EQ(prediction.gap_after, 1.1);
-}
-
-TEST(Answer, TakesTheGapInUnitsWhereItIsGiven) {
-  const test::TemporaryFolder folder;
-  const Prediction prediction = read_prediction(
-      folder.write("diagnosis.json", R"({"format": "jaculus-diagnosis/2", "verdict": "none",
-    "where": {"channels": {"x": {"noise_floor": 0.5, "unit": "m"}}},
-    "gap": {"physical": {"x": {"unit": "mm", "before": 7.0, "after": 2.0}},
-            "per_channel": {"mocap.x": {"before": 3.0, "after": 1.0}}}})"));
-  EXPECT_EQ(prediction.channels.at("x").unit, "mm");
-  EXPECT_EQ(prediction.channels.at("x").before, 7.0);
-  EXPECT_EQ(prediction.channels.at("x").after, 2.0);
-}
-
-TEST(Answer, KeepsJointsAndEvents) {
-  Prediction prediction = tells(0.5, -2.0);
-  prediction.effects = {{"joint_coulomb_friction", 0.9, {}, {}, {"elbow"}}};
-  prediction.events.push_back({"trial_02", "base", kNaN, 0.2, 1.0});
-  const Prediction again = prediction_from_text(prediction_to_text(prediction));
-  EXPECT_EQ(again.effects.at(0).joints, std::vector<std::string>{"elbow"});
-  ASSERT_EQ(again.events.size(), 2u);
-  EXPECT_EQ(again.events[0].joint, "elbow");
-  EXPECT_EQ(again.events[0].peak, -2.0);
-  EXPECT_TRUE(std::isnan(again.events[1].from));
-}
-
-TEST(Answer, BadOnesAreNamed) {
-  const test::TemporaryFolder folder;
-  const auto message = [&](const std::string& text) {
-    const auto file = folder.write("diagnosis.json", text);
-    return test::input_error_of([&] { read_prediction(file); });
-  };
-  EXPECT_TRUE(test::holds(message("{"), "is no JSON"));
-  EXPECT_TRUE(test::holds(message("{}"), ".format: missing"));
-  EXPECT_TRUE(test::holds(message(R"({"format": "jaculus-diagnosis/1", "verdict": "maybe"})"),
-                          "'maybe' given"));
-  EXPECT_TRUE(test::holds(
-      message(
-          R"({"format": "jaculus-diagnosis/1", "verdict": "effect", "effects": [{"name": "wind", )"
-          R"("probability": 2}]})"),
-      "effects[0].probability: 2 given"));
 }
 
 }  // namespace

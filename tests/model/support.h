@@ -1,7 +1,8 @@
 #pragma once
-// Helpers of the model's tests: robots written to a temporary folder, the real plans, a forward
-// kinematics of its own.
+// Helpers of the model's tests: robots written to a temporary folder, proposed and read back, the
+// real plans, a forward kinematics of its own.
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -15,6 +16,8 @@
 
 #include "jaculus/core/installation.h"
 #include "jaculus/model/planar.h"
+#include "jaculus/model/propose.h"
+#include "jaculus/model/robot.h"
 
 namespace jaculus::testing {
 
@@ -85,6 +88,49 @@ inline std::vector<Pose> poses(const model::PlanarModel& model, const Pose& base
     result.push_back(pose);
   }
   return result;
+}
+
+/// What is proposed of a URDF text, and the robot that is read back from it.
+struct Imported {
+  model::Proposal proposal;
+  model::Robot robot;
+};
+
+inline Imported imported(const std::string& urdf, const model::ProposeOptions& options = {}) {
+  const Folder folder;
+  const model::Proposal proposal =
+      model::propose_robot(model::parse_urdf(urdf, "robot.urdf"), options);
+  folder.write("robot.urdf", urdf);
+  folder.write("robot.yaml", proposal.yaml);
+  return {proposal, model::read_robot(folder.path())};
+}
+
+inline std::vector<std::string> names(const std::vector<model::Coordinate>& coordinates) {
+  std::vector<std::string> all;
+  for (const model::Coordinate& c : coordinates) all.push_back(c.name);
+  return all;
+}
+
+/// Parts of a robot's URDF text. `com`, `origin`, `axis`: three numbers; `shape`: an element, for
+/// collisions.
+inline std::string link(const std::string& name, double mass, const std::string& com,
+                        const std::string& shape = "") {
+  return fmt::format(
+      "<link name=\"{}\"><inertial><origin xyz=\"{}\"/><mass value=\"{}\"/><inertia ixx=\"0.01\" "
+      "iyy=\"0.01\" izz=\"0.01\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial>{}</link>\n",
+      name, com, mass,
+      shape.empty() ? "" : "<collision><geometry>" + shape + "</geometry></collision>");
+}
+
+inline std::string joint(const std::string& name, const std::string& type,
+                         const std::string& parent, const std::string& child,
+                         const std::string& origin, const std::string& axis,
+                         const std::string& effort = "10") {
+  return fmt::format(
+      "<joint name=\"{}\" type=\"{}\"><parent link=\"{}\"/><child link=\"{}\"/><origin "
+      "xyz=\"{}\"/><axis "
+      "xyz=\"{}\"/><limit lower=\"-2\" upper=\"2\" effort=\"{}\" velocity=\"9\"/></joint>\n",
+      name, type, parent, child, origin, axis, effort);
 }
 
 }  // namespace jaculus::testing

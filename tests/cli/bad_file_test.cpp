@@ -1,11 +1,12 @@
-// Bad input through the program, as a user meets it: exit code 2, nothing on standard output, one
-// message that says where (file:line where a file is at fault), which key, what was given and what
-// is allowed; and no output half-written.
+// Bad files through the program, as a user meets them: exit code 2, nothing on standard output, one
+// message that says where (file:line), which key, what was given and what is allowed.
 
 #include <gtest/gtest.h>
 
-#include <fstream>
+#include <iterator>
+#include <string>
 
+#include "cli/bad_input.h"
 #include "cli/program.h"
 #include "support/input_error.h"
 #include "support/temporary_folder.h"
@@ -13,74 +14,12 @@
 namespace jaculus::cli {
 namespace {
 
+using test::BadInput;
 using test::bytes_of;
 using test::expect_refusal;
 using test::holds;
 using test::Outcome;
 using test::run_program;
-using test::TemporaryFolder;
-
-// A robot of one leg: a pendulum on a rail, small enough to be read beside the cases.
-constexpr const char* kUrdf =
-    R"(<?xml version="1.0"?>
-<robot name="toy">
-  <link name="base">
-    <inertial><origin xyz="0 0 0"/><mass value="2"/>)"
-    R"(<inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial>
-  </link>
-  <link name="arm">
-    <inertial><origin xyz="0 0 -0.5"/><mass value="1"/>)"
-    R"(<inertia ixx="0.1" iyy="0.1" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial>
-  </link>
-  <joint name="swing" type="revolute">
-    <parent link="base"/><child link="arm"/><origin xyz="0 0 0"/><axis xyz="0 1 0"/>
-    <limit lower="-3" upper="3" effort="10" velocity="50"/>
-  </joint>
-</robot>
-)";
-
-constexpr const char* kRobot = R"(format: jaculus-robot/1
-base: floating
-gravity: 9.81 m/s^2
-friction: 0.8
-feet:
-  foot: {link: arm, point: [0, -1]}
-motors:
-  swing:
-    kind: electric
-    torque_constant: 0.1 N m/A
-    resistance: 0.2 ohm
-    saturation_linear: 9 A/(N m)
-    saturation_cubic: 0.5 A/(N m)^3
-    voltage: 16 V
-    current_limit: 60 A
-    torque_limit: 3 N m
-    gear: 1
-    efficiency: 1
-    rotor_inertia: 0
-)";
-
-constexpr const char* kProblem = R"(format: jaculus-problem/1
-name: toy_problem
-robot: toy
-override: {motors.swing.resistance: 0.22 ohm}
-limits: {voltage: 7 V, torque: 3 N m, current: 60 A, friction: 0.5}
-bounds:
-  position: {x: [-1 m, 1 m], z: [0 m, 2 m], pitch: [-1, 1], swing: [-90 deg, 90 deg]}
-phases:
-  - {name: stand, contacts: [foot], intervals: 4, duration: [10 ms, 500 ms]}
-  - {name: fly, contacts: [], intervals: 4, duration: [10 ms, 500 ms]}
-initial: {at_rest: true, position: {pitch: 0}}
-final: {velocity: {x: [0.1 m/s, 5 m/s]}}
-constraints:
-  - {type: friction}
-  - {type: normal_force, min: 1 N, phases: [stand]}
-objective:
-  maximise: [{type: mean_acceleration, weight: 1}]
-transcription: {scheme: hermite_simpson, inputs: held}
-guess: {kind: static}
-solver: {tolerance: 1e-6}
-)";
 
 enum class Where { problem, robot, urdf };
 
@@ -269,20 +208,6 @@ constexpr FileCase kFileCases[] = {
     {Where::urdf, "axis xyz=\"0 1 0\"", "axis xyz=\"0 0 0\"", "robot.urdf:9", "axis", "swing"},
 };
 
-class BadInput : public ::testing::Test {
- protected:
-  BadInput() {
-    std::filesystem::create_directories(folder / "toy");
-    restore();
-  }
-  void restore() const {
-    folder.write("toy/robot.urdf", kUrdf);
-    folder.write("toy/robot.yaml", kRobot);
-    folder.write("problem.yaml", kProblem);
-  }
-  TemporaryFolder folder;
-};
-
 TEST_F(BadInput, TheUnchangedFilesAreGood) {
   const Outcome outcome = run_program({"check", "problem.yaml", "toy"}, folder.path());
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
@@ -314,48 +239,6 @@ TEST_F(BadInput, EveryFaultOfAFileIsNamedWithItsPlace) {
   }
 }
 
-struct FlagCase {
-  std::vector<std::string> arguments;
-  const char* key;
-  const char* allowed;
-};
-
-TEST_F(BadInput, EveryFaultOfTheCommandLineIsNamed) {
-  const FlagCase cases[] = {
-      {{}, "no command", "check"},
-      {{"chek", "problem.yaml"}, "chek", "did you mean 'check'?"},
-      {{"--chek"}, "--chek", "allowed"},
-      {{"check"}, "no file given", "problem files"},
-      {{"check", "--explian"}, "--explian", "did you mean '--explain'?"},
-      {{"check", "none.yaml"}, "none.yaml", "not found"},
-      {{"check", "nobody"}, "nobody", "unknown robot"},
-      {{"check", "problem.yaml", "--colour"}, "--colour", "allowed"},
-      {{"export"}, "solution", "--help"},
-      {{"export", "plan.csv"}, "--as", "--help"},
-      {{"export", "plan.csv", "--as", "cvs"}, "--as", "did you mean 'csv'?"},
-      {{"export", "plan.csv", "--as", "csv"}, "plan.csv", "not found"},
-      {{"export", "problem.yaml", "--as", "csv"}, "problem.yaml", "plan.csv"},
-      {{"export", "plan.csv", "--as", "csv", "--rate", "0"}, "--rate", "1 to 1e+06 Hz"},
-      {{"export", "plan.csv", "--as", "csv", "--rate", "1 kg"}, "--rate", "kg"},
-      {{"export", "plan.csv", "--as", "csv", "--rate", "fast"}, "--rate", "fast"},
-      {{"export", "plan.csv", "--as", "csv", "--side", "joints"},
-       "--side",
-       "did you mean 'joint'?"},
-      {{"export", "plan.csv", "--as", "csv", "--hold", "zoh"}, "--hold", "held, linear"},
-      {{"export", "plan.csv", "--as", "csv", "--json"}, "--json", "--out"},
-      {{"export", "plan.csv", "--as", "csv", "--out", "toy"}, "--out toy", "a file"},
-  };
-  for (const FlagCase& c : cases) {
-    std::string trace;
-    for (const std::string& argument : c.arguments) trace += argument + " ";
-    SCOPED_TRACE(trace);
-    const Outcome outcome = run_program(c.arguments, folder.path());
-    expect_refusal(outcome);
-    EXPECT_TRUE(holds(outcome.err, c.key));
-    EXPECT_TRUE(holds(outcome.err, c.allowed));
-  }
-}
-
 TEST_F(BadInput, GarbageIsRefusedQuicklyAndInOneLine) {
   std::string garbage(10'000'000, '\0');
   unsigned state = 1;
@@ -373,33 +256,6 @@ TEST_F(BadInput, GarbageIsRefusedQuicklyAndInOneLine) {
     expect_refusal(outcome);
     EXPECT_TRUE(holds(outcome.err, name));
     EXPECT_LT(outcome.err.size(), 500u);
-  }
-}
-
-TEST_F(BadInput, LeavesAnEarlierExportAsItWas) {
-  folder.write("plan.csv", "time [s],swing [rad],swing_velocity [rad/s]\n0,0,0\n1,1,0\n");
-  folder.write("out.csv", "earlier");
-  expect_refusal(run_program(
-      {"export", "plan.csv", "--as", "csv", "--hold", "held", "--out", "out.csv"}, folder.path()));
-  EXPECT_EQ(bytes_of(folder / "out.csv"), "earlier");
-}
-
-TEST_F(BadInput, MakesNoFilesBesideAnOutputThatCantBeWritten) {
-  folder.write(
-      "plan.csv",
-      "time [s],swing [rad],swing_velocity [rad/s],swing_torque [N m]\n0,0,0,1\n1,1,0,1\n");
-  expect_refusal(run_program(
-      {"export", "plan.csv", "--as", "csv", "--hold", "held", "--out", "no/such/folder/out.csv"},
-      folder.path()));
-  EXPECT_FALSE(std::filesystem::exists(folder / "no"));
-}
-
-TEST_F(BadInput, BagsAreReadByThePythonPackageAndTheProgramSaysSo) {
-  for (const std::string kind : {"mcap", "bag", "parquet"}) {
-    const Outcome outcome = run_program({"import", kind, "log", "--robot", "arm", "--out", "x"});
-    expect_refusal(outcome);
-    EXPECT_TRUE(holds(outcome.err, "import " + kind));
-    EXPECT_TRUE(holds(outcome.err, "the command of the Python package"));
   }
 }
 
