@@ -115,6 +115,12 @@ TEST(VerdictRules, PartialWhereForcesRemainThatAreWorthStating) {
   EXPECT_EQ(decide(e, {}).verdict, Verdict::partial);
   e.gap.after = 2.0;  // less than 1 %
   EXPECT_EQ(rule_of(e), "one effect");
+
+  // The same of a gap that is mostly tolerances: 6 % of what they leave.
+  e.gap.adjusted = 7.0;
+  EXPECT_EQ(rule_of(e), "more is there");
+  e.gap.after = 1.4;  // no gap by itself
+  EXPECT_EQ(rule_of(e), "one effect");
 }
 
 TEST(VerdictRules, WhatIsEstablishedIsNotClearedBecauseMoreRemains) {
