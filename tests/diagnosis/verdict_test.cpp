@@ -252,7 +252,7 @@ TEST(Calibration, LetsAVerdictOfHeldOutDataOverruleThePosterior) {
   const Stated s = stated({});
   const Calibrated c = calibrate(Verdict::none, false, s.effects, s.ranking);
   EXPECT_EQ(c.ranking.front().effect, "none");
-  EXPECT_GT(probability(c.ranking, "none"), 0.5);
+  EXPECT_GT(probability(c.ranking, "none"), probability(c.ranking, "a + b"));
   EXPECT_GT(probability(c.ranking, "a + b"), probability(c.ranking, "a"));
   EXPECT_GT(probability(c.ranking, "a"), probability(c.ranking, "c"));
 }
@@ -266,6 +266,15 @@ TEST(Calibration, TakesThePosteriorsWordWhereItIsSurerOfNone) {
   };
   EXPECT_NEAR(none(false), 0.7, 1e-12);
   EXPECT_LT(none(true), 0.7);  // counted
+}
+
+TEST(Calibration, StatesAnEffectBesideOthersByHowOftenSuchEffectsWereRight) {
+  const Stated s = stated({"a", "b"});
+  const Calibrated c = calibrate(Verdict::several, false, s.effects, s.ranking);
+  ASSERT_EQ(c.effects.size(), 2u);
+  EXPECT_EQ(c.effects[0].probability, c.effects[1].probability);
+  EXPECT_GT(c.effects[0].probability, probability(c.ranking, "a + b"));
+  EXPECT_LT(c.effects[0].probability, 0.8);
 }
 
 TEST(Calibration, LeavesWhatCouldNotBeJudged) {

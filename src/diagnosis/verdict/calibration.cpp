@@ -9,11 +9,13 @@ namespace jaculus::diagnosis {
 namespace {
 
 constexpr const char* kCounted =
-    "the two newest blinded batches of cluttered cases, of 20 and 40, 2026-11-26, labels open now: "
-    "by a program of that day and by 323cefe";
+    "the three newest blinded batches of cluttered cases, 20, 40 and 40, of 2026-11-26, labels "
+    "open "
+    "now: by a program of that day, 323cefe and f77a1db";
 constexpr const char* kDoubted =
-    "the same batches; 7 of 8 where something speaks against it, 4 of 5 where nothing does";
-constexpr const char* kSeveral = "the same batches: several (1 of 3) and partial (0 of 3)";
+    "the same batches; in the first two 7 of 8 where something speaks against it, else 4 of 5";
+constexpr const char* kSeveral =
+    "the same batches: several (all right 1 of 7, 8 of 15 effects) and partial (0 of 5, 2 of 9)";
 
 bool names(const std::vector<std::string>& members, const std::string& effect) {
   return std::find(members.begin(), members.end(), effect) != members.end();
@@ -74,13 +76,13 @@ double share_of(const std::vector<Ranked>& ranking, const std::vector<bool>& rep
 
 const std::vector<Reliability>& reliabilities() {
   static const std::vector<Reliability> table = {
-      {Verdict::effect, false, 11, 13, 0.4, 0.1, 0.5, kDoubted},
-      {Verdict::several, false, 1, 6, 0.5, 0.1, 0.4, kSeveral},
-      {Verdict::partial, false, 1, 6, 0.5, 0.1, 0.4, kSeveral},
-      {Verdict::ambiguous, false, 3, 10, 0.5, 0.1, 0.4, kCounted},
-      {Verdict::none, true, 2, 4, 0.4, 0.0, 0.6, kCounted},
-      {Verdict::none, false, 11, 21, 0.4, 0.0, 0.6, kCounted},
-      {Verdict::unexplained, false, 1, 6, 0.0, 0.2, 0.8, kCounted}};
+      {Verdict::effect, false, 16, 20, 0.4, 0.1, 0.5, kDoubted},
+      {Verdict::several, false, 1, 12, 0.5, 0.1, 0.4, kSeveral, 10, 24},
+      {Verdict::partial, false, 1, 12, 0.5, 0.1, 0.4, kSeveral, 10, 24},
+      {Verdict::ambiguous, false, 6, 14, 0.5, 0.1, 0.4, kCounted},
+      {Verdict::none, true, 3, 5, 0.4, 0.0, 0.6, kCounted},
+      {Verdict::none, false, 17, 35, 0.4, 0.0, 0.6, kCounted},
+      {Verdict::unexplained, false, 5, 14, 0.0, 0.2, 0.8, kCounted}};
   return table;
 }
 
@@ -129,7 +131,9 @@ Calibrated calibrate(Verdict verdict, bool beside_event, std::vector<FoundEffect
     const double part = claimed > 0.0 ? p / claimed : 1.0 / rows;
     p = reported[i] ? right * part : (1.0 - right) * rest[i] / all_rest;
   }
-  for (FoundEffect& effect : effects) effect.probability = share_of(ranking, reported, effect.name);
+  for (FoundEffect& effect : effects)
+    effect.probability =
+        counted->named > 0 ? counted->stated_of_each() : share_of(ranking, reported, effect.name);
 
   std::stable_sort(ranking.begin(), ranking.end(),
                    [](const Ranked& a, const Ranked& b) { return a.probability > b.probability; });

@@ -8,7 +8,8 @@
 //   posterior);
 //   the others share 1 - w: unexplained, none, and the remaining effects by rank of their evidence,
 //   each half of the one before.
-// An effect's own probability is that of the reported rows that it is part of.
+// An effect's own probability is that of the reported rows that it is part of. Where effects are
+// named beside others each may be right though not all are: then it is how often such an effect was.
 
 #include <string>
 #include <vector>
@@ -25,9 +26,13 @@ struct Reliability {
   int right, cases;                  ///< as counted
   double unexplained, none, others;  ///< parts of the rest
   const char* origin;                ///< robot and cases
+  /// Effects named beside others or beside something more, and how many of them were right; 0: such
+  /// a verdict names one thing.
+  int named_right = 0, named = 0;
 
   /// Probability that is stated for it.
   [[nodiscard]] double stated() const { return (right + 1.0) / (cases + 2.0); }
+  [[nodiscard]] double stated_of_each() const { return (named_right + 1.0) / (named + 2.0); }
 };
 const std::vector<Reliability>& reliabilities();
 
