@@ -148,7 +148,20 @@ bool has_one_push(const Problem& problem, const Whitening& whitening, const Mode
   return pushes == 1;
 }
 
+/// By how much the most probable model leads none [log weight].
+double lead_over_none(const SearchResult& search) {
+  return leading(search).log_weight() - search.models.front().log_weight();
+}
+
 }  // namespace
+
+bool push_established(const Problem& problem, const SearchResult& with_pushes,
+                      const SearchResult& effects_alone) {
+  const Settings& settings = problem.settings;
+  if (!lacks(problem, leading(with_pushes).fit)) return true;
+  return lead_over_none(effects_alone) < settings.bare_mention &&
+         lead_over_none(with_pushes) > settings.clear_lead;
+}
 
 Searched search_with_pushes(Prepared prepared, const ProblemBuilder& rebuild,
                             const DiagnoseOptions& options) {
@@ -167,7 +180,7 @@ Searched search_with_pushes(Prepared prepared, const ProblemBuilder& rebuild,
   Selection again = selected(with, rebuild, options);
   if (again.search.models.empty() ||
       !has_one_push(*with.built.problem, again.comparison.whitening, leading(again.search)) ||
-      lacks(*with.built.problem, leading(again.search).fit))
+      !push_established(*with.built.problem, again.search, effects_alone.search))
     return {std::move(prepared), std::move(effects_alone)};
   return {std::move(with), std::move(again)};
 }

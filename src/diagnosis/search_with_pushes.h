@@ -13,10 +13,16 @@ struct Searched {
 
 /// Effects first. Where the leading model leaves more (fit.h), under a plan and with one dataset,
 /// the search is made again among the effects that it found worth a fit and likely pushes
-/// (push_scan.h). It counts if a model with a push leads it, one that every trial had and that is
-/// shorter than half of the motion, and leaves no misfit: what lasts a moment has some half sine
-/// that is like it, but only of a push does nothing else remain.
+/// (push_scan.h). It counts if a model with a push leads it, one that every trial had, that is
+/// shorter than half of the motion and that is established.
 Searched search_with_pushes(Prepared prepared, const ProblemBuilder& rebuild,
                             const DiagnoseOptions& options);
+
+/// Whether a leading model's push is established: nothing is lacking beside it, or, though
+/// something is, no effect leads none while the push does clearly. What lasts a moment has some
+/// half sine that is like it: where effects explain something and forces remain, a push may stand
+/// in for what those effects lack.
+bool push_established(const Problem& problem, const SearchResult& with_pushes,
+                      const SearchResult& effects_alone);
 
 }  // namespace jaculus::diagnosis

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "diagnosis/search_with_pushes.h"
+#include "diagnosis/toy.h"
 #include "jaculus/core/installation.h"
 #include "jaculus/diagnosis/diagnose.h"
 #include "jaculus/effects/effect.h"
@@ -72,6 +74,31 @@ TEST(PushUnderAScript, IsNotMadeOfAnEffect) {
   const Diagnosis found = diagnosed(0.0, 1.5);
   EXPECT_EQ(found.verdict, Verdict::effect) << to_text(found.verdict);
   EXPECT_TRUE(found.events.empty());
+}
+
+/// None and one model that leads it by so many nats, beside forces worth `lacking` nats.
+SearchResult led(double lead, double lacking) {
+  SearchResult search;
+  for (const double log_weight : {0.0, lead}) {
+    ModelFit model;
+    model.fit.valid = true;
+    model.fit.log_evidence = log_weight;
+    model.fit.log_complete = log_weight - lacking;
+    search.models.push_back(model);
+  }
+  search.models.back().candidates = {0};
+  return search;
+}
+
+TEST(PushUnderAScript, IsEstablishedBesideMoreOnlyWhereNoEffectExplainsAnything) {
+  const std::shared_ptr<Problem> problem = test::toy_problem(test::toy_truth(0.5, 0.0));
+  const auto established = [&](double lead, double lacking, double by_effects) {
+    return push_established(*problem, led(lead, lacking), led(by_effects, lacking));
+  };
+  EXPECT_TRUE(established(5.0, 0.0, 4.0));
+  EXPECT_TRUE(established(25.0, 100.0, 0.5));
+  EXPECT_FALSE(established(25.0, 100.0, 13.0));
+  EXPECT_FALSE(established(8.0, 100.0, 0.5));
 }
 
 }  // namespace
