@@ -59,7 +59,8 @@ double saturated_torque(double linear, double cubic, double current) {
   // exp(y) = w = (z + sqrt(z^2 + 1))^(1/3). For small z w - 1/w cancels: a Newton step mends it.
   const double p = std::sqrt(linear / (3.0 * cubic));
   const double z = 1.5 * std::abs(current) / (linear * p);
-  const double w = std::cbrt(z + std::sqrt(z * z + 1.0));
+  const double w = std::cbrt(z + std::hypot(z, 1.0));
+  if (std::isinf(w)) return std::cbrt(current / cubic);
   const double t = std::copysign(p * (w - 1.0 / w), current), t2 = t * t;
   return t - (t * (linear + cubic * t2) - current) / (linear + 3.0 * cubic * t2);
 }

@@ -153,6 +153,18 @@ double lead_over_none(const SearchResult& search) {
   return leading(search).log_weight() - search.models.front().log_weight();
 }
 
+/// By how much it leads the most probable one without a push [log weight].
+double lead_of_push(const Problem& problem, const SearchResult& search) {
+  double without = -kInfinity;
+  for (const ModelFit& model : search.models) {
+    const bool pushed = std::any_of(model.candidates.begin(), model.candidates.end(), [&](int c) {
+      return problem.hypotheses.candidates[c].effect->event;
+    });
+    if (!pushed) without = std::max(without, model.log_weight());
+  }
+  return leading(search).log_weight() - without;
+}
+
 }  // namespace
 
 bool push_established(const Problem& problem, const SearchResult& with_pushes,
@@ -160,7 +172,7 @@ bool push_established(const Problem& problem, const SearchResult& with_pushes,
   const Settings& settings = problem.settings;
   if (!lacks(problem, leading(with_pushes).fit)) return true;
   return lead_over_none(effects_alone) < settings.bare_mention &&
-         lead_over_none(with_pushes) > settings.clear_lead;
+         lead_of_push(problem, with_pushes) > settings.clear_lead;
 }
 
 Searched search_with_pushes(Prepared prepared, const ProblemBuilder& rebuild,

@@ -19,7 +19,8 @@ Searched search_with_pushes(Prepared prepared, const ProblemBuilder& rebuild,
                             const DiagnoseOptions& options);
 
 /// Whether a leading model's push is established: nothing is lacking beside it, or, though
-/// something is, no effect leads none while the push does clearly. What lasts a moment has some
+/// something is, no effects are more probable than none by more than a bare mention, while the
+/// push clearly leads the best model without one. What lasts a moment has some
 /// half sine that is like it: where effects explain something and forces remain, a push may stand
 /// in for what those effects lack.
 bool push_established(const Problem& problem, const SearchResult& with_pushes,

@@ -90,8 +90,8 @@ bool rubs(const model::PlanarMotor& motor);
 MotorPower motor_power(const model::PlanarMotor& motor, double joint_torque, double joint_rate);
 
 /// The motor torque before the gear [N m] at a current [A]: the one real root of c t^3 + a t = i,
-/// in closed form (Cardano's hyperbolic form, free of cancellation). Needs a >= 0, c >= 0, not both
-/// zero.
+/// in closed form (Cardano's) and a Newton step, which takes it to the last digits. Needs a >= 0,
+/// c >= 0, not both zero.
 double saturated_torque(double linear, double cubic, double current);
 
 /// The joint torque [N m] at a terminal voltage [V] and joint rate [rad/s], no limit applied.

@@ -9,9 +9,8 @@ namespace jaculus::diagnosis {
 namespace {
 
 constexpr const char* kCounted =
-    "the three newest blinded batches of cluttered cases, 20, 40 and 40, of 2026-11-26, labels "
-    "open "
-    "now: by a program of that day, 323cefe and f77a1db";
+    "the three newest blinded batches of cluttered cases: 20 by c5a19d2 (six labels known), 40 by "
+    "323cefe, 40 by f77a1db";
 constexpr const char* kDoubted =
     "the same batches; in the first two 7 of 8 where something speaks against it, else 4 of 5";
 constexpr const char* kSeveral =

@@ -9,7 +9,8 @@
 //   the others share 1 - w: unexplained, none, and the remaining effects by rank of their evidence,
 //   each half of the one before.
 // An effect's own probability is that of the reported rows that it is part of. Where effects are
-// named beside others each may be right though not all are: then it is how often such an effect was.
+// named beside others each may be right though not all are: then it is how often such an effect
+// was.
 
 #include <string>
 #include <vector>
@@ -18,7 +19,7 @@
 
 namespace jaculus::diagnosis {
 
-/// How often a verdict was right, counted on cases that no score of these rules rests on.
+/// How often a verdict was right, counted on cases that were blind for the programs that answered.
 struct Reliability {
   Verdict verdict;
   /// Beside a force that acted once, which may be something else that acts briefly.
@@ -37,9 +38,9 @@ struct Reliability {
 const std::vector<Reliability>& reliabilities();
 
 /// What speaks against the one effect that is reported: another predicts held-out data nearly as
-/// well, the gap was small from the start, or not all of it went. Empty for other verdicts. Of the
-/// counted verdicts as many were right with such reasons as without, so they are said and don't
-/// lower the probability.
+/// well, the gap was small from the start, or not all of it went. Empty for other verdicts. With
+/// such reasons 7 of 8 counted verdicts were right, without 4 of 5: too few to lower the
+/// probability, so they are only said.
 std::vector<std::string> doubts(Verdict verdict, const HeldOut& gap,
                                 const std::vector<FoundEffect>& effects,
                                 const std::vector<Ranked>& ranking, const Settings& settings);

@@ -117,9 +117,9 @@ std::vector<int> members_of(const std::vector<Established>& effects) {
   return members;
 }
 
-/// Share of the best set's probability from which held-out data may decide for another one. Evidence
-/// counts what the trials of a dataset repeat, be it the robot or that day; where datasets of other
-/// days judge one another, it decides by a clear lead only.
+/// Share of the best set's probability from which held-out data may decide for another one.
+/// Evidence counts what the trials of a dataset repeat, be it the robot or that day; where datasets
+/// judge one another, it decides by a clear lead only.
 double left_to_held_out(HeldOutGaps& gaps, const ModelFit& best) {
   const Settings& settings = gaps.settings();
   return gaps.of(best).over == "conditions" ? std::exp(-settings.clear_lead) : settings.listed;

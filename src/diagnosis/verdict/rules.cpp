@@ -54,7 +54,8 @@ bool less_than_is_left(const VerdictEvidence& e, const Settings& s) {
 }
 
 /// Whether forces remain that are worth stating: by their share of the gap, or, where what is left
-/// is a gap by itself, by their share of what tolerances leave, for the rest is no effect's.
+/// is a gap by itself (settings.plain_gap), by their share of what tolerances leave, for the rest
+/// may be no effect's.
 bool more_is_there(const VerdictEvidence& e, const Settings& s) {
   if (e.naming != Naming::sure || e.lacking <= s.likely || !e.gap.valid) return false;
   const bool plain = e.gap.after >= s.plain_gap;
@@ -115,10 +116,6 @@ const std::vector<VerdictRule>& verdict_rules() {
       {"rivals", Verdict::ambiguous, "", rivals}};
 
   return rules;
-}
-
-double remaining_share(const HeldOut& gap) {
-  return gap.valid ? share_left(gap.before, gap.after) : 0.0;
 }
 
 const VerdictRule& decide(const VerdictEvidence& evidence, const Settings& settings) {

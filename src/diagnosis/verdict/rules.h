@@ -28,10 +28,6 @@ struct VerdictRule {
   bool (*applies)(const VerdictEvidence& evidence, const Settings& settings);
 };
 
-/// Share of the held-out gap's energy beyond noise that a model leaves [0, 1]; 0 where it can't be
-/// judged.
-double remaining_share(const HeldOut& gap);
-
 /// In order; the last one always applies.
 const std::vector<VerdictRule>& verdict_rules();
 
