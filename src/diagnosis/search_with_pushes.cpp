@@ -136,7 +136,7 @@ bool has_one_push(const Problem& problem, const Whitening& whitening, const Mode
   int pushes = 0;
   for (const int c : model.candidates) {
     const Candidate& candidate = problem.hypotheses.candidates[c];
-    if (!candidate.effect->event) continue;
+    if (!candidate.is_event()) continue;
     ++pushes;
     const int peak = candidate.parameters.front(), length = candidate.parameters.back();
     const FreeParameter& own = problem.hypotheses.parameters[length];
@@ -158,7 +158,7 @@ double lead_of_push(const Problem& problem, const SearchResult& search) {
   double without = -kInfinity;
   for (const ModelFit& model : search.models) {
     const bool pushed = std::any_of(model.candidates.begin(), model.candidates.end(), [&](int c) {
-      return problem.hypotheses.candidates[c].effect->event;
+      return problem.hypotheses.candidates[c].is_event();
     });
     if (!pushed) without = std::max(without, model.log_weight());
   }

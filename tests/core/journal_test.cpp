@@ -5,7 +5,6 @@
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <signal.h>
-#include <stdlib.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -14,7 +13,6 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <map>
 #include <random>
 #include <set>
@@ -26,6 +24,7 @@
 #include "jaculus/core/error.h"
 #include "jaculus/core/interrupt.h"
 #include "jaculus/core/tasks.h"
+#include "support/temporary_folder.h"
 
 namespace jaculus {
 namespace {
@@ -33,62 +32,40 @@ namespace {
 namespace fs = std::filesystem;
 
 using test::answer;
-
-class TempFolder {
- public:
-  TempFolder() {
-    std::string name = (fs::temp_directory_path() / "jaculus_tasks_XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no temporary folder");
-    path_ = name;
-  }
-  ~TempFolder() { fs::remove_all(path_); }
-  fs::path operator/(const char* name) const { return path_ / name; }
-
- private:
-  fs::path path_;
-};
-
-std::string read_bytes(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-}
-
-void write_bytes(const fs::path& file, const std::string& bytes) {
-  std::ofstream(file, std::ios::binary)
-      .write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-}
+using test::bytes_of;
+using test::TemporaryFolder;
 
 TEST(Journal, RefusesAnotherListOfTasks) {
-  const TempFolder folder;
+  const TemporaryFolder folder;
   TaskOptions options{.journal = folder / "journal", .fingerprint = "a"};
   run_tasks(3, answer, options);
   EXPECT_THROW(run_tasks(4, answer, options), InputError);
   options.fingerprint = "b";
   EXPECT_THROW(run_tasks(3, answer, options), InputError);
-  write_bytes(folder / "other", "time [s], x [m]\n0, 0\n");
+  folder.write("other", "time [s], x [m]\n0, 0\n");
   options.journal = folder / "other";
   EXPECT_THROW(run_tasks(3, answer, options), InputError);
-  EXPECT_EQ(read_bytes(folder / "other"), "time [s], x [m]\n0, 0\n");
+  EXPECT_EQ(bytes_of(folder / "other"), "time [s], x [m]\n0, 0\n");
 }
 
 TEST(Journal, IsLocked) {
-  const TempFolder folder;
+  const TemporaryFolder folder;
   const Journal first(folder / "journal", "key");
   EXPECT_THROW(Journal(folder / "journal", "key"), InputError);
 }
 
 TEST(Journal, EveryTornTailIsCutOff) {
-  const TempFolder folder;
+  const TemporaryFolder folder;
   {
     Journal journal(folder / "whole", "key");
     for (int i = 0; i < 3; ++i) journal.append(i, answer(i));
   }
-  const std::string whole = read_bytes(folder / "whole");
+  const std::string whole = bytes_of(folder / "whole");
   const std::size_t record = 24;  // index, length and check around a payload
   const std::size_t header =
       whole.size() - 3 * record - answer(0).size() - answer(1).size() - answer(2).size();
   for (std::size_t size = 0; size < whole.size(); ++size) {
-    write_bytes(folder / "torn", whole.substr(0, size));
+    folder.write("torn", whole.substr(0, size));
     const JournalContent content = read_journal(folder / "torn");
     std::size_t expected = 0;
     for (std::size_t end = header + record + answer(0).size(); end <= size;
@@ -106,16 +83,16 @@ TEST(Journal, EveryTornTailIsCutOff) {
 }
 
 TEST(Journal, ADamagedRecordIsNoResult) {
-  const TempFolder folder;
+  const TemporaryFolder folder;
   {
     Journal journal(folder / "journal", "key");
     for (int i = 0; i < 2; ++i) journal.append(i, answer(i));
   }
-  const std::string whole = read_bytes(folder / "journal");
+  const std::string whole = bytes_of(folder / "journal");
   for (std::size_t at = whole.size() - answer(1).size() - 24; at < whole.size(); ++at) {
     std::string damaged = whole;
     damaged[at] = static_cast<char>(damaged[at] ^ 0x10);
-    write_bytes(folder / "damaged", damaged);
+    folder.write("damaged", damaged);
     const JournalContent content = read_journal(folder / "damaged");
     EXPECT_EQ(content.finished.size(), 1u) << at;
     EXPECT_GT(content.torn_bytes, 0u);
@@ -123,7 +100,7 @@ TEST(Journal, ADamagedRecordIsNoResult) {
 }
 
 TEST(Tasks, InterruptKeepsWhatIsFinished) {
-  const TempFolder folder;
+  const TemporaryFolder folder;
   for (const bool isolate : {true, false}) {
     const fs::path journal = folder / (isolate ? "a" : "b");
     TaskOptions options{.workers = 1, .isolate = isolate, .journal = journal};
@@ -144,7 +121,7 @@ TEST(Tasks, InterruptKeepsWhatIsFinished) {
 }
 
 TEST(Tasks, FailedTasksRunAgainOnResume) {
-  const TempFolder folder;
+  const TemporaryFolder folder;
   TaskOptions options{.isolate = false, .journal = folder / "journal"};
   bool broken = true;
   std::atomic<int> runs = 0;
@@ -161,7 +138,7 @@ TEST(Tasks, FailedTasksRunAgainOnResume) {
 }
 
 TEST(Tasks, APartCanBeRunFirstAndTheRestLater) {
-  const TempFolder folder;
+  const TemporaryFolder folder;
   TaskOptions options{.isolate = false, .journal = folder / "journal"};
   options.until = 2;
   int total = 0;
@@ -195,7 +172,7 @@ TEST(TasksHelper, DISABLED_JournalledRun) {
                 {.workers = 2, .journal = folder / "journal", .fingerprint = "killed"});
   std::string all;
   for (const TaskResult& result : results) all += result.bytes;
-  write_bytes(folder / "result", all);
+  std::ofstream(folder / "result", std::ios::binary) << all;
 }
 
 pid_t start_helper(const fs::path& folder) {
@@ -217,8 +194,8 @@ std::set<int> executed_tasks(const fs::path& folder) {
 }
 
 TEST(Tasks, KilledAtRandomMomentsNothingIsLostOrRecomputed) {
-  const TempFolder folder;
-  const fs::path place = folder / "";
+  const TemporaryFolder folder;
+  const fs::path place = folder.path();
   std::mt19937 random(3);
   std::uniform_int_distribution<int> milliseconds(0, 20);
   int kills = 0;
@@ -251,7 +228,7 @@ TEST(Tasks, KilledAtRandomMomentsNothingIsLostOrRecomputed) {
   ASSERT_EQ(status, 0);
   std::string expected;
   for (int i = 0; i < kKilledTasks; ++i) expected += answer(i);
-  EXPECT_EQ(read_bytes(folder / "result"), expected);
+  EXPECT_EQ(bytes_of(folder / "result"), expected);
 }
 
 }  // namespace

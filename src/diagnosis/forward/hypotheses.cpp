@@ -13,6 +13,8 @@ Vector Candidate::theta(const Vector& p) const {
   return own;
 }
 
+bool Candidate::is_event() const { return effect != nullptr && effect->event; }
+
 Vector Hypotheses::nominal() const {
   Vector p(count_of(parameters));
   for (std::size_t i = 0; i < parameters.size(); ++i) p[i] = parameters[i].nominal;

@@ -48,6 +48,8 @@ struct Candidate {
 
   /// Its own parameters out of all, in its effect's order.
   [[nodiscard]] Vector theta(const Vector& p) const;
+  /// Whether it is a force that acted once and is told as an event, no effect of the robot.
+  [[nodiscard]] bool is_event() const;
 };
 
 /// The generalised force along one coordinate that the plant may lack: constant over boxes of a

@@ -7,14 +7,9 @@
 
 namespace jaculus::diagnosis {
 
-bool is_event(const Problem& problem, int candidate) {
-  const effects::Effect* effect = problem.hypotheses.candidates[candidate].effect;
-  return effect != nullptr && effect->event;
-}
-
 PartedProposal parted(const Problem& problem, const Proposal& proposal) {
   PartedProposal out{proposal.naming, {}, {}};
-  const auto event = [&](int c) { return is_event(problem, c); };
+  const auto event = [&](int c) { return problem.hypotheses.candidates[c].is_event(); };
   if (proposal.naming == Naming::rivals) {
     Established place = proposal.effects.front();
     const bool events_alone =
@@ -48,13 +43,13 @@ std::vector<Ranked> ranked_without_events(const Problem& problem,
   for (Ranked row : ranking) {
     const std::size_t before = row.members.size();
     std::erase_if(row.members, [&](const std::string& name) {
-      return is_event(problem, hypotheses.candidate(name));
+      return hypotheses.candidates[hypotheses.candidate(name)].is_event();
     });
     if (row.members.size() != before)
       row.effect = row.members.empty() ? "none" : fmt::format("{}", fmt::join(row.members, " + "));
     std::erase_if(row.parameters, [&](const FoundParameter& value) {
       const int c = hypotheses.candidate(value.name.substr(0, value.name.rfind('.')));
-      return c >= 0 && is_event(problem, c);
+      return c >= 0 && hypotheses.candidates[c].is_event();
     });
 
     const auto same = std::find_if(out.begin(), out.end(),

@@ -7,9 +7,6 @@
 
 namespace jaculus::diagnosis {
 
-/// Whether a candidate is something that happened once.
-bool is_event(const Problem& problem, int candidate);
-
 /// A proposal with what it proposes in two parts.
 struct PartedProposal {
   Naming naming = Naming::nothing;
