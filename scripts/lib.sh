@@ -21,7 +21,6 @@ nlohmann-json3-dev - JSON results
 libtbb-dev - runs independent solves on all cores
 libboost-dev - the integrator that verifies plans and runs the plant (odeint)
 libboost-filesystem-dev - what runs xacro (process) needs it
-libceres-dev - least squares of the diagnosis
 libmuparser-dev - formulas of effects in files
 libsodium-dev - seals the labels of test cases
 libmujoco-dev - the independent engine of the testbed

@@ -63,6 +63,18 @@ void add_pushes(const std::vector<LikelyPush>& more, std::vector<LikelyPush>& pu
   }
 }
 
+/// The space about the model without effects, as the search had it or worked out here; nothing
+/// where that model can't be fitted.
+std::optional<Relinearised> about_no_effect(const Prepared& prepared, const Selection& found) {
+  if (found.about_none) return found.about_none;
+  const Problem& problem = *prepared.built.problem;
+  Comparison comparison = first_comparison(problem, prepared.noise);
+  const Fit none = fit_model(problem, comparison.whitening, problem.hypotheses.nuisances(),
+                             {comparison.noise.p});
+  if (!none.valid) return {};
+  return relinearise(problem, std::move(comparison), none);
+}
+
 /// Pushes that may have acted, as effects: about the model without effects, for a push may be what
 /// makes an effect lead, and about the leading one, without whose effects their own misfit would
 /// look like pushes.
@@ -79,13 +91,9 @@ std::vector<effects::Effect> likely_push_effects(const Prepared& prepared,
   const ModelFit& leader = leading(effects_alone.search);
   if (!leader.candidates.empty())
     likely = likely_pushes(problem, *scanned.problem, effects_alone.comparison, leader.fit, most);
-  Comparison comparison = first_comparison(problem, prepared.noise);
-  const Fit none = fit_model(problem, comparison.whitening, problem.hypotheses.nuisances(),
-                             {comparison.noise.p});
-  if (none.valid) {
-    const Relinearised about = relinearise(problem, std::move(comparison), none);
-    add_pushes(likely_pushes(problem, *scanned.problem, about.comparison, about.fit, most), likely);
-  }
+  if (const auto about = about_no_effect(prepared, effects_alone))
+    add_pushes(likely_pushes(problem, *scanned.problem, about->comparison, about->fit, most),
+               likely);
 
   std::vector<effects::Effect> pushes;
   const double duration = problem.observations.datasets.front().window_end;

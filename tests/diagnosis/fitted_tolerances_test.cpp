@@ -3,14 +3,11 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Cholesky>
 #include <cmath>
 #include <numbers>
 
-#include "diagnosis/noise/random_weights.h"
 #include "diagnosis/selection/comparison.h"
 #include "diagnosis/selection/fit.h"
-#include "diagnosis/selection/minimise.h"
 #include "diagnosis/toy.h"
 
 namespace jaculus::diagnosis {
@@ -230,29 +227,6 @@ TEST(FittedTolerances, GainsFollowSecantsWhereTolerancesGoByTheirSlopes) {
     EXPECT_NEAR(fast.p[i], exact.p[i], 2.0 * std::sqrt(2.0 * settled) * deviation) << i;
   }
   EXPECT_NEAR(fast.log_evidence, exact.log_evidence, 2.0 * settled);
-}
-
-TEST(Minimise, ReachesTheNormalEquationsOfALinearProblem) {
-  const auto problem = toy_problem(test::toy_truth(0.3, 0.1));
-  const Comparison comparison = comparison_at(*problem, Vector::Zero(4));
-  Residual residual(*problem, comparison.whitening, {0, 1}, Vector::Zero(4));
-  const RandomEffects& random = comparison.whitening.random;
-  const Vector scales = first_scales(random);
-  const RandomWeights weights(random, scales);
-  Vector u = Vector::Zero(2), r0, r;
-  Matrix J;
-  ASSERT_TRUE(residual.value(u, r0) && residual.slopes(u, J));
-  const auto fell = minimise(residual, random, scales, Misfits::held, 20, u);
-  ASSERT_TRUE(fell);
-
-  const Matrix W = weights.stacked(J), root = weights.stacked(r0);
-  const Matrix H = W.transpose() * W + Matrix::Identity(2, 2);
-  const Vector expected = -H.ldlt().solve(W.transpose() * root);
-  EXPECT_LT((u - expected).norm(), 1e-3 * expected.norm());
-  ASSERT_TRUE(residual.value(u, r));
-  const double before = 0.5 * root.squaredNorm(),
-               after = 0.5 * (weights.stacked(r).squaredNorm() + u.squaredNorm());
-  EXPECT_NEAR(*fell, before - after, 1e-6 * before);
 }
 
 }  // namespace

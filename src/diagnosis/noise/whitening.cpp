@@ -261,6 +261,12 @@ Vector Whitening::apply(const std::vector<Vector>& raw) const {
   return white;
 }
 
+Matrix Whitening::slopes(const RowSlopes& of_rows) const {
+  Matrix J(rows, count_of(of_rows.columns));
+  for (Eigen::Index i = 0; i < J.cols(); ++i) J.col(i) = -apply(of_rows.columns[i]);
+  return J;
+}
+
 Vector Whitening::in_rows(const Vector& white) const {
   Vector out = white.head(rows - apart);
   Eigen::Index first = 0, next = out.size();

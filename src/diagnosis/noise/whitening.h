@@ -57,6 +57,12 @@ struct DatasetWhitening {
   [[nodiscard]] int block_of(int segment) const;
 };
 
+/// Slopes of predicted rows by some parameters, before whitening: slopes in any space follow.
+struct RowSlopes {
+  /// A parameter each: a dataset each [units of its rows per prior scale].
+  std::vector<std::vector<Vector>> columns;
+};
+
 struct Whitening {
   std::vector<DatasetWhitening> datasets;
   int rows = 0;                       ///< of all datasets in their order, then of what stands apart
@@ -69,6 +75,8 @@ struct Whitening {
   [[nodiscard]] Vector residual(const std::vector<Vector>& predicted) const;
   /// T g of a raw difference of predictions.
   [[nodiscard]] Vector apply(const std::vector<Vector>& raw) const;
+  /// dr/du, white rows x parameters.
+  [[nodiscard]] Matrix slopes(const RowSlopes& of_rows) const;
   /// The rows of all datasets with what stands apart put back, M^-1/2 of step 2.
   [[nodiscard]] Vector in_rows(const Vector& white) const;
 };

@@ -87,11 +87,15 @@ Fit fit_from(const Problem& problem, const Whitening& whitening, const std::vect
                       iterations_of(problem, options, round), u)
                  .value_or(kNaN);
     }
-    fit.valid = !std::isnan(fell) && residual.value(u, fit.residual) &&
-                residual.renewed_slopes(u, fit.jacobian);
+    // Misfits have followed already.
+    const bool stays = random.blocks.empty() && round > 0 && fell < settings.scales_settled;
+    fit.valid =
+        !std::isnan(fell) && residual.value(u, fit.residual) &&
+        (stays ? residual.slopes(u, fit.jacobian) : residual.renewed_slopes(u, fit.jacobian));
     if (!fit.valid) return before_round;  // what stands; not valid in the first round
 
     fit.p = residual.full(u);
+    if (options.keep_rows) fit.nuisance_rows = residual.nuisance_rows();
     fit.simulated = residual.simulated(u);
     fit.rows = residual.predicted();
     Products products = products_of(random, linear_model(problem, fit));
@@ -105,8 +109,6 @@ Fit fit_from(const Problem& problem, const Whitening& whitening, const std::vect
 
     if (free.empty() || options.hold_scales) return fit;
     if (random.blocks.empty()) {
-      // Misfits have followed already.
-      const bool stays = round > 0 && fell < settings.scales_settled;
       if (options.by_slopes != nullptr || stays || round >= settings.renewals) return fit;
       continue;
     }
@@ -121,13 +123,16 @@ Fit fit_from(const Problem& problem, const Whitening& whitening, const std::vect
 
 Residual residual_of(const Problem& problem, const Whitening& whitening,
                      const std::vector<int>& free, const Vector& p, const FitOptions& options) {
+  const bool by_rows = !options.known_rows.columns.empty();
+  const Matrix known = by_rows ? whitening.slopes(options.known_rows) : options.known;
   Residual residual =
       options.by_slopes == nullptr
-          ? Residual(problem, whitening, free, p, options.known, options.effect_slopes)
+          ? Residual(problem, whitening, free, p, known, options.effect_slopes)
           : Residual(problem, whitening, free, p, *options.by_slopes, options.effect_slopes);
   // Where no slope is known at all the first ones are differenced together.
-  if (options.effects_follow && options.by_slopes == nullptr && options.known.cols() == 0)
+  if (options.effects_follow && options.by_slopes == nullptr && known.cols() == 0)
     residual.follow_effects();
+  if (by_rows) residual.know_rows(options.known_rows);
   return residual;
 }
 

@@ -4,9 +4,8 @@
 //   u = (p - nominal)/scale of the free parameters,  cost(u) = r^T V^-1 r/2 + |u|^2/2,
 //   r = T (y - A m - f(p)) (noise/whitening.h),  V = I + G S^2 G^T: what noise and forces that the
 //   plant lacks make of it (noise/random_effects.h)
-// minimised by Ceres (Levenberg-Marquardt with bounds), slopes by forward differences through
-// simulation, backward at an upper end (residual.h), in turn with the deviations S that maximise
-// the evidence.
+// minimised within bounds (minimise.h), slopes by forward differences through simulation, backward
+// at an upper end (residual.h), in turn with the deviations S that maximise the evidence.
 // Laplace's evidence, with H = J^T V^-1 J + I and mean mu of the posterior linearised at the
 // optimum:
 //   log Z = log N(r0; 0, V + J J^T), r0 = r - J u,
@@ -41,6 +40,7 @@ struct Fit {
   double log_evidence = 0.0;
   double log_complete = 0.0;  ///< the same where the plant lacks no force: S = 0
   long predictions = 0;       ///< sets of simulations that it took
+  RowSlopes nuisance_rows;    ///< as known last, where they were asked for
 
   /// Whether tolerances were not simulated, so that p is no point of the forward model.
   [[nodiscard]] bool by_slopes() const { return p != simulated; }
@@ -56,6 +56,9 @@ struct FitOptions {
   /// Slopes of the nuisances to set out with, white rows x nuisances (residual.h); empty: those at
   /// the start.
   Matrix known{};
+  /// The same of their rows, in place of `known`; and whether the fit keeps those it ends with.
+  RowSlopes known_rows{};
+  bool keep_rows = false;
   /// The same of the effects, white rows x their parameters, then by secants; empty: differenced.
   Matrix effect_slopes{};
   /// Whether they follow by secants where no slope is given at all, once differenced.

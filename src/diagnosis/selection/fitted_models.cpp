@@ -44,8 +44,12 @@ FittedModels::FittedModels(const Problem& problem, const Comparison& comparison,
       comparison_(comparison),
       earlier_(earlier),
       same_space_(earlier != nullptr && same_space) {
-  linear_ = linear_nuisances(problem, comparison.whitening, comparison.noise.p);
-  if (linear_.slopes.cols() > 0) predictions_ += linear_.slopes.cols() + 1;
+  if (comparison.nuisances.columns.empty()) {
+    linear_ = linear_nuisances(problem, comparison.whitening, comparison.noise.p);
+    if (linear_.slopes.cols() > 0) predictions_ += linear_.slopes.cols() + 1;
+  } else {
+    linear_ = {comparison.noise.p, comparison.whitening.slopes(comparison.nuisances)};
+  }
   if (same_space_) {
     models_ = earlier_->models;
     return;

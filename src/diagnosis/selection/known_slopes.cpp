@@ -1,25 +1,22 @@
 #include "diagnosis/selection/known_slopes.h"
 
-#include <Eigen/Cholesky>
+#include <algorithm>
+
+#include "diagnosis/selection/box_step.h"
 
 namespace jaculus::diagnosis {
 namespace {
 
-/// The Gauss-Newton step of the parameters that are not held at an end of their range.
+/// The Gauss-Newton step within the parameters' bounds.
 Vector step_within(const Problem& problem, const std::vector<int>& free, const Vector& u,
                    const Matrix& curvature, const Vector& gradient) {
-  std::vector<Eigen::Index> moving;
+  Vector lower(u.size()), upper(u.size());
   for (Eigen::Index i = 0; i < u.size(); ++i) {
-    const FreeParameter& own = problem.hypotheses.parameters[free[i]];
-    const double value = own.nominal + own.scale * u[i];
-    const bool held = (value <= own.bounds.lower && gradient[i] > 0.0) ||
-                      (value >= own.bounds.upper && gradient[i] < 0.0);
-    if (!held) moving.push_back(i);
+    const Bounds range = problem.hypotheses.parameters[free[i]].scaled_bounds();
+    lower[i] = std::min(0.0, range.lower - u[i]);
+    upper[i] = std::max(0.0, range.upper - u[i]);
   }
-  Vector step = Vector::Zero(u.size());
-  if (!moving.empty())
-    step(moving) = -Matrix(curvature(moving, moving)).llt().solve(Vector(gradient(moving)));
-  return step;
+  return box_step(curvature, gradient, lower, upper);
 }
 
 }  // namespace

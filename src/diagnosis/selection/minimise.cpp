@@ -1,17 +1,21 @@
 #include "diagnosis/selection/minimise.h"
 
-#include <ceres/ceres.h>
-#include <glog/logging.h>
-
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 
 #include "diagnosis/noise/random_weights.h"
+#include "diagnosis/selection/box_step.h"
 
 namespace jaculus::diagnosis {
 namespace {
+
+// Trust regions as Nocedal and Wright (2006, algorithm 4.1) have them.
+constexpr double kWorthIt = 1e-3;             // of the promised fall, else a step isn't taken
+constexpr double kPoor = 0.25, kGood = 0.75;  // the same: less is trusted, or more
+constexpr int kFailures = 2;  // one after the other, until slopes by secants are given up (MINPACK)
+constexpr double kWider = 2.0;                         // times a step that was good
+constexpr double kLeastShare = 0.1, kMostShare = 0.5;  // of a step that was not
 
 /// Rows that a misfit weighs alike: spans of first and count.
 using Part = std::vector<std::pair<int, int>>;
@@ -127,95 +131,92 @@ std::vector<Part> parts_of(const RandomEffects& random, bool follow, const Rando
   return parts;
 }
 
-/// Ceres' view.
-class Cost : public ceres::CostFunction {
+/// The cost about a residual, and its quadratic model.
+class Cost {
  public:
   Cost(Residual& residual, const RandomEffects& random, const Vector& scales, Misfits misfits)
       : residual_(residual),
         random_(random),
         scales_(scales),
         follow_(misfits == Misfits::follow && !random.misfits.empty()),
-        weights_(random, follow_ ? without_misfits(random, scales) : scales) {
-    set_num_residuals(static_cast<int>(residual.size()) + 1);
-    mutable_parameter_block_sizes()->push_back(static_cast<int>(residual.size()));
-  }
-  bool Evaluate(double const* const* parameters, double* residuals,
-                double** jacobians) const override {
-    const Eigen::Index n = residual_.size();
-    const Vector u = Eigen::Map<const Vector>(parameters[0], n);
-    Vector r;
-    if (!residual_.value(u, r)) return false;
-    const Vector scales = follow_ ? misfits_of(random_, r, scales_) : scales_;
-    const Vector root = weights_.stacked(r);
-    const double log_det = follow_ ? misfits_log_det(random_, scales) : 0.0;
-    const double squares = weighed_square(root, scales) + u.squaredNorm() + log_det;
-    Eigen::Map<Vector> rows(residuals, n + 1);
-    rows.setZero();
-    rows[n] = std::sqrt(squares);
-    if (jacobians == nullptr || jacobians[0] == nullptr) return true;
+        weights_(random, follow_ ? without_misfits(random, scales) : scales) {}
 
+  /// Infinite where the simulation fails.
+  double at(const Vector& u) {
+    if (!residual_.value(u, r_)) return kInfinity;
+    own_ = follow_ ? misfits_of(random_, r_, scales_) : scales_;
+    root_ = weights_.stacked(r_);
+    const double log_det = follow_ ? misfits_log_det(random_, own_) : 0.0;
+    return 0.5 * (weighed_square(root_) + u.squaredNorm() + log_det);
+  }
+
+  /// g and H at the point of the last `at`. False where a simulation fails.
+  bool model(const Vector& u, Vector& g, Matrix& H) {
     Matrix J;
     if (!residual_.slopes(u, J)) return false;
-    if (!slopes_) slopes_.emplace(weights_, parts_of(random_, follow_, weights_, r.size()));
+    if (!slopes_) slopes_.emplace(weights_, parts_of(random_, follow_, weights_, r_.size()));
     slopes_->follow(residual_, J);
-    const Vector shares = shares_at(scales);
-    Matrix H = slopes_->gram(shares);
+    const Vector shares = shares_now();
+    H = slopes_->gram(shares);
     H.diagonal().array() += 1.0;
-    Vector gradient = slopes_->along(shares, root) + u;
-    hold_at_bounds(u, gradient, H);
-    const Eigen::LLT<Matrix> factor(H);
-    rows.head(n) = factor.matrixL().solve(gradient);
-    rows[n] = std::sqrt(std::max(0.0, squares - rows.head(n).squaredNorm()));
-    Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> all(
-        jacobians[0], n + 1, n);
-    all.topRows(n) = factor.matrixU();
-    all.bottomRows(1).setZero();
+    g = slopes_->along(shares, root_) + u;
     return true;
   }
 
  private:
   /// |x|^2 of rows of M r, each part's by the root of its variance.
-  [[nodiscard]] double weighed_square(Vector x, const Vector& scales) const {
+  [[nodiscard]] double weighed_square(Vector x) const {
     if (!follow_) return x.squaredNorm();
     for (const Misfit& own : random_.misfits)
       for (const auto& [first, count] : own.spans)
-        x.segment(first, count) *= 1.0 / std::sqrt(own.variance(scales[own.group]));
+        x.segment(first, count) *= 1.0 / std::sqrt(own.variance(own_[own.group]));
     return x.squaredNorm();
   }
+
   /// Of each part of the rows, what its misfit leaves of their weight.
-  [[nodiscard]] Vector shares_at(const Vector& scales) const {
+  [[nodiscard]] Vector shares_now() const {
     if (!follow_) return Vector::Ones(1);
     Vector shares = Vector::Ones(count_of(random_.misfits) + 1);
     for (int c = 0; c < count_of(random_.misfits); ++c) {
       const Misfit& own = random_.misfits[c];
-      shares[c] = 1.0 / own.variance(scales[own.group]);
+      shares[c] = 1.0 / own.variance(own_[own.group]);
     }
     return shares;
-  }
-
-  /// A parameter at a bound beyond which the cost falls stays there, and the step of the others is
-  /// that of the problem without it (Bertsekas 1982, projected Newton). Where a step was merely
-  /// cut, it would be made for a place that no parameter may reach.
-  void hold_at_bounds(const Vector& u, Vector& gradient, Matrix& H) const {
-    for (Eigen::Index i = 0; i < u.size(); ++i) {
-      const Bounds range = residual_.range(i);
-      const bool held =
-          (u[i] <= range.lower && gradient[i] > 0.0) || (u[i] >= range.upper && gradient[i] < 0.0);
-      if (!held) continue;
-      gradient[i] = 0.0;
-      H.row(i).setZero();
-      H.col(i).setZero();
-      H(i, i) = 1.0;
-    }
   }
 
   Residual& residual_;
   const RandomEffects& random_;
   const Vector& scales_;
   bool follow_;
-  RandomWeights weights_;                        ///< without misfits where these follow
-  mutable std::optional<WeighedSlopes> slopes_;  // Ceres evaluates through a constant
+  RandomWeights weights_;  ///< without misfits where these follow
+  std::optional<WeighedSlopes> slopes_;
+  Vector r_, root_, own_;  ///< of the last `at`: residual, M r, scales
 };
+
+/// The bounds of a step from u: a box of the parameters' ranges and of what is trusted, |d_i| times
+/// the root of H_ii, by how much a parameter alone moves the weighed residual. What moves it in
+/// proportion is trusted without end.
+struct Box {
+  Vector lower, upper;
+};
+
+Box box_about(const Residual& residual, const Vector& u, const Vector& sizes, double trusted) {
+  Box box{Vector(u.size()), Vector(u.size())};
+  for (Eigen::Index i = 0; i < u.size(); ++i) {
+    const Bounds range = residual.range(i);
+    const double far = i < residual.first_linear() ? trusted / sizes[i] : kInfinity;
+    box.lower[i] = std::min(0.0, std::max(range.lower - u[i], -far));
+    box.upper[i] = std::max(0.0, std::min(range.upper - u[i], far));
+  }
+  return box;
+}
+
+/// The share of a step at which a parabola through the cost at its start, with its slope there, and
+/// at its end is least.
+double share_by_parabola(double slope, double rise) {
+  if (!std::isfinite(rise)) return kLeastShare;
+  return std::clamp(-0.5 * slope / (rise - slope), kLeastShare, kMostShare);
+}
 
 }  // namespace
 
@@ -231,36 +232,42 @@ double cost_of(const RandomEffects& random, const Vector& scales, Misfits misfit
 std::optional<double> minimise(Residual& residual, const RandomEffects& random,
                                const Vector& scales, Misfits misfits, int iterations, Vector& u) {
   const Settings& settings = residual.settings();
-  FLAGS_minloglevel =
-      google::GLOG_FATAL;  // a simulation that fails is a status here, no message of a library
-  ceres::Problem::Options ownership;
-  ownership.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  for (Eigen::Index i = 0; i < u.size(); ++i)
+    u[i] = std::clamp(u[i], residual.range(i).lower, residual.range(i).upper);
+
   Cost cost(residual, random, scales, misfits);
-  ceres::Problem problem(ownership);
-  problem.AddResidualBlock(&cost, nullptr, u.data());
-  for (Eigen::Index i = 0; i < u.size(); ++i) {
-    const Bounds range = residual.range(i);
-    if (std::isfinite(range.lower))
-      problem.SetParameterLowerBound(u.data(), static_cast<int>(i), range.lower);
-    if (std::isfinite(range.upper))
-      problem.SetParameterUpperBound(u.data(), static_cast<int>(i), range.upper);
+  double now = cost.at(u);
+  const double first = now;
+  Vector g;
+  Matrix H;
+  if (!std::isfinite(first) || !cost.model(u, g, H)) return {};
+  double trusted = kInfinity;
+  int failed = 0;  // one after the other
+  for (int step = 0; step < iterations; ++step) {
+    const Vector sizes = H.diagonal().cwiseSqrt();
+    const Box box = box_about(residual, u, sizes, trusted);
+    const Vector d = box_step(H, g, box.lower, box.upper);
+    const double slope = g.dot(d), promised = -slope - 0.5 * d.dot(H * d);
+    const bool still = d.norm() <= settings.fit_parameter_tolerance * (1.0 + u.norm());
+    if (still || promised <= settings.fit_cost_tolerance * std::abs(now)) break;
+
+    const double size =
+        d.cwiseProduct(sizes).head(residual.first_linear()).lpNorm<Eigen::Infinity>();
+    const double next = cost.at(u + d), kept = (now - next) / promised;
+    if (!(kept > kWorthIt)) {
+      // Nothing that could be trusted less, or slopes by secants that say nothing any more.
+      if (size == 0.0 || (residual.followed() > 0 && ++failed == kFailures)) break;
+      trusted = share_by_parabola(slope, next - now) * size;
+      continue;
+    }
+    failed = 0;
+    u += d;
+    now = next;
+    if (!cost.model(u, g, H)) break;
+    if (kept < kPoor) trusted = kMostShare * size;
+    if (kept > kGood) trusted = std::max(trusted, kWider * size);
   }
-
-  ceres::Solver::Options options;
-  options.max_num_iterations = iterations;
-  options.linear_solver_type = ceres::DENSE_QR;
-  options.function_tolerance = settings.fit_cost_tolerance;
-  options.parameter_tolerance = settings.fit_parameter_tolerance;
-  // With bounds Ceres would search along every step, up to twenty simulations where none is lower.
-  // A step that fails is shortened by the trust region instead.
-  options.max_num_line_search_step_size_iterations = 0;
-  options.logging_type = ceres::SILENT;
-  options.num_threads = 1;
-  ceres::Solver::Summary summary;
-  ceres::Solve(options, &problem, &summary);
-
-  if (!summary.IsSolutionUsable()) return {};
-  return summary.initial_cost - summary.final_cost;
+  return first - now;
 }
 
 }  // namespace jaculus::diagnosis

@@ -1,15 +1,20 @@
 #pragma once
-// Minimises a fit's cost for given deviations of the random effects, by Ceres (Levenberg-Marquardt
-// with bounds).
+// Minimises a fit's cost for given deviations of the random effects, by Gauss-Newton steps within
+// bounds and a trust region that is a box too.
 //
 //   c(u) = |M r|^2/2 + |u|^2/2  (M: noise/random_weights.h),  g = (M J)^T M r + u,
-//   H = (M J)^T M J + I = R^T R
-// Ceres asks for residuals, but needs their cost, gradient and Gauss-Newton matrix alone. So it is
-// given as many rows as there are parameters and one,
-//   [R^-T g;  (2 c - |R^-T g|^2)^1/2]  with the Jacobian  [R; 0],
-// which have all three, in place of ten thousand. Misfits are on the way at their most
-// likely for r (random_effects.h): with their log det in c, the gradient is unchanged, for c is
-// least by them, and H takes them as they are.
+//   H = (M J)^T M J + I
+//   step d = argmin g.d + d.H d/2,  lower <= u + d <= upper,  H_ii^1/2 |d_i| <= trusted
+// (box_step.h; the rules of the region: Nocedal and Wright 2006, algorithm 4.1). Bounds belong to
+// the step itself, for most of a fit's parameters move the residual in proportion (tolerances by
+// their slopes): to these no trust applies, and whatever an effect's one or two parameters do they
+// take their best values within bounds at once. A step without bounds that is cut to them, as
+// general solvers for least squares take it, needed thirty simulations an effect in place of five.
+// Where slopes follow secants and steps fail twice in a row, they say nothing any more and are to
+// be told anew (MINPACK).
+//
+// Misfits are on the way at their most likely for r (random_effects.h): with their log det in c,
+// the gradient is unchanged, for c is least by them, and H takes them as they are.
 
 #include <optional>
 

@@ -50,7 +50,9 @@ Relinearised relinearise(const Problem& problem, Comparison comparison, Fit fit)
 }
 
 Relinearised relinearise(const Problem& problem, Comparison comparison, Fit fit, int rounds,
-                         const FitOptions& options) {
+                         FitOptions options) {
+  // Under a plan; in windows effects' slopes follow as well, from where all are differenced.
+  options.keep_rows = !in_windows(problem);
   for (int round = 0; round < rounds; ++round) {
     NoiseModel again = estimate_noise(problem, fit.simulated, comparison.noise.alignments);
     if (!again.valid()) break;
@@ -59,26 +61,34 @@ Relinearised relinearise(const Problem& problem, Comparison comparison, Fit fit,
     // A fit goes with the comparison that it was made in: both are taken, or neither.
     const Fit next = fit_model(problem, about.whitening, fit.free, {fit.simulated}, options);
     if (!next.valid) break;
+    options.known_rows = next.nuisance_rows;
     comparison = std::move(about);
     const Vector moved =
         problem.hypotheses.scaled(fit.free, next.p) - problem.hypotheses.scaled(fit.free, fit.p);
     fit = next;
-    if (moved.size() == 0 || moved.cwiseAbs().maxCoeff() < problem.settings.relinearised_within)
+    if (moved.size() == 0 || moved.cwiseAbs().maxCoeff() < problem.settings.relinearised_within) {
+      comparison.nuisances = fit.nuisance_rows;
       break;
+    }
   }
   return {std::move(comparison), std::move(fit)};
 }
 
-Comparison told_anew(const Problem& problem, const Comparison& comparison, const Fit& none,
-                     const ModelFit* leader, int rounds) {
+ToldAnew told_anew(const Problem& problem, const Comparison& comparison, const Fit& none,
+                   const ModelFit* leader, int rounds) {
   const FitOptions options = in_windows(problem) ? short_fit() : FitOptions{};
-  if (leader == nullptr) return relinearise(problem, comparison, none, rounds, options).comparison;
+  const auto about_none = [&] { return relinearise(problem, comparison, none, rounds, options); };
+  if (leader == nullptr) {
+    Relinearised about = about_none();
+    return {about.comparison, about};
+  }
+
   Relinearised about = relinearise(problem, comparison, leader->fit, rounds, options);
   if (problem.hypotheses.tolerances.empty() || !leaves_more(problem, about.fit))
-    return std::move(about.comparison);
-  Relinearised about_none = relinearise(problem, comparison, none, rounds, options);
-  const bool less = likelihood_by_size(about) > likelihood_by_size(about_none);
-  return std::move((less ? about : about_none).comparison);
+    return {std::move(about.comparison), {}};
+  Relinearised other = about_none();
+  const bool less = likelihood_by_size(about) > likelihood_by_size(other);
+  return {less ? std::move(about.comparison) : other.comparison, std::move(other)};
 }
 
 }  // namespace jaculus::diagnosis

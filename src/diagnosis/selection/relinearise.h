@@ -16,17 +16,21 @@ struct Relinearised {
 Relinearised relinearise(const Problem& problem, Comparison comparison, Fit fit);
 /// The same, in so many rounds at most and with fits by some options.
 Relinearised relinearise(const Problem& problem, Comparison comparison, Fit fit, int rounds,
-                         const FitOptions& options);
+                         FitOptions options);
 
 /// Of a fit that tells what noise is about, no result: one round more, effects by secants. Each of
 /// many windows is a simulation.
 FitOptions short_fit();
 
+struct ToldAnew {
+  Comparison comparison;
+  std::optional<Relinearised> about_none;  ///< where it was worked out
+};
 /// The space about a leading effect, or about none where there is no such effect or where it leaves
 /// forces and none's own tolerances, fitted, leave less. Singles are judged by slopes at the files'
 /// values: a strong effect is told there, but what tolerances do beyond slopes may be taken for
 /// one.
-Comparison told_anew(const Problem& problem, const Comparison& comparison, const Fit& none,
-                     const ModelFit* leader, int rounds);
+ToldAnew told_anew(const Problem& problem, const Comparison& comparison, const Fit& none,
+                   const ModelFit* leader, int rounds);
 
 }  // namespace jaculus::diagnosis

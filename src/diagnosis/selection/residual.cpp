@@ -35,7 +35,8 @@ Residual::Residual(const Problem& problem, const Whitening& whitening, std::vect
       tolerances_(count_before(problem.hypotheses.tolerances, free_)),
       first_followed_(nuisances_),
       fixed_(std::move(fixed)),
-      steps_(Vector::Constant(count_of(free_), problem.settings.first_step)) {
+      steps_(Vector::Constant(count_of(free_), problem.settings.first_step)),
+      row_slopes_{std::vector<std::vector<Vector>>(free_.size())} {
   const bool all = effects.cols() > 0 && effects.cols() == nuisances_;
   if (known.cols() != size() - nuisances_ || (known.cols() == 0 && !all)) return;
   slopes_ = Matrix::Zero(whitening.rows, size());
@@ -60,6 +61,18 @@ Vector Residual::simulated(const Vector& u) const {
 
 Bounds Residual::range(Eigen::Index i) const {
   return problem_.hypotheses.parameters[free_[i]].scaled_bounds();
+}
+
+void Residual::know_rows(const RowSlopes& nuisances) {
+  std::copy(nuisances.columns.begin(), nuisances.columns.end(),
+            row_slopes_.columns.begin() + nuisances_);
+}
+
+RowSlopes Residual::nuisance_rows() const {
+  RowSlopes rows{{row_slopes_.columns.begin() + nuisances_, row_slopes_.columns.end()}};
+  const bool known = std::all_of(rows.columns.begin(), rows.columns.end(),
+                                 [](const auto& own) { return !own.empty(); });
+  return known ? rows : RowSlopes{};
 }
 
 bool Residual::value(const Vector& u, Vector& r) {
@@ -95,10 +108,11 @@ bool Residual::difference_columns(const Vector& u, const std::vector<Eigen::Inde
   tbb::parallel_for(0, count_of(columns), [&](int k) {
     const Eigen::Index i = columns[k];
     const double scale = problem_.hypotheses.parameters[free_[i]].scale;
-    const auto moved =
-        difference(problem_, whitening_.alignments, p, rows_, free_[i], steps_[i] * scale);
+    auto moved = difference(problem_, whitening_.alignments, p, rows_, free_[i], steps_[i] * scale);
     if (!moved) return;
-    J.col(i) = whitening_.apply(moved->rows) * (-scale / moved->step);
+    for (Vector& rows : moved->rows) rows *= scale / moved->step;
+    J.col(i) = -whitening_.apply(moved->rows);
+    row_slopes_.columns[i] = std::move(moved->rows);
     steps_[i] = difference_step(J.col(i).norm(), problem_.settings);
     done[k] = 1;
   });

@@ -58,6 +58,12 @@ class Residual {
     return (linear_ == nullptr ? size() : tolerances_) - first_followed_;
   }
 
+  /// Place of the first that moves the residual in proportion: the first tolerance where these go
+  /// by their slopes, else past the last.
+  [[nodiscard]] Eigen::Index first_linear() const {
+    return linear_ == nullptr ? size() : tolerances_;
+  }
+
   /// Of one free parameter.
   [[nodiscard]] Bounds range(Eigen::Index i) const;
   [[nodiscard]] Vector full(const Vector& u) const {
@@ -68,6 +74,11 @@ class Residual {
   [[nodiscard]] Vector reduced(const Vector& p) const {
     return problem_.hypotheses.scaled(free_, p);
   }
+
+  /// Slopes of the nuisances' rows by which those given were made; and as they were differenced
+  /// last, none where one is not known.
+  void know_rows(const RowSlopes& nuisances);
+  [[nodiscard]] RowSlopes nuisance_rows() const;
 
   /// False where the simulation fails. What was asked for last is kept: a minimiser and the rounds
   /// about it ask for the same point again.
@@ -103,8 +114,9 @@ class Residual {
   Vector simulated_;          ///< all parameters
   Vector at_, residual_;      ///< of the last `value`
   Vector slopes_at_, slopes_residual_;
-  Matrix slopes_;     ///< there; empty: not known anywhere
-  bool new_ = false;  ///< whether those of all but weak tolerances were differenced there
+  RowSlopes row_slopes_;  ///< of every free parameter, as differenced last
+  Matrix slopes_;         ///< there; empty: not known anywhere
+  bool new_ = false;      ///< whether those of all but weak tolerances were differenced there
   std::vector<Secant> secants_;
   int times_renewed_ = 0;
   long predictions_ = 0;

@@ -334,15 +334,19 @@ Selection select_models(const Problem& problem, Comparison comparison,
   const bool same_space = leader == nullptr && fixed;
   if (same_space && in_windows(problem))
     return {std::move(comparison), singles};  // sought in full already
-  if (!same_space)
-    comparison = told_anew(problem, comparison, singles.models.front().fit, leader,
-                           problem.settings.relinearisations);
+  std::optional<Relinearised> about_none;
+  if (!same_space) {
+    ToldAnew told = told_anew(problem, comparison, singles.models.front().fit, leader,
+                              problem.settings.relinearisations);
+    comparison = std::move(told.comparison);
+    about_none = std::move(told.about_none);
+  }
   const int largest =
       in_windows(problem) ? problem.settings.largest_set : problem.settings.largest_model;
   const SearchOptions options{largest, &singles, same_space, {}, progress};
   SearchResult search = search_models(problem, comparison, options);
   search.predictions += singles.predictions;
-  return {std::move(comparison), std::move(search)};
+  return {std::move(comparison), std::move(search), std::move(about_none)};
 }
 
 Selection select_models_from(const Problem& problem, Comparison comparison, SearchResult part,
@@ -360,7 +364,7 @@ Selection select_models_from(const Problem& problem, Comparison comparison, Sear
   if (!none.valid || (leader && !leader->fit.valid))
     return select_models(problem, std::move(comparison), progress);
   // The part's search told noise anew already; once more, about all windows.
-  comparison = told_anew(problem, comparison, none, leader ? &*leader : nullptr, 1);
+  comparison = told_anew(problem, comparison, none, leader ? &*leader : nullptr, 1).comparison;
   leave_out_led_models(problem.settings, part);
   const SearchOptions options{problem.settings.largest_set, &part, false, 1, progress};
   SearchResult search = search_models(problem, comparison, options);

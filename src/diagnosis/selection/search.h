@@ -39,8 +39,9 @@ SearchResult search_models(const Problem& problem, const Comparison& comparison,
 /// Nuisances act differently once an effect is there (a shift on a tail that swings, the clocks by
 /// which an impact is dated).
 struct Selection {
-  Comparison comparison;  ///< about the clear leader, or none
-  SearchResult search;    ///< no models where none can't be fitted
+  Comparison comparison;                     ///< about the clear leader, or none
+  SearchResult search;                       ///< no models where none can't be fitted
+  std::optional<Relinearised> about_none{};  ///< the space about none, where it was worked out
 };
 Selection select_models(const Problem& problem, Comparison comparison,
                         const std::function<void(const std::string&)>& progress);
