@@ -109,7 +109,10 @@ Fit fit_from(const Problem& problem, const Whitening& whitening, const std::vect
 
     if (free.empty() || options.hold_scales) return fit;
     if (random.blocks.empty()) {
-      if (options.by_slopes != nullptr || stays || round >= settings.renewals) return fit;
+      // By slopes one round does, unless the effects' own went by secants.
+      const bool exact = round > 0 || residual.first_followed() > 0;
+      const bool ended = options.by_slopes != nullptr ? exact : stays;
+      if (ended || round >= settings.renewals) return fit;
       continue;
     }
     if (round >= options.rounds.value_or(settings.scale_rounds)) return fit;
@@ -269,6 +272,8 @@ Fit fit_model(const Problem& problem, const Whitening& whitening, const std::vec
                !reached(ends, u, problem.settings)) {
       // Forces that are granted at once may take what a parameter has to explain.
       ends.push_back(u);
+      // Other weights move it little: secants do from here.
+      if (options.by_slopes != nullptr) residual.follow_effects();
       fit = fit_from(problem, whitening, free, options, residual, u);
     }
     predictions += residual.predictions();

@@ -45,6 +45,13 @@ bool proportional(const Matrix& small, const Matrix& full, const Settings& setti
   return (small - full).norm() < settings.same_slope * full.norm();
 }
 
+/// Whether the first parameter's estimate lies within the step by which its slope was probed.
+bool within_probe(const Problem& problem, const Candidate& candidate, const Probe& probe) {
+  if (probe.estimate.size() == 0) return true;
+  const FreeParameter& own = problem.hypotheses.parameters[candidate.parameters.front()];
+  return std::abs(probe.estimate[0] * own.scale) <= std::abs(own.usual_step());
+}
+
 /// What screening knows of the base model.
 struct Base {
   const Problem& problem;
@@ -107,7 +114,8 @@ Probe probe_candidate(const Problem& problem, const Whitening& whitening, const 
     probe.small = by_small ? *small : *full;
   }
   if (how != Screening::line_search) return probe;
-  if (in_windows(problem) && by_full && by_small && proportional(*small, *full, problem.settings))
+  if (by_full && by_small && proportional(*small, *full, problem.settings) &&
+      (in_windows(problem) || within_probe(problem, candidate, probe)))
     return probe;
 
   const BestStep best = line_search(problem, whitening, base, standing, first);
