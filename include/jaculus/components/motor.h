@@ -90,7 +90,7 @@ bool rubs(const model::PlanarMotor& motor);
 MotorPower motor_power(const model::PlanarMotor& motor, double joint_torque, double joint_rate);
 
 /// The motor torque before the gear [N m] at a current [A]: the one real root of c t^3 + a t = i,
-/// in closed form (Cardano's) and a Newton step, which takes it to the last digits. Needs a >= 0,
+/// by Halley's iteration, deep in saturation in closed form; to the last digits. Needs a >= 0,
 /// c >= 0, not both zero.
 double saturated_torque(double linear, double cubic, double current);
 

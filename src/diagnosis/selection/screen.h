@@ -8,7 +8,8 @@
 //   score = log evidence of the linear Gaussian model with these columns and those of the base
 //   model, prior N(0, I) in u, less that of the base model alone, each by the deviations of random
 //   effects that it needs (noise/random_effects.h);
-//   or that of the best step of a line search (line_search.h), where it is larger.
+//   or that of the best step of a line search (line_search.h), where it is larger. Under a plan no
+//   line is searched where both steps say the same and the estimate lies within them.
 
 #include <vector>
 

@@ -287,6 +287,20 @@ std::vector<ModelFit> rivals_that_led(const SearchResult& search, const Problem&
   return rivals;
 }
 
+/// Whether events are candidates and no set with one comes near what leads. Such a search serves to
+/// establish an event; what leads without one is known from the search before.
+bool event_out_of_reach(const Problem& problem, const FittedModels& models) {
+  const std::vector<Candidate>& candidates = problem.hypotheses.candidates;
+  const auto is_event = [&](int c) { return candidates[c].is_event(); };
+  const double least = models.value(*models.leading()) - problem.settings.clear_lead;
+  for (const ModelFit& model : models.all())
+    if (model.fit.valid && models.value(model) >= least &&
+        std::any_of(model.candidates.begin(), model.candidates.end(), is_event))
+      return false;
+  return std::any_of(candidates.begin(), candidates.end(),
+                     [](const Candidate& candidate) { return candidate.is_event(); });
+}
+
 }  // namespace
 
 SearchResult search_models(const Problem& problem, const Comparison& comparison,
@@ -311,7 +325,7 @@ SearchResult search_models(const Problem& problem, const Comparison& comparison,
     search_about_leaders(problem, options, models);
   }
 
-  if (options.earlier != nullptr) models.refine();
+  if (options.earlier != nullptr && !event_out_of_reach(problem, models)) models.refine();
   out.indistinguishable = indistinguishable_sets(random, models, out.probes, probed,
                                                  problem.settings.indistinguishable_below);
   out.models = models.all();
