@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
+#include <cmath>
 #include <random>
 
 #include "diagnosis/noise/random_weights.h"
@@ -79,8 +80,8 @@ TEST(Minimise, ReachesTheNormalEquationsOfALinearProblem) {
   Vector u = Vector::Zero(2), r0, r;
   Matrix J;
   ASSERT_TRUE(residual.value(u, r0) && residual.slopes(u, J));
-  const auto fell = minimise(residual, random, toy.scales, Misfits::held, 20, u);
-  ASSERT_TRUE(fell);
+  const auto moved = minimise(residual, random, toy.scales, Misfits::held, 20, u);
+  ASSERT_TRUE(moved && moved->settled);
 
   const Matrix W = weights.stacked(J), root = weights.stacked(r0);
   const Matrix H = W.transpose() * W + Matrix::Identity(2, 2);
@@ -89,7 +90,7 @@ TEST(Minimise, ReachesTheNormalEquationsOfALinearProblem) {
   ASSERT_TRUE(residual.value(u, r));
   const double before = 0.5 * root.squaredNorm(),
                after = 0.5 * (weights.stacked(r).squaredNorm() + u.squaredNorm());
-  EXPECT_NEAR(*fell, before - after, 1e-6 * before);
+  EXPECT_NEAR(moved->fell, before - after, 1e-6 * before);
 }
 
 TEST(Minimise, MovesTheOthersToTheirBestWhereOneIsAtItsBound) {
@@ -141,11 +142,36 @@ TEST(Minimise, FollowsACurvedValleyAroundAHole) {
   EXPECT_NEAR(u[1], 1.0, 0.1);
 }
 
-TEST(RowSlopes, StandInForDifferencesInAnotherSpace) {
-  // The first two as nuisances of another name: what a fit knows of their rows.
+/// The first two as tolerances that every fit frees.
+std::shared_ptr<Problem> problem_of_tolerances() {
   auto problem = toy_problem(test::toy_truth(0.3, 0.1));
   problem->hypotheses.candidates.clear();
   problem->hypotheses.tolerances = {0, 1};
+  return problem;
+}
+
+TEST(Minimise, EndsUnsettledBySlopesThatSayNothingAndAFitTellsThemAnew) {
+  const auto problem = problem_of_tolerances();
+  const Comparison about = comparison_about(*problem, estimate_noise(*problem, Vector::Zero(4)));
+  const Fit anew = fit_model(*problem, about.whitening, {0, 1}, {Vector::Zero(4)});
+  ASSERT_TRUE(anew.valid);
+
+  const Matrix wrong = -anew.jacobian;
+  Residual residual(*problem, about.whitening, {0, 1}, Vector::Zero(4), wrong);
+  const RandomEffects& random = about.whitening.random;
+  Vector u = Vector::Constant(2, 0.5);
+  const auto moved = minimise(residual, random, first_scales(random), Misfits::held, 20, u);
+  ASSERT_TRUE(moved);
+  EXPECT_FALSE(moved->settled);
+
+  FitOptions options;
+  options.known = wrong;
+  const Fit fit = fit_model(*problem, about.whitening, {0, 1}, {Vector::Zero(4)}, options);
+  EXPECT_NEAR(fit.log_evidence, anew.log_evidence, problem->settings.scales_settled);
+}
+
+TEST(RowSlopes, StandInForDifferencesInAnotherSpace) {
+  const auto problem = problem_of_tolerances();
   const Comparison near = comparison_about(*problem, estimate_noise(*problem, Vector::Zero(4)));
   FitOptions keep;
   keep.keep_rows = true;
@@ -155,11 +181,13 @@ TEST(RowSlopes, StandInForDifferencesInAnotherSpace) {
   EXPECT_LT((near.whitening.slopes(fit.nuisance_rows) - fit.jacobian).norm(),
             1e-6 * fit.jacobian.norm());
 
-  // Noise of another size: the slopes grow with it, and a fit from them takes no differences first.
+  // Three times the noise: a third of the slopes, and a fit from them takes no differences first.
   NoiseModel loud = estimate_noise(*problem, fit.p);
+  for (ChannelNoise& channel : loud.datasets[0].channels) channel.noise_floor *= 3.0;
   const Comparison about = comparison_about(*problem, std::move(loud));
   FitOptions known;
   known.known_rows = fit.nuisance_rows;
+  known.keep_rows = true;
   Residual residual(*problem, about.whitening, {0, 1}, fit.p,
                     about.whitening.slopes(fit.nuisance_rows));
   Vector u = residual.reduced(fit.p), r;

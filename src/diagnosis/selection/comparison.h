@@ -10,7 +10,6 @@ namespace jaculus::diagnosis {
 struct Comparison {
   NoiseModel noise;
   Whitening whitening;
-  RowSlopes nuisances{};  ///< where the noise was told, as a fit there knew them; else none
 };
 Comparison comparison_about(const Problem& problem, NoiseModel noise);
 

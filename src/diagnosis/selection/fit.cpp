@@ -81,18 +81,19 @@ Fit fit_from(const Problem& problem, const Whitening& whitening, const std::vect
 
   for (int round = 0;; ++round) {
     const Fit before_round = fit;
-    double fell = kInfinity;
-    if (!free.empty() && (round > 0 || !squares || !random.misfits.empty())) {
-      fell = minimise(residual, random, fit.scales, misfits_of(options),
-                      iterations_of(problem, options, round), u)
-                 .value_or(kNaN);
-    }
+    std::optional<Minimised> moved = Minimised{kInfinity, false};
+    if (!free.empty() && (round > 0 || !squares || !random.misfits.empty()))
+      moved = minimise(residual, random, fit.scales, misfits_of(options),
+                       iterations_of(problem, options, round), u);
+    if (!moved) return before_round;  // what stands; not valid in the first round
+    const auto [fell, settled] = *moved;
     // Misfits have followed already.
-    const bool stays = random.blocks.empty() && round > 0 && fell < settings.scales_settled;
+    const bool stays =
+        random.blocks.empty() && round > 0 && settled && fell < settings.scales_settled;
     fit.valid =
-        !std::isnan(fell) && residual.value(u, fit.residual) &&
+        residual.value(u, fit.residual) &&
         (stays ? residual.slopes(u, fit.jacobian) : residual.renewed_slopes(u, fit.jacobian));
-    if (!fit.valid) return before_round;  // what stands; not valid in the first round
+    if (!fit.valid) return before_round;
 
     fit.p = residual.full(u);
     if (options.keep_rows) fit.nuisance_rows = residual.nuisance_rows();
@@ -107,12 +108,15 @@ Fit fit_from(const Problem& problem, const Whitening& whitening, const std::vect
         estimated_scales(random, products, from, steps, settings.scale_spread, at);
     complete(random, residual, products, estimate, u, at, fit);
 
-    if (free.empty() || options.hold_scales) return fit;
+    if (free.empty() || round >= settings.renewals) return fit;
+    if (options.hold_scales) {
+      if (settled) return fit;
+      continue;
+    }
     if (random.blocks.empty()) {
       // By slopes one round does, unless the effects' own went by secants.
-      const bool exact = round > 0 || residual.first_followed() > 0;
-      const bool ended = options.by_slopes != nullptr ? exact : stays;
-      if (ended || round >= settings.renewals) return fit;
+      const bool exact = options.by_slopes != nullptr && residual.first_followed() > 0;
+      if (stays || (exact && settled)) return fit;
       continue;
     }
     if (round >= options.rounds.value_or(settings.scale_rounds)) return fit;
@@ -135,7 +139,7 @@ Residual residual_of(const Problem& problem, const Whitening& whitening,
   // Where no slope is known at all the first ones are differenced together.
   if (options.effects_follow && options.by_slopes == nullptr && known.cols() == 0)
     residual.follow_effects();
-  if (by_rows) residual.know_rows(options.known_rows);
+  if (options.keep_rows) residual.keep_rows(options.known_rows);
   return residual;
 }
 
@@ -272,8 +276,9 @@ Fit fit_model(const Problem& problem, const Whitening& whitening, const std::vec
                !reached(ends, u, problem.settings)) {
       // Forces that are granted at once may take what a parameter has to explain.
       ends.push_back(u);
-      // Other weights move it little: secants do from here.
-      if (options.by_slopes != nullptr) residual.follow_effects();
+      // Under a plan nothing but weights changes from here: secants do.
+      if (options.by_slopes != nullptr && whitening.random.blocks.empty())
+        residual.follow_effects();
       fit = fit_from(problem, whitening, free, options, residual, u);
     }
     predictions += residual.predictions();

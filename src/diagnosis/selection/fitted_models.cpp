@@ -44,12 +44,8 @@ FittedModels::FittedModels(const Problem& problem, const Comparison& comparison,
       comparison_(comparison),
       earlier_(earlier),
       same_space_(earlier != nullptr && same_space) {
-  if (comparison.nuisances.columns.empty()) {
-    linear_ = linear_nuisances(problem, comparison.whitening, comparison.noise.p);
-    if (linear_.slopes.cols() > 0) predictions_ += linear_.slopes.cols() + 1;
-  } else {
-    linear_ = {comparison.noise.p, comparison.whitening.slopes(comparison.nuisances)};
-  }
+  linear_ = linear_nuisances(problem, comparison.whitening, comparison.noise.p);
+  if (linear_.slopes.cols() > 0) predictions_ += linear_.slopes.cols() + 1;
   if (same_space_) {
     models_ = earlier_->models;
     return;
@@ -99,6 +95,7 @@ std::vector<ModelFit> FittedModels::close_to(const ModelFit& from, int count) co
 
 std::vector<Probe> FittedModels::probe(const ModelFit& base) {
   if (base.candidates.empty() && same_space_) return earlier_->probes;
+  if (base.candidates.empty() && !about_none_.empty()) return about_none_;
   const bool again = earlier_ != nullptr && in_windows(problem_);
   const bool search = base.candidates.empty() && !again;
   std::vector<Probe> probes = screen(problem_, comparison_.whitening, base.fit,
@@ -118,6 +115,7 @@ std::vector<Probe> FittedModels::probe(const ModelFit& base) {
     probes[c].small = before.small;
     probes[c].full = before.full;
   }
+  if (base.candidates.empty()) about_none_ = probes;
   return probes;
 }
 

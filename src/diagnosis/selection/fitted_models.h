@@ -88,7 +88,8 @@ class FittedModels {
   const Comparison& comparison_;
   const SearchResult* earlier_;
   bool same_space_;
-  LinearNuisances linear_;  ///< at the noise model's point; no columns: there are none
+  LinearNuisances linear_;         ///< at the noise model's point; no columns: there are none
+  std::vector<Probe> about_none_;  ///< once they are known
   std::vector<ModelFit> models_;
   long predictions_ = 0;
 };

@@ -13,8 +13,9 @@ namespace {
 // Trust regions as Nocedal and Wright (2006, algorithm 4.1) have them.
 constexpr double kWorthIt = 1e-3;             // of the promised fall, else a step isn't taken
 constexpr double kPoor = 0.25, kGood = 0.75;  // the same: less is trusted, or more
-constexpr int kFailures = 2;  // one after the other, until slopes by secants are given up (MINPACK)
-constexpr double kWider = 2.0;                         // times a step that was good
+constexpr int kFailures = 2;      // one after the other, until slopes are doubted (MINPACK)
+constexpr double kWithin = 0.99;  // of what is trusted: what is closer is at its end
+constexpr double kWider = 2.0;    // times a step that was good
 constexpr double kLeastShare = 0.1, kMostShare = 0.5;  // of a step that was not
 
 /// Rows that a misfit weighs alike: spans of first and count.
@@ -150,6 +151,9 @@ class Cost {
     return 0.5 * (weighed_square(root_) + u.squaredNorm() + log_det);
   }
 
+  /// Of the residual.
+  [[nodiscard]] Eigen::Index rows() const { return r_.size(); }
+
   /// g and H at the point of the last `at`. False where a simulation fails.
   bool model(const Vector& u, Vector& g, Matrix& H) {
     Matrix J;
@@ -229,8 +233,9 @@ double cost_of(const RandomEffects& random, const Vector& scales, Misfits misfit
   return 0.5 * (weights.stacked(r).squaredNorm() + u.squaredNorm() + log_det);
 }
 
-std::optional<double> minimise(Residual& residual, const RandomEffects& random,
-                               const Vector& scales, Misfits misfits, int iterations, Vector& u) {
+std::optional<Minimised> minimise(Residual& residual, const RandomEffects& random,
+                                  const Vector& scales, Misfits misfits, int iterations,
+                                  Vector& u) {
   const Settings& settings = residual.settings();
   for (Eigen::Index i = 0; i < u.size(); ++i)
     u[i] = std::clamp(u[i], residual.range(i).lower, residual.range(i).upper);
@@ -241,33 +246,39 @@ std::optional<double> minimise(Residual& residual, const RandomEffects& random,
   Vector g;
   Matrix H;
   if (!std::isfinite(first) || !cost.model(u, g, H)) return {};
+  // Noise alone leaves half a nat a row; where much more is left, no more of it counts.
+  const double least_fall =
+      settings.fit_cost_tolerance * std::min(std::abs(now), static_cast<double>(cost.rows()));
+  const Vector sizes = H.diagonal().cwiseSqrt();
   double trusted = kInfinity;
   int failed = 0;  // one after the other
   for (int step = 0; step < iterations; ++step) {
-    const Vector sizes = H.diagonal().cwiseSqrt();
     const Box box = box_about(residual, u, sizes, trusted);
     const Vector d = box_step(H, g, box.lower, box.upper);
     const double slope = g.dot(d), promised = -slope - 0.5 * d.dot(H * d);
-    const bool still = d.norm() <= settings.fit_parameter_tolerance * (1.0 + u.norm());
-    if (still || promised <= settings.fit_cost_tolerance * std::abs(now)) break;
-
     const double size =
         d.cwiseProduct(sizes).head(residual.first_linear()).lpNorm<Eigen::Infinity>();
+    const bool still = d.norm() <= settings.fit_parameter_tolerance * (1.0 + u.norm());
+    if (still || promised <= least_fall)
+      return Minimised{first - now, size < kWithin * trusted || residual.told_at(u)};
+
     const double next = cost.at(u + d), kept = (now - next) / promised;
-    if (!(kept > kWorthIt)) {
-      // Nothing that could be trusted less, or slopes by secants that say nothing any more.
-      if (size == 0.0 || (residual.followed() > 0 && ++failed == kFailures)) break;
+    if (!(kept > kWorthIt && cost.model(u + d, g, H))) {
+      ++failed;
+      const bool told = residual.told_at(u);
+      // Nothing could be trusted less, or it is no use to: by slopes from elsewhere, or for little.
+      const bool useless = failed >= kFailures && (!told || promised < settings.scales_settled);
+      if (size == 0.0 || useless) return Minimised{first - now, told};
       trusted = share_by_parabola(slope, next - now) * size;
       continue;
     }
     failed = 0;
     u += d;
     now = next;
-    if (!cost.model(u, g, H)) break;
     if (kept < kPoor) trusted = kMostShare * size;
     if (kept > kGood) trusted = std::max(trusted, kWider * size);
   }
-  return first - now;
+  return Minimised{first - now, false};
 }
 
 }  // namespace jaculus::diagnosis

@@ -66,10 +66,8 @@ Relinearised relinearise(const Problem& problem, Comparison comparison, Fit fit,
     const Vector moved =
         problem.hypotheses.scaled(fit.free, next.p) - problem.hypotheses.scaled(fit.free, fit.p);
     fit = next;
-    if (moved.size() == 0 || moved.cwiseAbs().maxCoeff() < problem.settings.relinearised_within) {
-      comparison.nuisances = fit.nuisance_rows;
+    if (moved.size() == 0 || moved.cwiseAbs().maxCoeff() < problem.settings.relinearised_within)
       break;
-    }
   }
   return {std::move(comparison), std::move(fit)};
 }
@@ -80,7 +78,8 @@ ToldAnew told_anew(const Problem& problem, const Comparison& comparison, const F
   const auto about_none = [&] { return relinearise(problem, comparison, none, rounds, options); };
   if (leader == nullptr) {
     Relinearised about = about_none();
-    return {about.comparison, about};
+    Comparison told = about.comparison;
+    return {std::move(told), std::move(about)};
   }
 
   Relinearised about = relinearise(problem, comparison, leader->fit, rounds, options);

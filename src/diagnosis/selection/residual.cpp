@@ -35,8 +35,7 @@ Residual::Residual(const Problem& problem, const Whitening& whitening, std::vect
       tolerances_(count_before(problem.hypotheses.tolerances, free_)),
       first_followed_(nuisances_),
       fixed_(std::move(fixed)),
-      steps_(Vector::Constant(count_of(free_), problem.settings.first_step)),
-      row_slopes_{std::vector<std::vector<Vector>>(free_.size())} {
+      steps_(Vector::Constant(count_of(free_), problem.settings.first_step)) {
   const bool all = effects.cols() > 0 && effects.cols() == nuisances_;
   if (known.cols() != size() - nuisances_ || (known.cols() == 0 && !all)) return;
   slopes_ = Matrix::Zero(whitening.rows, size());
@@ -63,12 +62,14 @@ Bounds Residual::range(Eigen::Index i) const {
   return problem_.hypotheses.parameters[free_[i]].scaled_bounds();
 }
 
-void Residual::know_rows(const RowSlopes& nuisances) {
+void Residual::keep_rows(const RowSlopes& nuisances) {
+  row_slopes_.columns.resize(free_.size());
   std::copy(nuisances.columns.begin(), nuisances.columns.end(),
             row_slopes_.columns.begin() + nuisances_);
 }
 
 RowSlopes Residual::nuisance_rows() const {
+  if (row_slopes_.columns.empty()) return {};
   RowSlopes rows{{row_slopes_.columns.begin() + nuisances_, row_slopes_.columns.end()}};
   const bool known = std::all_of(rows.columns.begin(), rows.columns.end(),
                                  [](const auto& own) { return !own.empty(); });
@@ -112,7 +113,7 @@ bool Residual::difference_columns(const Vector& u, const std::vector<Eigen::Inde
     if (!moved) return;
     for (Vector& rows : moved->rows) rows *= scale / moved->step;
     J.col(i) = -whitening_.apply(moved->rows);
-    row_slopes_.columns[i] = std::move(moved->rows);
+    if (!row_slopes_.columns.empty()) row_slopes_.columns[i] = std::move(moved->rows);
     steps_[i] = difference_step(J.col(i).norm(), problem_.settings);
     done[k] = 1;
   });
@@ -156,7 +157,7 @@ bool Residual::slopes(const Vector& u, Matrix& J) {
 bool Residual::renewed_slopes(const Vector& u, Matrix& J) {
   const bool anew = slopes_.size() == 0;
   if (!anew && followed() == 0) return slopes(u, J);
-  if (new_ && slopes_at_.size() == u.size() && slopes_at_ == u) {
+  if (!anew && told_at(u)) {
     J = slopes_;
     return true;
   }

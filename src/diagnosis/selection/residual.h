@@ -39,7 +39,10 @@ class Residual {
            const LinearNuisances& linear, const Matrix& effects = {});
 
   /// Lets the effects' slopes follow by secants too, from where they are differenced first.
-  void follow_effects() { first_followed_ = 0; }
+  void follow_effects() {
+    first_followed_ = 0;
+    secants_.clear();  // of fewer parameters; the slopes have them already
+  }
 
   /// By what the slopes that follow were moved: N += missed along^T.
   struct Secant {
@@ -48,6 +51,10 @@ class Residual {
   };
   /// Since they were renewed last.
   [[nodiscard]] const std::vector<Secant>& secants() const { return secants_; }
+  /// Whether slopes at u were told there, but for those of weak tolerances.
+  [[nodiscard]] bool told_at(const Vector& u) const {
+    return followed() == 0 || (new_ && slopes_at_.size() == u.size() && slopes_at_ == u);
+  }
   /// How often they were.
   [[nodiscard]] int times_renewed() const { return times_renewed_; }
   /// Place of the first free parameter whose slopes follow by secants: the first nuisance's, or the
@@ -75,9 +82,9 @@ class Residual {
     return problem_.hypotheses.scaled(free_, p);
   }
 
-  /// Slopes of the nuisances' rows by which those given were made; and as they were differenced
-  /// last, none where one is not known.
-  void know_rows(const RowSlopes& nuisances);
+  /// Keeps slopes of rows from here on; the nuisances' may be known already.
+  void keep_rows(const RowSlopes& nuisances = {});
+  /// Those of the nuisances as they were differenced last; none where one is not known.
   [[nodiscard]] RowSlopes nuisance_rows() const;
 
   /// False where the simulation fails. What was asked for last is kept: a minimiser and the rounds
@@ -114,7 +121,7 @@ class Residual {
   Vector simulated_;          ///< all parameters
   Vector at_, residual_;      ///< of the last `value`
   Vector slopes_at_, slopes_residual_;
-  RowSlopes row_slopes_;  ///< of every free parameter, as differenced last
+  RowSlopes row_slopes_;  ///< of every free parameter, as differenced last; empty: not kept
   Matrix slopes_;         ///< there; empty: not known anywhere
   bool new_ = false;      ///< whether those of all but weak tolerances were differenced there
   std::vector<Secant> secants_;

@@ -47,7 +47,7 @@ bool proportional(const Matrix& small, const Matrix& full, const Settings& setti
 
 /// Whether the first parameter's estimate lies within the step by which its slope was probed.
 bool within_probe(const Problem& problem, const Candidate& candidate, const Probe& probe) {
-  if (probe.estimate.size() == 0) return true;
+  if (probe.estimate.size() == 0) return false;
   const FreeParameter& own = problem.hypotheses.parameters[candidate.parameters.front()];
   return std::abs(probe.estimate[0] * own.scale) <= std::abs(own.usual_step());
 }

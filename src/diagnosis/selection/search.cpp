@@ -287,12 +287,13 @@ std::vector<ModelFit> rivals_that_led(const SearchResult& search, const Problem&
   return rivals;
 }
 
-/// Whether events are candidates and no set with one comes near what leads. Such a search serves to
-/// establish an event; what leads without one is known from the search before.
+/// Whether events are candidates and no set with one comes near what leads, as far as fits by
+/// slopes tell: tolerances that are simulated move evidence by tens of nats. Such a search serves
+/// to establish an event; what leads without one is known from the search before.
 bool event_out_of_reach(const Problem& problem, const FittedModels& models) {
   const std::vector<Candidate>& candidates = problem.hypotheses.candidates;
   const auto is_event = [&](int c) { return candidates[c].is_event(); };
-  const double least = models.value(*models.leading()) - problem.settings.clear_lead;
+  const double least = models.value(*models.leading()) - problem.settings.far_behind;
   for (const ModelFit& model : models.all())
     if (model.fit.valid && models.value(model) >= least &&
         std::any_of(model.candidates.begin(), model.candidates.end(), is_event))
@@ -350,10 +351,11 @@ Selection select_models(const Problem& problem, Comparison comparison,
     return {std::move(comparison), singles};  // sought in full already
   std::optional<Relinearised> about_none;
   if (!same_space) {
+    // (about none: for the scan of pushes, which are sought under a plan alone)
     ToldAnew told = told_anew(problem, comparison, singles.models.front().fit, leader,
                               problem.settings.relinearisations);
     comparison = std::move(told.comparison);
-    about_none = std::move(told.about_none);
+    if (!in_windows(problem)) about_none = std::move(told.about_none);
   }
   const int largest =
       in_windows(problem) ? problem.settings.largest_set : problem.settings.largest_model;
