@@ -351,10 +351,10 @@ Selection select_models(const Problem& problem, Comparison comparison,
     return {std::move(comparison), singles};  // sought in full already
   std::optional<Relinearised> about_none;
   if (!same_space) {
-    // (about none: for the scan of pushes, which are sought under a plan alone)
     ToldAnew told = told_anew(problem, comparison, singles.models.front().fit, leader,
                               problem.settings.relinearisations);
     comparison = std::move(told.comparison);
+    // For the scan of pushes, which are sought under a plan alone.
     if (!in_windows(problem)) about_none = std::move(told.about_none);
   }
   const int largest =
