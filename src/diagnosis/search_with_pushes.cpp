@@ -165,10 +165,8 @@ double lead_over_none(const SearchResult& search) {
 double lead_of_push(const Problem& problem, const SearchResult& search) {
   double without = -kInfinity;
   for (const ModelFit& model : search.models) {
-    const bool pushed = std::any_of(model.candidates.begin(), model.candidates.end(), [&](int c) {
-      return problem.hypotheses.candidates[c].is_event();
-    });
-    if (!pushed) without = std::max(without, model.log_weight());
+    if (!problem.hypotheses.has_event(model.candidates))
+      without = std::max(without, model.log_weight());
   }
   return leading(search).log_weight() - without;
 }

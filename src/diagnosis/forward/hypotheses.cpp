@@ -52,6 +52,11 @@ std::vector<Vector> Hypotheses::gain_starts(const Vector& p) const {
   return starts;
 }
 
+bool Hypotheses::has_event(const std::vector<int>& members) const {
+  return std::any_of(members.begin(), members.end(),
+                     [&](int c) { return candidates[c].is_event(); });
+}
+
 std::vector<int> Hypotheses::nuisances() const {
   std::vector<int> all = gains;
   all.insert(all.end(), tolerances.begin(), tolerances.end());

@@ -86,6 +86,8 @@ struct Hypotheses {
   /// p with the nuisances of another point; with the parameters of some candidates at nominal.
   [[nodiscard]] Vector with_nuisances_of(Vector p, const Vector& other) const;
   [[nodiscard]] Vector without_effects(Vector p, const std::vector<int>& members) const;
+  /// Whether one of some candidates is an event.
+  [[nodiscard]] bool has_event(const std::vector<int>& members) const;
   [[nodiscard]] int candidate(const std::string& name) const;  ///< index, -1 where there is none
 };
 

@@ -15,6 +15,10 @@
 
 namespace jaculus::diagnosis {
 
+/// How far a parameter at u may move within its range: its bounds for a step, nothing outwards
+/// where rounding has it past an end.
+Bounds room_within(const Bounds& range, double u);
+
 /// g, lower, upper: n; H: n x n. `lower` must not be positive, nor `upper` negative.
 Vector box_step(const Matrix& H, const Vector& g, const Vector& lower, const Vector& upper);
 

@@ -1,7 +1,5 @@
 #include "diagnosis/selection/known_slopes.h"
 
-#include <algorithm>
-
 #include "diagnosis/selection/box_step.h"
 
 namespace jaculus::diagnosis {
@@ -12,9 +10,9 @@ Vector step_within(const Problem& problem, const std::vector<int>& free, const V
                    const Matrix& curvature, const Vector& gradient) {
   Vector lower(u.size()), upper(u.size());
   for (Eigen::Index i = 0; i < u.size(); ++i) {
-    const Bounds range = problem.hypotheses.parameters[free[i]].scaled_bounds();
-    lower[i] = std::min(0.0, range.lower - u[i]);
-    upper[i] = std::max(0.0, range.upper - u[i]);
+    const Bounds room = room_within(problem.hypotheses.parameters[free[i]].scaled_bounds(), u[i]);
+    lower[i] = room.lower;
+    upper[i] = room.upper;
   }
   return box_step(curvature, gradient, lower, upper);
 }

@@ -10,13 +10,18 @@
 namespace jaculus::diagnosis {
 namespace {
 
-// Trust regions as Nocedal and Wright (2006, algorithm 4.1) have them.
-constexpr double kWorthIt = 1e-3;             // of the promised fall, else a step isn't taken
-constexpr double kPoor = 0.25, kGood = 0.75;  // the same: less is trusted, or more
-constexpr int kFailures = 2;      // one after the other, until slopes are doubted (MINPACK)
-constexpr double kWithin = 0.99;  // of what is trusted: what is closer is at its end
-constexpr double kWider = 2.0;    // times a step that was good
-constexpr double kLeastShare = 0.1, kMostShare = 0.5;  // of a step that was not
+// Of a method, not of a diagnosis: they say how a fit gets to its end, not where that is. All are
+// shares, without a unit.
+//
+// Nocedal and Wright (2006, algorithm 4.1): of the promised fall, from which a step is taken, below
+// which less is trusted and from which more is; times a good step that is trusted then.
+constexpr double kWorthIt = 1e-3, kPoor = 0.25, kGood = 0.75, kWider = 2.0;
+// Dennis and Schnabel (1983, A6.3.1): of a step that failed, where a parabola says to try next.
+constexpr double kLeastShare = 0.1, kMostShare = 0.5;
+// MINPACK: failures one after the other until slopes are doubted.
+constexpr int kFailures = 2;
+// Of what is trusted; what is closer is at its end, but for rounding. Chosen.
+constexpr double kWithin = 0.99;
 
 /// Rows that a misfit weighs alike: spans of first and count.
 using Part = std::vector<std::pair<int, int>>;
@@ -207,10 +212,10 @@ struct Box {
 Box box_about(const Residual& residual, const Vector& u, const Vector& sizes, double trusted) {
   Box box{Vector(u.size()), Vector(u.size())};
   for (Eigen::Index i = 0; i < u.size(); ++i) {
-    const Bounds range = residual.range(i);
+    const Bounds room = room_within(residual.range(i), u[i]);
     const double far = i < residual.first_linear() ? trusted / sizes[i] : kInfinity;
-    box.lower[i] = std::min(0.0, std::max(range.lower - u[i], -far));
-    box.upper[i] = std::max(0.0, std::min(range.upper - u[i], far));
+    box.lower[i] = std::max(room.lower, -far);
+    box.upper[i] = std::min(room.upper, far);
   }
   return box;
 }

@@ -291,14 +291,12 @@ std::vector<ModelFit> rivals_that_led(const SearchResult& search, const Problem&
 /// slopes tell: tolerances that are simulated move evidence by tens of nats. Such a search serves
 /// to establish an event; what leads without one is known from the search before.
 bool event_out_of_reach(const Problem& problem, const FittedModels& models) {
-  const std::vector<Candidate>& candidates = problem.hypotheses.candidates;
-  const auto is_event = [&](int c) { return candidates[c].is_event(); };
+  const Hypotheses& hypotheses = problem.hypotheses;
   const double least = models.value(*models.leading()) - problem.settings.far_behind;
   for (const ModelFit& model : models.all())
-    if (model.fit.valid && models.value(model) >= least &&
-        std::any_of(model.candidates.begin(), model.candidates.end(), is_event))
+    if (model.fit.valid && models.value(model) >= least && hypotheses.has_event(model.candidates))
       return false;
-  return std::any_of(candidates.begin(), candidates.end(),
+  return std::any_of(hypotheses.candidates.begin(), hypotheses.candidates.end(),
                      [](const Candidate& candidate) { return candidate.is_event(); });
 }
 
