@@ -292,6 +292,27 @@ TEST(Components, BadInputIsToldByName) {
   EXPECT_THROW(reference_start(p.plant, p.controller.reference), InputError);
 }
 
+TEST(Components, StartsWhereEncodersShowTheStatedPoseButNotBeyondAStop) {
+  Push p = push_off();
+  const int tail = p.plant.model.coordinate_index("tail");
+  const double stated = p.start.q[tail];
+  p.plant.stops = {{"tail", {stated, stated + 2.0}, 0.0}};
+  const auto started = [&](double reads_more, double off) {
+    p.plant.sensing.offset["tail"] = reads_more;
+    const Vector scatter = off * Vector::Unit(p.plant.model.size(), tail);
+    return reference_start(p.plant, p.controller.reference, scatter).q[tail];
+  };
+  EXPECT_NEAR(started(-0.01, 0.0), stated + 0.01, 1e-12);
+  EXPECT_NEAR(started(-0.01, 0.004), stated + 0.014, 1e-12);
+  EXPECT_NEAR(started(0.01, 0.004), stated, 1e-12);
+  p.start = reference_start(p.plant, p.controller.reference);
+  EXPECT_EQ(run(p, 0.02).status, SimulationStatus::done);
+
+  // Files that contradict themselves are not mended.
+  p.plant.stops = {{"tail", {stated + 0.1, stated + 2.0}, 0.0}};
+  EXPECT_NEAR(started(0.0, 0.0), stated, 1e-12);
+}
+
 TEST(Components, StepsBetweenCommandsKeepWellBelowTheTolerance) {
   // At 1e-13 no step of the short method is accepted: the reference is Dormand and Prince's alone.
   Push p = push_off();

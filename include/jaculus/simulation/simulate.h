@@ -72,8 +72,10 @@ Simulation simulate(const Plant& plant, const Controller& controller, const Star
 void level_feet(const Plant& plant, Vector& q);
 
 /// The start of a reference: its initial coordinates, as the plant's encoders show them, at rest,
-/// lowered or raised so that the lowest feet touch the floor.
-/// A start whose feet are more than 50 mm above the floor is a drop, and stays there.
-StartState reference_start(const Plant& plant, const Reference& reference);
+/// lowered or raised so that the lowest feet touch the floor. A motor's joint that encoders would
+/// show beyond its stop rests against it. A start whose feet are more than 50 mm above the floor is
+/// a drop, and stays there. `off`: by how much a trial's coordinates are off the initial ones, by
+/// index [m, rad]; empty: by nothing.
+StartState reference_start(const Plant& plant, const Reference& reference, const Vector& off = {});
 
 }  // namespace jaculus::simulation

@@ -16,17 +16,12 @@ namespace {
 /// The start with scattered coordinates, feet lowered to the floor again.
 StartState scattered_start(const Experiment& experiment, const Plant& plant,
                            const Controller& controller, Random& random) {
-  StartState start = reference_start(plant, controller.reference);
-  if (experiment.scatter.empty()) return start;
-  Reference reference = controller.reference;
-  reference.initial.clear();
+  Vector off = Vector::Zero(plant.model.size());
   for (int i = 0; i < plant.model.size(); ++i) {
-    const std::string& name = plant.model.coordinates[i].name;
-    reference.initial[name] = start.q[i];
-    if (const auto spread = experiment.scatter.find(name); spread != experiment.scatter.end())
-      reference.initial[name] += random.draw(spread->second);
+    const auto spread = experiment.scatter.find(plant.model.coordinates[i].name);
+    if (spread != experiment.scatter.end()) off[i] = random.draw(spread->second);
   }
-  return reference_start(plant, reference);
+  return reference_start(plant, controller.reference, off);
 }
 
 }  // namespace

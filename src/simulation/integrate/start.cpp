@@ -104,8 +104,18 @@ void level(const Plant& plant, const dynamics::AbsoluteTree& tree, Vector& q) {
   q = stated;
 }
 
-/// Joints with motors are brought to where their encoders, as they read, show the stated pose.
-void place_by_encoders(const Plant& plant, Vector& q) {
+/// The range that a motor's joint can be in [rad or m]: that of its stops. A pose that is stated
+/// beyond them is a contradiction of the files, which the simulation reports; so it stays.
+Bounds reachable(const Plant& plant, const std::string& joint, double stated) {
+  Bounds range;
+  for (const JointStop& stop : plant.stops)
+    if (stop.joint == joint) range = stop.range;
+  return {std::min(range.lower, stated), std::max(range.upper, stated)};
+}
+
+/// Joints with motors are brought to where their encoders, as they read, show the pose q; where that
+/// is beyond a stop, they rest against it. `stated`: the pose by the files.
+void place_by_encoders(const Plant& plant, const Vector& stated, Vector& q) {
   const model::PlanarModel& model = plant.model;
   const auto motors = std::ssize(model.motors);
   Matrix map(motors, model.size());
@@ -115,7 +125,10 @@ void place_by_encoders(const Plant& plant, Vector& q) {
     map.row(m) = model.joint_map.row(motor.body);
     const double angle = map.row(m).dot(q) + model.joint_offset[motor.body];
     const double offset = value_or(plant.sensing.offset, motor.joint, 0.0);
-    change[m] = (angle - offset) / value_or(plant.sensing.scale, motor.joint, 1.0) - angle;
+    const double read = (angle - offset) / value_or(plant.sensing.scale, motor.joint, 1.0);
+    const Bounds range =
+        reachable(plant, motor.joint, map.row(m).dot(stated) + model.joint_offset[motor.body]);
+    change[m] = std::clamp(read, range.lower, range.upper) - angle;
   }
   if (!change.isZero(0.0)) q += map.completeOrthogonalDecomposition().solve(change);
 }
@@ -126,10 +139,12 @@ void level_feet(const Plant& plant, Vector& q) {
   level(plant, dynamics::AbsoluteTree(plant.model), q);
 }
 
-StartState reference_start(const Plant& plant, const Reference& reference) {
+StartState reference_start(const Plant& plant, const Reference& reference, const Vector& off) {
   const model::PlanarModel& model = plant.model;
-  StartState start{initial_coordinates(model, reference.initial), Vector::Zero(model.size())};
-  place_by_encoders(plant, start.q);
+  const Vector stated = initial_coordinates(model, reference.initial);
+  StartState start{stated, Vector::Zero(model.size())};
+  if (off.size() > 0) start.q += off;
+  place_by_encoders(plant, stated, start.q);
   const int z = model.coordinate_index("z");
   if (z < 0 || model.feet.empty()) return start;
   const dynamics::AbsoluteTree tree(model);
