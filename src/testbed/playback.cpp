@@ -112,6 +112,10 @@ StartPose start_pose(const RobotFiles& files, const Changes& changes, const Play
       // contracts by the runout, a tenth at most, each time
       for (int k = 0; k < 16; ++k)
         angle = (seen - misreading(changes.outside.joints, size, angle)) / factor;
+      if (!options.stops) continue;
+      // Where they would show it beyond its stop, it rests against that.
+      const Bounds& range = files.joint_of(name).range;
+      angle = std::clamp(angle, range.lower, range.upper);
     }
   }
   if (!options.floor && std::isnan(pose.z)) pose.z = 0.0;

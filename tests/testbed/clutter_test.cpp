@@ -74,6 +74,28 @@ TEST(Clutter, ADefaultBuiltOneIsTheRobotOfItsFiles) {
   EXPECT_EQ(real.drives.back().friction, 0.0);
 }
 
+TEST(Clutter, NoEncoderPutsAJointBeyondItsStop) {
+  if (!available()) GTEST_SKIP() << "no MuJoCo in this build";
+  // The tail begins at its stop. An encoder that reads too much would have it beyond, from where the
+  // stop would throw it.
+  const std::filesystem::path folder = model::find_robot("minitaur_tail", ".");
+  const RobotFiles files = read_robot_files(folder);
+  TrialSpec spec;
+  spec.trials = 1;
+  spec.exact = true;
+  double zero = 0.0;
+  for (std::uint64_t seed = 1; zero < 3e-3; ++seed) {
+    spec.clutter_seed = seed;
+    zero = draw_clutter(files, files.tolerances, seed).encoder_zero.at("tail");
+  }
+
+  const trajectory::Dataset dataset = run_trials(self_righting(folder), {}, spec);
+  const trajectory::Stream& joints = *dataset.trials[0].stream("joints");
+  const double stop = dataset.stops.at("tail").range.lower;
+  EXPECT_NEAR(joints.values(joints.channel("tail"), 0), stop + zero, 2e-4)
+      << "it rests at its stop and reads as its encoder does";
+}
+
 TEST(Clutter, MakesAnotherMotionOfTheSamePendulum) {
   if (!available()) GTEST_SKIP() << "no MuJoCo in this build";
   const trajectory::Dataset asked = pendulum(model::find_robot("pendulum", "."));
