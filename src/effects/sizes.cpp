@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "effects/scope.h"
+#include "jaculus/simulation/plant.h"
 
 namespace jaculus::effects {
 namespace {
@@ -115,6 +116,17 @@ JointScope sized_scope(const JointScope& scope, const PlanarModel& model, const 
   usual.inertia = links_matter ? kInertiaShare * inertia : usual.inertia * usual.torque_ratio;
   for (JointScope& part : out.parts) part.usual = usual;
   return out;
+}
+
+double rest_rate(const PlanarModel& model, const std::string& joint, const JointRates& rates) {
+  const double usual = simulation::JointFriction{}.smoothing_rate;
+  for (const JointScope* scope : {&tail_scope(), &leg_scope(), &other_scope()}) {
+    const std::vector<std::string> joints = scope->select(model).joints;
+    if (std::find(joints.begin(), joints.end(), joint) == joints.end()) continue;
+    return usual *
+           std::min(1.0, sized_scope(one_joint(*scope, joint), model, rates).usual.rate_ratio);
+  }
+  return usual;
 }
 
 void use_sliding_units(Effect& effect) {

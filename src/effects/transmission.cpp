@@ -26,15 +26,11 @@ Entry& entry_of(std::vector<Entry>& entries, const std::string& joint) {
 
 using Apply = std::function<void(const Vector&, Plant&)>;
 
-/// An edit of the friction at every joint of a scope. Slow joints rest below slower rates.
+/// An edit of the friction at every joint of a scope.
 Apply on_friction(const JointScope& scope, void (*edit)(const Vector&, JointFriction&)) {
-  const double rest = JointFriction{}.smoothing_rate * std::min(1.0, scope.usual.rate_ratio);
-  return [select = scope.select, edit, rest](const Vector& theta, Plant& plant) {
-    for (const std::string& joint : select(plant.model).joints) {
-      JointFriction& friction = entry_of(plant.friction, joint);
-      friction.smoothing_rate = std::min(friction.smoothing_rate, rest);
-      edit(theta, friction);
-    }
+  return [select = scope.select, edit](const Vector& theta, Plant& plant) {
+    for (const std::string& joint : select(plant.model).joints)
+      edit(theta, entry_of(plant.friction, joint));
   };
 }
 

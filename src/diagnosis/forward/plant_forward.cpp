@@ -40,6 +40,7 @@ struct Base {
   std::vector<GainFactor> factors;
   std::vector<ToleranceDirection> tolerances;
   std::vector<int> tolerance_of;  ///< their parameters in the hypotheses
+  RestRates rest;
 };
 
 struct Model {
@@ -63,6 +64,7 @@ Base base_of(const ObservedDataset& observed, const Settings& settings) {
     base.start = reference_start(base.plant, base.controllers.front().reference);
   }
 
+  base.rest = rest_rates(observed);
   base.directions = start_directions(observed, base.start, settings);
   if (settings.tolerances_granted != 0) base.tolerances = tolerances_of(observed, settings);
   return base;
@@ -128,19 +130,16 @@ void add_forces(Model& model) {
     time = std::max(time, longest(observed));
   const int boxes = std::max(1, static_cast<int>(std::ceil(time / model.settings.force_box)));
 
-  std::map<std::string, double> scales;  // of all datasets' robots
-  std::map<std::string, std::string> units;
-  for (const ObservedDataset& observed : model.observations.datasets) {
-    for (const auto& [name, scale] : force_scales(observed.model, model.settings.lever)) {
-      scales.emplace(name, scale);
-      units.emplace(name, force_unit(observed.model, name));
-    }
-  }
-  for (const auto& [name, scale] : scales) {
+  std::map<std::string, std::pair<double, std::string>> sizes;  // with units, of all robots
+  for (const ObservedDataset& observed : model.observations.datasets)
+    for (const auto& [name, scale] : force_scales(observed.model, model.settings.lever))
+      sizes.emplace(name, std::pair(scale, force_unit(observed.model, name)));
+  for (const auto& [name, size] : sizes) {
+    const auto& [scale, unit] = size;
     ForceGroup group{name, {}};
     for (int k = 0; k < boxes; ++k) {
       group.boxes.push_back(count_of(h.parameters));
-      FreeParameter box{"force", name, units.at(name), 0.0, scale, {}};
+      FreeParameter box{"force", name, unit, 0.0, scale, {}};
       box.probe = model.settings.force_slope * scale;
       h.parameters.push_back(box);
     }
@@ -224,6 +223,7 @@ SimulationSetup setup_of(const Model& model, int dataset, int index, const Vecto
   apply_candidates(model, observed.model, p, setup.plant);
   apply_factors(base.factors, p, setup.plant, setup.controller);
   const bool moved = apply_tolerances(base, p, setup.plant, setup.controller);
+  base.rest.apply(setup.plant);
   apply_forces(model, p, setup.plant);
   if (observed.measured_input) {
     setup.start = {segment.start_q, segment.start_v};

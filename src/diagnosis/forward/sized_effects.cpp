@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "effects/scope.h"
+
 namespace jaculus::diagnosis {
 
 using effects::Effect;
@@ -38,6 +40,20 @@ std::vector<Effect> sized_effects(const std::vector<ObservedDataset>& datasets,
       out.push_back(std::move(own));
   }
   return out;
+}
+
+void RestRates::apply(simulation::Plant& plant) const {
+  for (simulation::JointFriction& friction : plant.friction)
+    if (const auto own = rates.find(friction.joint); own != rates.end())
+      friction.smoothing_rate = own->second;
+}
+
+RestRates rest_rates(const ObservedDataset& observed) {
+  const effects::JointRates shown = joint_rates(observed);
+  RestRates rest;
+  for (const model::PlanarMotor& motor : observed.model.motors)
+    rest.rates[motor.joint] = effects::rest_rate(observed.model, motor.joint, shown);
+  return rest;
 }
 
 }  // namespace jaculus::diagnosis

@@ -124,13 +124,10 @@ void add_motor(Directions& directions, const PlanarModel& model, int m, const mo
   }
   const double friction = t.joint_friction * large_force(model, motor, lever);
   if (friction == 0.0) return;
-  simulation::JointFriction law{joint};
-  const bool slides = model.bodies[motor.body].kind == model::JointKind::prismatic;
-  if (slides) law.smoothing_rate *= lever;
   add(
       directions, friction, "friction of " + joint,
-      [law](double d, Plant& plant) {
-        plant.friction.push_back(law);
+      [joint](double d, Plant& plant) {
+        plant.friction.push_back({joint});
         plant.friction.back().coulomb = d;
       },
       [joint](const Plant& plant) { return dry_friction(plant, joint); });

@@ -1,0 +1,55 @@
+// Dry friction is one law, whoever states it.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "diagnosis/build_problem.h"
+#include "diagnosis/logged_trials.h"
+
+namespace jaculus::diagnosis {
+namespace {
+
+int index_of_parameter(const Hypotheses& hypotheses, const std::string& owner,
+                       const std::string& name) {
+  const auto found =
+      std::find_if(hypotheses.parameters.begin(), hypotheses.parameters.end(),
+                   [&](const FreeParameter& p) { return p.owner == owner && p.name == name; });
+  EXPECT_NE(found, hypotheses.parameters.end()) << owner << "." << name;
+  return static_cast<int>(found - hypotheses.parameters.begin());
+}
+
+TEST(RestRates, AnEffectsFrictionAndATolerancesAreTheSameOnASlowRobot) {
+  // An effect's friction once held slow joints below a slower rate than a tolerance's, and one of
+  // 0.09 N m within tolerance was told from none by 28 nats.
+  const trajectory::Dataset dataset =
+      test::logged("double_pendulum_trials.yaml", {}, {"joint_coulomb_friction:torque=0.09"}, 1, 3);
+  DiagnoseOptions options;
+  for (const char* name : {"joint_coulomb_friction", "joint_stribeck_friction"})
+    options.effects.push_back(effects::find_effect(name));
+  const auto problem = build_problem({dataset}, options).problem;
+  const Hypotheses& h = problem->hypotheses;
+
+  const Vector nominal = h.nominal();
+  Vector by_tolerance = nominal, by_effect = nominal, by_one = nominal;
+  // Half a percent of 12 N m is a deviation.
+  for (const char* joint : {"shoulder", "elbow"})
+    by_tolerance[index_of_parameter(h, "tolerance", std::string("friction of ") + joint)] = 1.5;
+  by_effect[index_of_parameter(h, "joint_coulomb_friction", "torque")] = 0.09;
+  for (const char* joint : {"shoulder", "elbow"})
+    by_one[index_of_parameter(h, std::string("joint_coulomb_friction@") + joint, "torque")] = 0.09;
+
+  const ObservedDataset& observed = problem->observations.datasets[0];
+  double moved = 0.0;
+  for (int s = 0; s < std::min(4, count_of(observed.segments)); ++s) {
+    const auto values = [&](const Vector& p) { return problem->forward(0, s, p).values; };
+    const Matrix there = values(by_tolerance);
+    moved = std::max(moved, (there - values(nominal)).cwiseAbs().maxCoeff());
+    EXPECT_LT((values(by_effect) - there).cwiseAbs().maxCoeff(), 1e-7) << s;
+    EXPECT_LT((values(by_one) - there).cwiseAbs().maxCoeff(), 1e-7) << s;
+  }
+  EXPECT_GT(moved, 1e-3) << "friction moves the joints";
+}
+
+}  // namespace
+}  // namespace jaculus::diagnosis
