@@ -1,9 +1,13 @@
 #include "diagnosis/noise/noise_model.h"
 
 #include <algorithm>
+#include <map>
+#include <string>
+#include <utility>
 
 #include "diagnosis/forward/sensitivities.h"
 #include "diagnosis/noise/alignment.h"
+#include "diagnosis/noise/input_noise.h"
 #include "diagnosis/noise/start_curvature.h"
 
 namespace jaculus::diagnosis {
@@ -81,6 +85,14 @@ NoiseModel with_random_effects(const Problem& problem, NoiseModel noise) {
                   [](const ObservedDataset& d) { return d.measured_input; }))
     noise.random =
         random_columns(problem, noise.alignments, noise.p, rows_of(problem, noise, noise.at_p));
+  for (int d = 0; d < count_of(datasets); ++d) {
+    const std::map<std::string, double> input = input_noise(datasets[d], problem.settings);
+    if (input.empty()) continue;
+    for (SegmentNuisances& own : noise.datasets[d].nuisances) {
+      const Matrix slopes = noise.random.forces[d].middleRows(own.first, own.count);
+      own = with_input_noise(std::move(own), problem.hypotheses, input, slopes);
+    }
+  }
   return noise;
 }
 
