@@ -59,7 +59,10 @@ TEST(UnknownCause, CoggingIsDescribedWrittenDownAndThenNamed) {
   EXPECT_EQ(described.verdict, Verdict::unexplained) << to_text(described.verdict);
   ASSERT_EQ(described.remainder.places.size(), 1U);
   const RemainderPlace& place = described.remainder.places.front();
-  ASSERT_EQ(place.follows.size(), 1U);
+  ASSERT_FALSE(place.follows.empty());
+  // Tolerances of a model that lacks the cogging are a little off; that may be said as well.
+  for (std::size_t k = 1; k < place.follows.size(); ++k)
+    EXPECT_LT(place.follows[k].share, 0.1) << remainder_sentences(described).front();
   EXPECT_EQ(place.follows[0].regressor, Regressor::periodic);
   EXPECT_NEAR(place.follows[0].period, kPeriod, 0.05 * kPeriod);
   EXPECT_GT(place.follows[0].share, 0.5);

@@ -9,6 +9,7 @@
 
 #include "jaculus/core/error.h"
 #include "jaculus/model/robot.h"
+#include "simulation/integrate/start.h"
 #include "simulation/support.h"
 
 namespace jaculus::simulation {
@@ -311,6 +312,22 @@ TEST(Components, StartsWhereEncodersShowTheStatedPoseButNotBeyondAStop) {
   // Files that contradict themselves are not mended.
   p.plant.stops = {{"tail", {stated + 0.1, stated + 2.0}, 0.0}};
   EXPECT_NEAR(started(0.0, 0.0), stated, 1e-12);
+}
+
+TEST(Components, AStateAsReadIsLessItsEncodersOffsetsAndByTheirScales) {
+  Push p = push_off();
+  const int tail = p.plant.model.coordinate_index("tail");
+  StartState read = p.start;
+  read.v[tail] = 3.0;
+  EXPECT_EQ(state_as_read(p.plant, read).q, read.q);
+  p.plant.sensing.offset["tail"] = 0.03;
+  p.plant.sensing.scale["tail"] = 1.2;
+  const StartState state = state_as_read(p.plant, read);
+  EXPECT_NEAR(1.2 * state.q[tail] + 0.03, read.q[tail], 1e-12);
+  EXPECT_NEAR(1.2 * state.v[tail], read.v[tail], 1e-12);
+  Vector others = state.q - read.q;
+  others[tail] = 0.0;
+  EXPECT_LT(others.cwiseAbs().maxCoeff(), 1e-12);
 }
 
 TEST(Components, StepsBetweenCommandsKeepWellBelowTheTolerance) {

@@ -76,8 +76,8 @@ TEST(Clutter, ADefaultBuiltOneIsTheRobotOfItsFiles) {
 
 TEST(Clutter, NoEncoderPutsAJointBeyondItsStop) {
   if (!available()) GTEST_SKIP() << "no MuJoCo in this build";
-  // The tail begins at its stop. An encoder that reads too much would have it beyond, from where the
-  // stop would throw it.
+  // The tail begins at its stop. An encoder that reads too much would have it beyond, from where
+  // the stop would throw it.
   const std::filesystem::path folder = model::find_robot("minitaur_tail", ".");
   const RobotFiles files = read_robot_files(folder);
   TrialSpec spec;

@@ -17,6 +17,7 @@
 #include "diagnosis/forward/unknown_gains.h"
 #include "jaculus/core/interrupt.h"
 #include "jaculus/simulation/experiment.h"
+#include "simulation/integrate/start.h"
 
 namespace jaculus::diagnosis {
 namespace {
@@ -194,17 +195,16 @@ void apply_starts(const Model& model, const Base& base, const Vector& p, const P
 /// so that a late command is the same motion later and not another rounding of it.
 Vector sample_times(const ObservedDataset& observed, const Segment& segment, const Plant& plant,
                     const Settings& settings) {
-  const double end = observed.measured_input ? segment.end() - segment.start : observed.window_end;
-  const double late =
-      observed.measured_input ? 0.0 : plant.actuation.late_start + plant.actuation.delay;
+  const bool logged = observed.measured_input;
+  const double end = logged ? segment.end() - segment.start : observed.window_end;
+  const double late = logged ? 0.0 : plant.actuation.late_start + plant.actuation.delay;
   const double first = std::fmod(late, settings.grid);
   const double steps = std::ceil((end + settings.simulated_beyond + late) / settings.grid);
   return Vector::LinSpaced(static_cast<Eigen::Index>(steps) + 1, first,
                            first + settings.grid * steps);
 }
 
-/// A logged input that acts later than it is stamped, or sooner: the log itself moves, for what
-/// acts first is known too.
+/// A logged input that acts later than it is stamped, or sooner: the log itself moves.
 void delay_log(const ObservedDataset& observed, const Segment& segment, double step,
                SimulationSetup& setup) {
   simulation::Actuation& actuation = setup.plant.actuation;
@@ -226,7 +226,7 @@ SimulationSetup setup_of(const Model& model, int dataset, int index, const Vecto
   base.rest.apply(setup.plant);
   apply_forces(model, p, setup.plant);
   if (observed.measured_input) {
-    setup.start = {segment.start_q, segment.start_v};
+    setup.start = state_as_read(setup.plant, {segment.start_q, segment.start_v});
     delay_log(observed, segment, model.settings.input_step, setup);
   } else if (moved || moves_start(setup.plant)) {
     setup.start = reference_start(setup.plant, setup.controller.reference);

@@ -134,8 +134,8 @@ void add_motor(Directions& directions, const PlanarModel& model, int m, const mo
   directions.back().range = kNotNegative;
 }
 
-/// What the loop reads and does at a motor of the controller's reference.
-void add_loop(Directions& directions, const PlanarModel& model, const model::Tolerances& t) {
+/// Zeros of encoders: where a loop or a log's window begins, they say where the joints are.
+void add_encoders(Directions& directions, const PlanarModel& model, const model::Tolerances& t) {
   for (const PlanarMotor& motor : model.motors) {
     const std::string joint = motor.joint;
     add(
@@ -148,6 +148,13 @@ void add_loop(Directions& directions, const PlanarModel& model, const model::Tol
           return offset == plant.sensing.offset.end() ? 0.0 : offset->second;
         },
         true);
+  }
+}
+
+/// What the loop does at a motor of the controller's reference.
+void add_loop(Directions& directions, const PlanarModel& model, const model::Tolerances& t) {
+  for (const PlanarMotor& motor : model.motors) {
+    const std::string joint = motor.joint;
     for (const bool derivative : {false, true}) {
       if (t.gain == 0.0) continue;
       const double deviation = t.gain;
@@ -204,6 +211,7 @@ std::vector<ToleranceDirection> tolerance_directions(const PlanarModel& model,
   for (int b = 0; b < count_of(model.bodies); ++b) add_link(directions, model, b, tolerances);
   for (int m = 0; m < count_of(model.motors); ++m)
     add_motor(directions, model, m, tolerances, lever);
+  add_encoders(directions, model, tolerances);
   if (!measured_input) add_loop(directions, model, tolerances);
   if (!model.feet.empty() && model.base_free[1] && model.friction > 0.0)
     add(

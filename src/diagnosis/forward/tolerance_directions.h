@@ -28,7 +28,7 @@ struct ToleranceDirection {
   std::function<double(const simulation::Plant& plant)> read;
 };
 
-/// Those that can matter for a robot; gains and encoders' zeros only where a loop reads them.
+/// Those that can matter for a robot; gains only where a loop has them.
 /// `lever` [m]: of a friction at a motor without a limit (large_force in missing_forces.h).
 std::vector<ToleranceDirection> tolerance_directions(const model::PlanarModel& model,
                                                      const model::Tolerances& tolerances,

@@ -12,8 +12,9 @@
 // s is told by the log itself. Of white noise the second differences of neighbouring samples,
 // x_{i-1} - 2 x_i + x_{i+1}, have the variance 6 s^2, and of a torque that swings they see next to
 // nothing (von Neumann 1941; Gasser, Sroka and Jennen-Steinmetz 1986). The largest tenth is left
-// out, for commands have steps, and made up for as of normal numbers. Where a driver filters its log,
-// so that neighbours agree, or torque itself is as quick, this says less or more than the noise.
+// out, for commands have steps, and made up for as of normal numbers. Where a driver filters its
+// log, so that neighbours agree, or torque itself is as quick, this says less or more than the
+// noise.
 
 #include <map>
 #include <string>

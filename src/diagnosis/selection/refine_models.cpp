@@ -9,10 +9,12 @@
 
 namespace jaculus::diagnosis {
 
-void FittedModels::refine() {
+void FittedModels::refine(const std::optional<Vector>& none_in_own) {
   if (problem_.hypotheses.tolerances.empty() || linear_.slopes.cols() == 0) return;
   std::set<Members> refined = {Members{}};
-  refine(models_.front());
+  std::vector<Vector> own;
+  if (none_in_own) own.push_back(*none_in_own);
+  refine(models_.front(), own);
   for (int count = 0;; ++count) {
     if (count >= problem_.settings.refined && refined.contains(leading()->candidates)) break;
     const double best = value(*leading());
@@ -95,11 +97,12 @@ FitOptions FittedModels::exact_options(const ModelFit& model) const {
   return options;
 }
 
-void FittedModels::refine(ModelFit& model) {
+void FittedModels::refine(ModelFit& model, std::vector<Vector> starts) {
   const ModelFit* lead = leading();
   const Vector& of = (lead == &model ? none() : *lead).fit.p;
-  const std::vector<Vector> starts = {model.fit.p, model.fit.simulated,
-                                      problem_.hypotheses.with_nuisances_of(model.fit.p, of)};
+  for (const Vector& p :
+       {model.fit.p, model.fit.simulated, problem_.hypotheses.with_nuisances_of(model.fit.p, of)})
+    starts.push_back(p);
 
   FitOptions options = exact_options(model);
   options.enough = model.fit.log_evidence;

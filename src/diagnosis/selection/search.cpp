@@ -324,7 +324,8 @@ SearchResult search_models(const Problem& problem, const Comparison& comparison,
     search_about_leaders(problem, options, models);
   }
 
-  if (options.earlier != nullptr && !event_out_of_reach(problem, models)) models.refine();
+  if (options.earlier != nullptr && !event_out_of_reach(problem, models))
+    models.refine(options.none);
   out.indistinguishable = indistinguishable_sets(random, models, out.probes, probed,
                                                  problem.settings.indistinguishable_below);
   out.models = models.all();
@@ -336,7 +337,7 @@ Selection select_models(const Problem& problem, Comparison comparison,
                         const std::function<void(const std::string&)>& progress) {
   const int first = in_windows(problem) ? problem.settings.largest_set : 1;
   const SearchResult singles =
-      search_models(problem, comparison, {first, nullptr, false, {}, progress});
+      search_models(problem, comparison, {first, nullptr, false, {}, {}, progress});
   if (singles.models.empty()) return {std::move(comparison), singles};
   const Posterior posterior = posterior_of(singles, problem.settings);
   const bool fixed = problem.hypotheses.tolerances.empty();
@@ -348,16 +349,18 @@ Selection select_models(const Problem& problem, Comparison comparison,
   if (same_space && in_windows(problem))
     return {std::move(comparison), singles};  // sought in full already
   std::optional<Relinearised> about_none;
+  std::optional<Vector> none;
   if (!same_space) {
     ToldAnew told = told_anew(problem, comparison, singles.models.front().fit, leader,
                               problem.settings.relinearisations);
     comparison = std::move(told.comparison);
+    if (told.about_none) none = told.about_none->fit.p;
     // For the scan of pushes, which are sought under a plan alone.
     if (!in_windows(problem)) about_none = std::move(told.about_none);
   }
   const int largest =
       in_windows(problem) ? problem.settings.largest_set : problem.settings.largest_model;
-  const SearchOptions options{largest, &singles, same_space, {}, progress};
+  const SearchOptions options{largest, &singles, same_space, {}, none, progress};
   SearchResult search = search_models(problem, comparison, options);
   search.predictions += singles.predictions;
   return {std::move(comparison), std::move(search), std::move(about_none)};
@@ -378,9 +381,11 @@ Selection select_models_from(const Problem& problem, Comparison comparison, Sear
   if (!none.valid || (leader && !leader->fit.valid))
     return select_models(problem, std::move(comparison), progress);
   // The part's search told noise anew already; once more, about all windows.
-  comparison = told_anew(problem, comparison, none, leader ? &*leader : nullptr, 1).comparison;
+  ToldAnew told = told_anew(problem, comparison, none, leader ? &*leader : nullptr, 1);
+  comparison = std::move(told.comparison);
   leave_out_led_models(problem.settings, part);
-  const SearchOptions options{problem.settings.largest_set, &part, false, 1, progress};
+  SearchOptions options{problem.settings.largest_set, &part, false, 1, {}, progress};
+  if (told.about_none) options.none = told.about_none->fit.p;
   SearchResult search = search_models(problem, comparison, options);
   search.predictions += part.predictions;
   return {std::move(comparison), std::move(search)};

@@ -29,6 +29,8 @@ struct SearchOptions {
   const SearchResult* earlier = nullptr;  ///< its fits are starts here
   bool same_space = false;                ///< whether it was in this space: then they stay
   std::optional<int> rounds{};            ///< of moves at most; else settings.search_rounds
+  /// Where the model without effects stands in a space of its own; nothing where it has none.
+  std::optional<Vector> none{};
   std::function<void(const std::string&)> progress{};
 };
 SearchResult search_models(const Problem& problem, const Comparison& comparison,

@@ -1,5 +1,7 @@
 // The states that runs begin in: poses from named values, feet on the floor.
 
+#include "simulation/integrate/start.h"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -113,30 +115,59 @@ Bounds reachable(const Plant& plant, const std::string& joint, double stated) {
   return {std::min(range.lower, stated), std::max(range.upper, stated)};
 }
 
+/// Rows of the joint map of every motor, and one factor that undoes it.
+struct MotorMap {
+  Matrix rows;
+  Eigen::CompleteOrthogonalDecomposition<Matrix> factor;
+};
+
+MotorMap motor_map(const model::PlanarModel& model) {
+  const auto motors = std::ssize(model.motors);
+  MotorMap map{Matrix(motors, model.size()), {}};
+  for (Eigen::Index m = 0; m < motors; ++m)
+    map.rows.row(m) = model.joint_map.row(model.motors[m].body);
+  map.factor.compute(map.rows);
+  return map;
+}
+
+double scale_of(const Plant& plant, const model::PlanarMotor& motor) {
+  return value_or(plant.sensing.scale, motor.joint, 1.0);
+}
+
 /// Joints with motors are brought to where their encoders, as they read, show the pose q; where that
 /// is beyond a stop, they rest against it. `stated`: the pose by the files.
 void place_by_encoders(const Plant& plant, const Vector& stated, Vector& q) {
   const model::PlanarModel& model = plant.model;
-  const auto motors = std::ssize(model.motors);
-  Matrix map(motors, model.size());
-  Vector change(motors);
-  for (Eigen::Index m = 0; m < motors; ++m) {
+  if (plant.sensing.offset.empty() && plant.sensing.scale.empty() && q == stated) return;
+  const MotorMap map = motor_map(model);
+  Vector change = map.rows * q;
+  for (Eigen::Index m = 0; m < change.size(); ++m) {
     const model::PlanarMotor& motor = model.motors[m];
-    map.row(m) = model.joint_map.row(motor.body);
-    const double angle = map.row(m).dot(q) + model.joint_offset[motor.body];
+    const double zero = model.joint_offset[motor.body], angle = change[m] + zero;
     const double offset = value_or(plant.sensing.offset, motor.joint, 0.0);
-    const double read = (angle - offset) / value_or(plant.sensing.scale, motor.joint, 1.0);
-    const Bounds range =
-        reachable(plant, motor.joint, map.row(m).dot(stated) + model.joint_offset[motor.body]);
-    change[m] = std::clamp(read, range.lower, range.upper) - angle;
+    const Bounds range = reachable(plant, motor.joint, map.rows.row(m).dot(stated) + zero);
+    change[m] =
+        std::clamp((angle - offset) / scale_of(plant, motor), range.lower, range.upper) - angle;
   }
-  if (!change.isZero(0.0)) q += map.completeOrthogonalDecomposition().solve(change);
+  if (!change.isZero(0.0)) q += map.factor.solve(change);
 }
 
 }  // namespace
 
 void level_feet(const Plant& plant, Vector& q) {
   level(plant, dynamics::AbsoluteTree(plant.model), q);
+}
+
+StartState state_as_read(const Plant& plant, const StartState& read) {
+  StartState state = read;
+  place_by_encoders(plant, read.q, state.q);
+  if (plant.sensing.scale.empty()) return state;
+  const MotorMap map = motor_map(plant.model);
+  Vector change = map.rows * read.v;
+  for (Eigen::Index m = 0; m < change.size(); ++m)
+    change[m] *= 1.0 / scale_of(plant, plant.model.motors[m]) - 1.0;
+  if (!change.isZero(0.0)) state.v += map.factor.solve(change);
+  return state;
 }
 
 StartState reference_start(const Plant& plant, const Reference& reference, const Vector& off) {
