@@ -58,8 +58,8 @@ const JointScope& other_scope();
 JointScope one_joint(const JointScope& scope, const std::string& joint);
 
 /// The rate below which dry friction holds a motor's joint [rad/s, m/s where it slides]: slow
-/// joints rest below slower rates. It is the joint's own, whatever law acts there: by two rates the same
-/// friction would be two, and data would tell them apart.
+/// joints rest below slower rates. It is the joint's own, whatever law acts there: by two rates the
+/// same friction would be two, and data would tell them apart.
 double rest_rate(const model::PlanarModel& model, const std::string& joint,
                  const JointRates& rates);
 

@@ -9,8 +9,8 @@ namespace jaculus::diagnosis {
 namespace {
 
 TEST(LoggedOffset, IsFoundByTheWeightThatPullsOtherwise) {
-  // Windows begin where encoders say. As if they were right, a shoulder that reads 0.03 rad too much
-  // was taken for one of 0.006 rad and something unknown.
+  // Windows begin where encoders say. As if these were right, a shoulder that reads 0.03 rad too
+  // much was taken for one of 0.006 rad and something unknown.
   const trajectory::Dataset dataset =
       test::logged("double_pendulum_trials.yaml", {}, {"joint_offset@shoulder:offset=0.03"}, 3, 5);
   DiagnoseOptions options;

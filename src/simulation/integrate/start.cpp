@@ -134,8 +134,8 @@ double scale_of(const Plant& plant, const model::PlanarMotor& motor) {
   return value_or(plant.sensing.scale, motor.joint, 1.0);
 }
 
-/// Joints with motors are brought to where their encoders, as they read, show the pose q; where that
-/// is beyond a stop, they rest against it. `stated`: the pose by the files.
+/// Joints with motors are brought to where their encoders, as they read, show the pose q; where
+/// that is beyond a stop, they rest against it. `stated`: the pose by the files.
 void place_by_encoders(const Plant& plant, const Vector& stated, Vector& q) {
   const model::PlanarModel& model = plant.model;
   if (plant.sensing.offset.empty() && plant.sensing.scale.empty() && q == stated) return;
