@@ -5,8 +5,10 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <cstdint>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "cli/reporting.h"
 #include "jaculus/core/error.h"
@@ -44,6 +46,7 @@ struct RunOptions {
   std::vector<std::string> effects;
   int trials = 6;
   bool exact = false;
+  std::optional<std::int64_t> clutter;  ///< seed
 };
 
 // Experiments that no dataset has a kind for.
@@ -111,13 +114,15 @@ int run(const RunOptions& options) {
   testbed::TrialSpec spec;
   spec.trials = options.trials;
   spec.exact = options.exact;
+  if (options.clutter) spec.clutter_seed = *options.clutter;
   spec.seed = options.common.seed.value_or(1);
   // What drove the robot is in its log, and nowhere else.
   spec.sensors.torque = asked.controller.kind == trajectory::ControllerKind::measured;
   prepare_folder(options.common.out);
   trajectory::Dataset dataset = testbed::run_trials(asked, changes, spec);
   dataset.provenance = fmt::format(
-      "jaculus testbed (MuJoCo), {}, seed {}, effects: {}", options.experiment, spec.seed,
+      "jaculus testbed (MuJoCo), {}, seed {}{}, effects: {}", options.experiment, spec.seed,
+      options.clutter ? fmt::format(", clutter {}", *options.clutter) : "",
       options.effects.empty() ? "none" : fmt::format("{}", fmt::join(options.effects, " ")));
   trajectory::write_dataset(dataset, options.common.out);
   const std::vector<std::string> notes =
@@ -183,6 +188,10 @@ void add_run(CLI::App& parent, Action& chosen) {
                       "name:parameter=value,...; may be given several times");
   command->add_option("--trials", options->trials, "how many")->check(whole_number(1, 1000));
   command->add_flag("--exact", options->exact, "no noise, scatter or rounding");
+  command
+      ->add_option("--clutter", options->clutter,
+                   "the robot is off its files by a draw from its tolerances: the draw's seed")
+      ->check(whole_number(0, 2147483647));
   add_common(*command, options->common, "folder for the dataset");
   command->callback([options, &chosen] { chosen = [options] { return run(*options); }; });
 }

@@ -6,6 +6,7 @@
 
 #include "diagnosis/build_problem.h"
 #include "diagnosis/logged_trials.h"
+#include "jaculus/diagnosis/diagnose.h"
 
 namespace jaculus::diagnosis {
 namespace {
@@ -49,6 +50,19 @@ TEST(RestRates, AnEffectsFrictionAndATolerancesAreTheSameOnASlowRobot) {
     EXPECT_LT((values(by_one) - there).cwiseAbs().maxCoeff(), 1e-7) << s;
   }
   EXPECT_GT(moved, 1e-3) << "friction moves the joints";
+}
+
+TEST(RestRates, FrictionWithinToleranceIsNoEffect) {
+  // The model without effects has to find what tolerances can be: the friction that an effect finds
+  // first, by another name.
+  const trajectory::Dataset dataset =
+      test::logged("double_pendulum_trials.yaml", {}, {"joint_coulomb_friction:torque=0.09"}, 3, 3);
+  DiagnoseOptions options;
+  for (const char* name : {"joint_coulomb_friction", "joint_viscous_friction"})
+    options.effects.push_back(effects::find_effect(name));
+  const Diagnosis d = diagnose({dataset}, options);
+  EXPECT_EQ(d.verdict, Verdict::none) << to_text(d.verdict);
+  EXPECT_LT(d.gap.adjusted, 1.2);
 }
 
 }  // namespace

@@ -182,8 +182,7 @@ std::vector<Vector> best_first(const Problem& problem, const Whitening& whitenin
 std::vector<Vector> lowest_by_known(const Problem& problem, const Whitening& whitening,
                                     const std::vector<int>& free, const std::vector<Vector>& starts,
                                     const FitOptions& options, long& predictions) {
-  const bool settles = options.with_forces && whitening.random.blocks.empty();
-  if (starts.size() < 2 || options.known.cols() == 0 || !settles) return starts;
+  if (starts.size() < 2 || options.known.cols() == 0 || !options.with_forces) return starts;
   const Vector scales = scales_of(options, whitening.random);
   std::vector<std::pair<double, Vector>> ends;
   std::vector<Vector> reduced;

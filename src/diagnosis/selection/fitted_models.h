@@ -45,8 +45,8 @@ class FittedModels {
   void fit_again(const std::vector<ModelFit>& earlier);
   /// The leading models again, best first, and none, with tolerances simulated: slopes served to
   /// find them. Each sets out from where it is, from where slopes were told or from the nuisances
-  /// of what leads, none from where it stands in its own space (`none_in_own`) too; under a plan
-  /// they then try each other's.
+  /// of what leads, with the tolerances that are what its effects are, none from where it stands in
+  /// its own space (`none_in_own`) too; under a plan they then try each other's.
   void refine(const std::optional<Vector>& none_in_own);
   /// The same of these candidates.
   void extend(const ModelFit& base, const std::vector<Probe>& probes, const Members& which);
@@ -71,6 +71,9 @@ class FittedModels {
   /// The best fit of what is left where one member of a set is dropped, or none's.
   [[nodiscard]] const Fit& contained_in(const Members& members) const;
   void refine(ModelFit& model, std::vector<Vector> starts = {});
+  /// Where a model would stand if tolerances, as far as they reach, were what a leading one's other
+  /// effects are: the same robot by other names.
+  [[nodiscard]] Vector by_tolerances(const ModelFit& lead, const ModelFit& model) const;
   /// The models that a refined one is compared with where one of its effects is dropped: by slopes
   /// they would be judged at a poorer optimum than it is.
   void refine_within(const ModelFit& larger, std::set<Members>& refined);

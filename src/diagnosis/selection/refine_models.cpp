@@ -1,5 +1,6 @@
 // Models that lead, fitted again with tolerances simulated.
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <iterator>
 #include <map>
@@ -97,12 +98,34 @@ FitOptions FittedModels::exact_options(const ModelFit& model) const {
   return options;
 }
 
+Vector FittedModels::by_tolerances(const ModelFit& lead, const ModelFit& model) const {
+  const Hypotheses& hypotheses = problem_.hypotheses;
+  Vector p = hypotheses.with_nuisances_of(model.fit.p, lead.fit.p);
+  if (!problem_.tolerance_part) return p;
+  for (const int c : lead.candidates) {
+    if (std::binary_search(model.candidates.begin(), model.candidates.end(), c)) continue;
+    const Matrix part = problem_.tolerance_part(c, lead.fit.p);
+    Vector moved(part.rows());
+    for (Eigen::Index k = 0; k < moved.size(); ++k) {
+      const int i = hypotheses.candidates[c].parameters[k];
+      moved[k] = lead.fit.p[i] - hypotheses.parameters[i].nominal;
+    }
+    const Vector t = part.completeOrthogonalDecomposition().solve(moved);
+    for (int j = 0; j < count_of(hypotheses.tolerances); ++j) {
+      const int i = hypotheses.tolerances[j];
+      const Bounds& range = hypotheses.parameters[i].bounds;
+      p[i] = std::clamp(p[i] + t[j] * hypotheses.parameters[i].scale, range.lower, range.upper);
+    }
+  }
+  return p;
+}
+
 void FittedModels::refine(ModelFit& model, std::vector<Vector> starts) {
-  const ModelFit* lead = leading();
-  const Vector& of = (lead == &model ? none() : *lead).fit.p;
+  const ModelFit& lead = leading() == &model ? none() : *leading();
   for (const Vector& p :
-       {model.fit.p, model.fit.simulated, problem_.hypotheses.with_nuisances_of(model.fit.p, of)})
-    starts.push_back(p);
+       {model.fit.p, model.fit.simulated,
+        problem_.hypotheses.with_nuisances_of(model.fit.p, lead.fit.p), by_tolerances(lead, model)})
+    if (std::find(starts.begin(), starts.end(), p) == starts.end()) starts.push_back(p);
 
   FitOptions options = exact_options(model);
   options.enough = model.fit.log_evidence;
