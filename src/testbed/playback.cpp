@@ -97,6 +97,7 @@ StartPose start_pose(const RobotFiles& files, const Changes& changes, const Play
     if (name == "pitch") pose.pitch = value;
     if (name == "z" && !options.floor) pose.z = value;
     if (name == "x" || name == "z" || name == "pitch") continue;
+
     // The robot takes its pose by its encoders.
     const auto offset = changes.joint_offset.find(name);
     const auto scale = changes.scale.find(name);
@@ -112,10 +113,9 @@ StartPose start_pose(const RobotFiles& files, const Changes& changes, const Play
       // contracts by the runout, a tenth at most, each time
       for (int k = 0; k < 16; ++k)
         angle = (seen - misreading(changes.outside.joints, size, angle)) / factor;
-      if (!options.stops) continue;
       // Where they would show it beyond its stop, it rests against that.
       const Bounds& range = files.joint_of(name).range;
-      angle = std::clamp(angle, range.lower, range.upper);
+      if (options.stops) angle = std::clamp(angle, range.lower, range.upper);
     }
   }
   if (!options.floor && std::isnan(pose.z)) pose.z = 0.0;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "diagnosis/effects_by_name.h"
 #include "jaculus/core/installation.h"
 #include "jaculus/diagnosis/diagnose.h"
 #include "jaculus/effects/select.h"
@@ -29,9 +30,8 @@ trajectory::Dataset tracked_late() {
 }
 
 TEST(ForeignClock, IsToldAndTakenForNoLatency) {
-  diagnosis::DiagnoseOptions options;
-  for (const char* name : {"sensor_latency", "actuation_delay", "payload"})
-    options.effects.push_back(effects::find_effect(name));
+  const diagnosis::DiagnoseOptions options =
+      among({"sensor_latency", "actuation_delay", "payload"});
   const diagnosis::Diagnosis found = diagnosis::diagnose({tracked_late()}, options);
   EXPECT_EQ(found.verdict, diagnosis::Verdict::none);
 

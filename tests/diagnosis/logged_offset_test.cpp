@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "diagnosis/effects_by_name.h"
 #include "diagnosis/logged_trials.h"
 #include "jaculus/diagnosis/diagnose.h"
 
@@ -13,9 +14,7 @@ TEST(LoggedOffset, IsFoundByTheWeightThatPullsOtherwise) {
   // much was taken for one of 0.006 rad and something unknown.
   const trajectory::Dataset dataset =
       test::logged("double_pendulum_trials.yaml", {}, {"joint_offset@shoulder:offset=0.03"}, 3, 5);
-  DiagnoseOptions options;
-  for (const char* name : {"joint_offset", "joint_coulomb_friction"})
-    options.effects.push_back(effects::find_effect(name));
+  const DiagnoseOptions options = test::among({"joint_offset", "joint_coulomb_friction"});
   const Diagnosis d = diagnose({dataset}, options);
   EXPECT_EQ(d.verdict, Verdict::effect) << to_text(d.verdict);
   ASSERT_EQ(d.effects.size(), 1U);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "diagnosis/effects_by_name.h"
 #include "diagnosis/search_with_pushes.h"
 #include "diagnosis/toy.h"
 #include "jaculus/core/installation.h"
@@ -40,9 +41,7 @@ trajectory::Dataset drop(double push, double friction) {
 }
 
 Diagnosis diagnosed(double push, double friction) {
-  DiagnoseOptions options;
-  for (const char* name : {"tail_coulomb_friction", "wind"})
-    options.effects.push_back(effects::find_effect(name));
+  const DiagnoseOptions options = test::among({"tail_coulomb_friction", "wind"});
   return diagnose({drop(push, friction)}, options);
 }
 

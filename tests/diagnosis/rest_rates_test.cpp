@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "diagnosis/build_problem.h"
+#include "diagnosis/effects_by_name.h"
 #include "diagnosis/logged_trials.h"
 #include "jaculus/diagnosis/diagnose.h"
 
@@ -25,9 +26,8 @@ TEST(RestRates, AnEffectsFrictionAndATolerancesAreTheSameOnASlowRobot) {
   // 0.09 N m within tolerance was told from none by 28 nats.
   const trajectory::Dataset dataset =
       test::logged("double_pendulum_trials.yaml", {}, {"joint_coulomb_friction:torque=0.09"}, 1, 3);
-  DiagnoseOptions options;
-  for (const char* name : {"joint_coulomb_friction", "joint_stribeck_friction"})
-    options.effects.push_back(effects::find_effect(name));
+  const DiagnoseOptions options =
+      test::among({"joint_coulomb_friction", "joint_stribeck_friction"});
   const auto problem = build_problem({dataset}, options).problem;
   const Hypotheses& h = problem->hypotheses;
 
@@ -57,9 +57,7 @@ TEST(RestRates, FrictionWithinToleranceIsNoEffect) {
   // first, by another name.
   const trajectory::Dataset dataset =
       test::logged("double_pendulum_trials.yaml", {}, {"joint_coulomb_friction:torque=0.09"}, 3, 3);
-  DiagnoseOptions options;
-  for (const char* name : {"joint_coulomb_friction", "joint_viscous_friction"})
-    options.effects.push_back(effects::find_effect(name));
+  const DiagnoseOptions options = test::among({"joint_coulomb_friction", "joint_viscous_friction"});
   const Diagnosis d = diagnose({dataset}, options);
   EXPECT_EQ(d.verdict, Verdict::none) << to_text(d.verdict);
   EXPECT_LT(d.gap.adjusted, 1.2);

@@ -204,7 +204,7 @@ Vector sample_times(const ObservedDataset& observed, const Segment& segment, con
                            first + settings.grid * steps);
 }
 
-/// A logged input that acts later than it is stamped, or sooner: the log itself moves.
+/// A log that acts later than it is stamped, or sooner, moves itself: what acts first is known too.
 void delay_log(const ObservedDataset& observed, const Segment& segment, double step,
                SimulationSetup& setup) {
   simulation::Actuation& actuation = setup.plant.actuation;

@@ -6,10 +6,14 @@
 namespace jaculus::diagnosis {
 namespace {
 
-/// Of second differences that are kept, the smallest; the variance of a normal number within +-z,
-/// P(|x| < z) = 0.9, is 1 - 2 z phi(z)/0.9.
+// Of an estimator, shares without a unit.
+//
+// Of second differences the smallest that are kept: chosen, as steps of commands are rarer than one
+// in ten. The variance of a normal number within +-z, P(|x| < z) = 0.9, is 1 - 2 z phi(z)/0.9.
 constexpr double kKept = 0.9, kKeptVariance = 0.6230;
-constexpr double kSquares = 6.0;  ///< 1 + 4 + 1
+// The variance of a second difference of white noise, over that of a sample: 1 + 4 + 1.
+constexpr double kSquares = 6.0;
+// Samples, below which there is nothing to keep a share of. Chosen.
 constexpr std::size_t kLeast = 10;
 
 /// Samples of a channel that were logged, in order.

@@ -104,13 +104,9 @@ Vector FittedModels::by_tolerances(const ModelFit& lead, const ModelFit& model) 
   if (!problem_.tolerance_part) return p;
   for (const int c : lead.candidates) {
     if (std::binary_search(model.candidates.begin(), model.candidates.end(), c)) continue;
-    const Matrix part = problem_.tolerance_part(c, lead.fit.p);
-    Vector moved(part.rows());
-    for (Eigen::Index k = 0; k < moved.size(); ++k) {
-      const int i = hypotheses.candidates[c].parameters[k];
-      moved[k] = lead.fit.p[i] - hypotheses.parameters[i].nominal;
-    }
-    const Vector t = part.completeOrthogonalDecomposition().solve(moved);
+    const Vector moved = hypotheses.candidates[c].theta(lead.fit.p - hypotheses.nominal());
+    const Vector t =
+        problem_.tolerance_part(c, lead.fit.p).completeOrthogonalDecomposition().solve(moved);
     for (int j = 0; j < count_of(hypotheses.tolerances); ++j) {
       const int i = hypotheses.tolerances[j];
       const Bounds& range = hypotheses.parameters[i].bounds;

@@ -115,19 +115,17 @@ Bounds reachable(const Plant& plant, const std::string& joint, double stated) {
   return {std::min(range.lower, stated), std::max(range.upper, stated)};
 }
 
-/// Rows of the joint map of every motor, and one factor that undoes it.
-struct MotorMap {
-  Matrix rows;
-  Eigen::CompleteOrthogonalDecomposition<Matrix> factor;
-};
+/// Rows of the joint map, a motor each.
+Matrix motor_rows(const model::PlanarModel& model) {
+  Matrix rows(std::ssize(model.motors), model.size());
+  for (Eigen::Index m = 0; m < rows.rows(); ++m)
+    rows.row(m) = model.joint_map.row(model.motors[m].body);
+  return rows;
+}
 
-MotorMap motor_map(const model::PlanarModel& model) {
-  const auto motors = std::ssize(model.motors);
-  MotorMap map{Matrix(motors, model.size()), {}};
-  for (Eigen::Index m = 0; m < motors; ++m)
-    map.rows.row(m) = model.joint_map.row(model.motors[m].body);
-  map.factor.compute(map.rows);
-  return map;
+/// Moves coordinates, or their rates, so that the motors' joints change by so much.
+void move_motors(const Matrix& rows, const Vector& change, Vector& coordinates) {
+  if (!change.isZero(0.0)) coordinates += rows.completeOrthogonalDecomposition().solve(change);
 }
 
 double scale_of(const Plant& plant, const model::PlanarMotor& motor) {
@@ -139,17 +137,17 @@ double scale_of(const Plant& plant, const model::PlanarMotor& motor) {
 void place_by_encoders(const Plant& plant, const Vector& stated, Vector& q) {
   const model::PlanarModel& model = plant.model;
   if (plant.sensing.offset.empty() && plant.sensing.scale.empty() && q == stated) return;
-  const MotorMap map = motor_map(model);
-  Vector change = map.rows * q;
+  const Matrix rows = motor_rows(model);
+  Vector change = rows * q;
   for (Eigen::Index m = 0; m < change.size(); ++m) {
     const model::PlanarMotor& motor = model.motors[m];
     const double zero = model.joint_offset[motor.body], angle = change[m] + zero;
     const double offset = value_or(plant.sensing.offset, motor.joint, 0.0);
-    const Bounds range = reachable(plant, motor.joint, map.rows.row(m).dot(stated) + zero);
+    const Bounds range = reachable(plant, motor.joint, rows.row(m).dot(stated) + zero);
     change[m] =
         std::clamp((angle - offset) / scale_of(plant, motor), range.lower, range.upper) - angle;
   }
-  if (!change.isZero(0.0)) q += map.factor.solve(change);
+  move_motors(rows, change, q);
 }
 
 }  // namespace
@@ -162,11 +160,11 @@ StartState state_as_read(const Plant& plant, const StartState& read) {
   StartState state = read;
   place_by_encoders(plant, read.q, state.q);
   if (plant.sensing.scale.empty()) return state;
-  const MotorMap map = motor_map(plant.model);
-  Vector change = map.rows * read.v;
+  const Matrix rows = motor_rows(plant.model);
+  Vector change = rows * read.v;
   for (Eigen::Index m = 0; m < change.size(); ++m)
     change[m] *= 1.0 / scale_of(plant, plant.model.motors[m]) - 1.0;
-  if (!change.isZero(0.0)) state.v += map.factor.solve(change);
+  move_motors(rows, change, state.v);
   return state;
 }
 
