@@ -73,6 +73,8 @@ class Joints:
 
     def unit(self, channel: str) -> str:
         joint, _, quantity = channel.rpartition("_")
+        if joint in self.slides and quantity == "apart":
+            return self.unit(joint)
         if joint in self.slides and quantity in ("velocity", "torque"):
             slides = self.slides[joint]
             return {"velocity": "m/s" if slides else "rad/s", "torque": "N" if slides else "N m"}[
@@ -235,9 +237,10 @@ def mapped(
 
 
 def _sorted_names(names: Iterable[str], robot: Joints) -> list[str]:
-    """Position, velocity, torque of a joint side by side, joints in the robot's order."""
+    """Position, what sides differ by, velocity, torque of a joint side by side, joints in the
+    robot's order."""
     order = list(robot.slides)
-    rank = {"velocity": 1, "torque": 2}
+    rank = {"apart": 1, "velocity": 2, "torque": 3}
 
     def key(channel: str) -> tuple[int, int]:
         joint, _, quantity = channel.rpartition("_")
@@ -258,9 +261,11 @@ def joint_values(
     """Channels of named joints over samples of (names, values by suffix "", "_velocity", "_torque").
 
     Returns:
-        Names, and (c, n); NaN where a sample lacks a joint or has no values of a kind.
+        Names, and (c, n); NaN where a sample lacks a joint or has no values of a kind. Of a joint
+        whose position two sides make up the first less the second stands beside it, "_apart".
     """
     sums: dict[str, np.ndarray] = {}
+    positions: dict[str, dict[str, np.ndarray]] = {}  # of a joint's sides
     counts: dict[str, np.ndarray] = {}
     sides: dict[str, set[str]] = {}
     unknown: set[str] = set()
@@ -281,6 +286,9 @@ def joint_values(
                 sums[channel][k] += found[1] * value
                 counts[channel][k] += 1
                 sides.setdefault(found[0], set()).add(theirs)
+                if not suffix:
+                    own = positions.setdefault(found[0], {})
+                    own.setdefault(theirs, np.full(len(samples), np.nan))[k] = found[1] * value
 
     if unknown:
         notes.append(
@@ -291,17 +299,22 @@ def joint_values(
             f"{place}: none of its joints is one of the robot's; allowed: "
             f"{', '.join(robot.slides)}, or `joints` of the map"
         )
+    apart: dict[str, np.ndarray] = {}
     for joint, given in sides.items():
         if len(given) > 1:
             notes.append(
                 f"{place}: {joint} is the mean of {', '.join(sorted(given))}, each with its sign"
             )
+            sides_of = list(positions.get(joint, {}).values())
+            if len(sides_of) == 2:
+                apart[joint + "_apart"] = sides_of[0] - sides_of[1]
         elif given != {joint}:
             notes.append(f"{place}: {joint} is {next(iter(given))}")
 
-    channels = _sorted_names(sums, robot)
     with np.errstate(invalid="ignore"):
-        return channels, np.array([sums[c] / counts[c] for c in channels])
+        values = {channel: sums[channel] / counts[channel] for channel in sums} | apart
+    channels = _sorted_names(values, robot)
+    return channels, np.array([values[c] for c in channels])
 
 
 def joint_state(

@@ -135,16 +135,20 @@ class Observer {
     const double scale = value_of(changes_.scale, name, 1.0),
                  offset = value_of(changes_.joint_offset, name, 0.0);
     const double dt = 1.0 / s.joints_rate_hz;
+    std::vector<Vector> read;  // of each side
     const Vector angle = mean(name, [&](Eigen::Index i) {
       Vector seen = scale * angle_of(i);
       seen.array() += offset + files_.drives[i].encoder_zero;
       seen += misread(i, &misreading);
-      if (spec_.exact) return seen;
-      add_noise(seen, s.encoder, dt, s.shape, random_);
-      quantise(seen, s.encoder_step);
+      if (!spec_.exact) {
+        add_noise(seen, s.encoder, dt, s.shape, random_);
+        quantise(seen, s.encoder_step);
+      }
+      read.push_back(seen);
       return seen;
     });
     append(stream, name, "rad", angle);
+    add_apart(stream, name, read);
     if (!s.rates) return;
 
     const Vector rate = mean(name, [&](Eigen::Index i) {
@@ -154,6 +158,13 @@ class Observer {
       return seen;
     });
     append(stream, channel_name(name, trajectory::Quantity::velocity), "rad/s", rate);
+  }
+
+  /// What encoders of both sides differ by, of a joint that has two.
+  static void add_apart(trajectory::Stream& stream, const std::string& name,
+                        const std::vector<Vector>& read) {
+    if (read.size() != 2) return;
+    append(stream, channel_name(name, trajectory::Quantity::apart), "rad", read[0] - read[1]);
   }
 
   void add_current(trajectory::Stream& stream, const std::string& name) {

@@ -77,4 +77,14 @@ ChannelUnit channel_unit(const Column& column, const std::string& place) {
       dimensions.size() == 2 ? fmt::format(" or '[{}]'", unit_name(dimensions.back())) : ""));
 }
 
+std::string apart_of(const std::string& channel, const std::string& unit, int count) {
+  const bool base = std::any_of(names().begin(), names().end(),
+                                [&](const Rule& rule) { return rule.text == channel; });
+  const bool position =
+      parse_channel(channel).quantity == Quantity::position &&
+      (unit == unit_of(Quantity::position) || unit == unit_of(Quantity::position, true));
+  if (count != 2 || base || !position || channel.ends_with("_pitch")) return {};
+  return channel_name(channel, Quantity::apart);
+}
+
 }  // namespace jaculus::trajectory

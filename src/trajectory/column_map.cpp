@@ -7,8 +7,10 @@
 #include <cmath>
 #include <fstream>
 #include <map>
+#include <utility>
 
 #include "jaculus/core/error.h"
+#include "trajectory/channel_units.h"
 #include "trajectory/line_reader.h"
 #include "trajectory/mapped_channel.h"
 #include "trajectory/open_input.h"
@@ -19,7 +21,13 @@ namespace {
 class ColumnMapReader {
  public:
   ColumnMapReader(std::istream& stream, const std::string& name, const ColumnMap& map)
-      : reader_(stream, name), map_(map) {}
+      : reader_(stream, name), map_(map) {
+    for (int c = 0; c < count_of(map.channels); ++c) {
+      const MappedChannel& own = map.channels[c];
+      const std::string apart = apart_of(own.channel, own.unit, count_of(own.columns));
+      if (!apart.empty() && !map.has(apart)) sides_.emplace_back(c, apart);
+    }
+  }
 
   Stream read(std::vector<std::string>& notes) {
     std::string_view line;
@@ -44,6 +52,9 @@ class ColumnMapReader {
       if (channel.columns.size() > 1)
         notes.push_back(fmt::format("{} is the mean of the columns {}", channel.channel,
                                     fmt::join(channel.columns, ", ")));
+    for (const auto& [c, apart] : sides_)
+      notes.push_back(fmt::format("{} is {} less {}", apart, map_.channels[c].columns[0],
+                                  map_.channels[c].columns[1]));
 
     return finish();
   }
@@ -119,6 +130,8 @@ class ColumnMapReader {
         values_.push_back(value);
       }
     }
+    for (const auto& [c, apart] : sides_)
+      values_.push_back(map_.channels[c].scale * (number(places_[c][0]) - number(places_[c][1])));
   }
 
   [[nodiscard]] double number(std::size_t place) const {
@@ -152,6 +165,10 @@ class ColumnMapReader {
       stream.channels.push_back(channel.channel);
       stream.units.push_back(channel.unit);
     }
+    for (const auto& [c, apart] : sides_) {
+      stream.channels.push_back(apart);
+      stream.units.push_back(map_.channels[c].unit);
+    }
     const auto samples = std::ssize(times_);
     stream.time = Eigen::Map<const Vector>(times_.data(), samples);
     stream.values = Eigen::Map<const Matrix>(values_.data(), stream.channels.size(), samples);
@@ -162,11 +179,18 @@ class ColumnMapReader {
   const ColumnMap& map_;
   std::vector<std::string> cells_, names_;
   std::vector<std::vector<std::size_t>> places_;  ///< by channel
+  /// Channels that are the mean of two sides, and what the channel of their difference is called.
+  std::vector<std::pair<int, std::string>> sides_;
   std::vector<double> times_, values_;
   int short_line_ = 0;
 };
 
 }  // namespace
+
+bool ColumnMap::has(const std::string& channel) const {
+  return std::any_of(channels.begin(), channels.end(),
+                     [&](const MappedChannel& own) { return own.channel == channel; });
+}
 
 ColumnMap read_column_map(const yaml::Node& node) {
   yaml::refuse_other_kind(node, "jaculus-columns/1");

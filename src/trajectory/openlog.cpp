@@ -8,6 +8,7 @@
 #include <fstream>
 
 #include "jaculus/core/error.h"
+#include "trajectory/channel_units.h"
 #include "trajectory/open_input.h"
 
 namespace jaculus::trajectory {
@@ -95,6 +96,7 @@ class OpenLogReader {
       }
       ++shares_[channel_.back()];
     }
+    add_aparts();
 
     if (window_ == nullptr || window_->channel.empty()) return;
     passing_ = stream_.channel(window_->channel);
@@ -130,6 +132,24 @@ class OpenLogReader {
   }
 
  private:
+  /// Channels of what two fields of one position differ by.
+  void add_aparts() {
+    sides_.resize(format_.fields.size());
+    const int means = count_of(stream_.channels);
+    for (int c = 0; c < means; ++c) {
+      const std::string apart = apart_of(stream_.channels[c], stream_.units[c], shares_[c]);
+      if (apart.empty() || stream_.channel(apart) >= 0) continue;
+      double sign = 1.0;
+      for (std::size_t i = 0; i < channel_.size(); ++i) {
+        if (channel_[i] != c) continue;
+        sides_[i] = {count_of(stream_.channels), sign};
+        sign = -1.0;
+      }
+      stream_.channels.push_back(apart);
+      stream_.units.push_back(stream_.units[c]);
+    }
+  }
+
   void skip_header() {
     std::size_t left = format_.header_bytes;
     while (left > 0 && bytes_.have(1)) {
@@ -185,7 +205,9 @@ class OpenLogReader {
       }
       const double value = field.scale * raw + field.shift;
       // What no number is (a sensor's fault written as NaN) is a gap.
-      values[channel_[i]] += std::isfinite(value) ? value / shares_[channel_[i]] : kNaN;
+      const double known = std::isfinite(value) ? value : kNaN;
+      values[channel_[i]] += known / shares_[channel_[i]];
+      if (sides_[i].channel >= 0) values[sides_[i].channel] += sides_[i].sign * known;
     }
 
     ++records_;
@@ -279,6 +301,9 @@ class OpenLogReader {
       if (shares_[c] > 1)
         notes.push_back(
             fmt::format("{} is the mean of {} fields", stream_.channels[c], shares_[c]));
+    for (std::size_t c = shares_.size(); c < stream_.channels.size(); ++c)
+      notes.push_back(
+          fmt::format("{} is the first of its fields less the second", stream_.channels[c]));
   }
 
   Stream finish() {
@@ -294,7 +319,13 @@ class OpenLogReader {
   const OpenLogFormat& format_;
   Stream stream_;
   std::vector<int> channel_;  ///< of each field, -1 where it is none or time
-  std::vector<int> shares_;   ///< fields of each channel
+  std::vector<int> shares_;   ///< fields of each channel that is their mean
+  /// A field's part in what two sides differ by; channel -1 without.
+  struct Side {
+    int channel = -1;
+    double sign = 1.0;
+  };
+  std::vector<Side> sides_;  ///< of each field
   const LogWindow* window_;
   int passing_ = -1;     ///< channel that tells time zero
   double zero_ = kNaN;   ///< once known [s of the log]

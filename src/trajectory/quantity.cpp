@@ -27,6 +27,7 @@ const std::vector<Row>& rows() {
       {Quantity::force, "force", {d::force}},
       {Quantity::force_x, "force_x", {d::force}},
       {Quantity::force_z, "force_z", {d::force}},
+      {Quantity::apart, "apart", {d::angle, d::length}},
   };
   return all;
 }

@@ -86,8 +86,9 @@ def test_left_and_right_joints_of_the_robots_file_become_one_with_their_signs(tm
         plan=two_point_plan(tmp_path),
     )
     stream = dataset.trials[0]["joints"]
-    assert stream.channels == ["front_a"] and len(signs) == 2
+    assert stream.channels == ["front_a", "front_a_apart"] and len(signs) == 2
     np.testing.assert_allclose(stream["front_a"], [0.3, 0.5], rtol=1e-15)
+    np.testing.assert_allclose(stream["front_a_apart"], [0.0, np.nan], atol=1e-15)
     assert has(dataset, "left out, as the robot has no such joints: gripper")
     assert has(dataset, f"front_a is the mean of {', '.join(sorted(signs))}")
 

@@ -41,16 +41,21 @@ TEST(ColumnMap, ReadsForeignTables) {
   const Stream stream = log_of(
       "made by a logger\n\"t (us)\";q0;what;q4;U\n0;90;ok;90;15000\n10000;0;ok;-90;lost\n20000;0",
       notes);
-  ASSERT_EQ(stream.channels, (std::vector<std::string>{"front_a", "bus_voltage"}));
+  ASSERT_EQ(stream.channels, (std::vector<std::string>{"front_a", "bus_voltage", "front_a_apart"}));
   ASSERT_EQ(stream.time.size(), 2);
   EXPECT_NEAR(stream.time[1], 0.01, 1e-15);
   EXPECT_NEAR(stream.values(0, 0), 0.0, 1e-12);
   EXPECT_NEAR(stream.values(0, 1), 3.0 * 0.78539816339744831, 1e-12);
   EXPECT_NEAR(stream.values(1, 0), 15.0, 1e-12);
   EXPECT_TRUE(std::isnan(stream.values(1, 1)));
-  ASSERT_EQ(notes.size(), 2u);
+  // 90 and 90 deg, then 0 and -90, by the map's factor of -1.
+  EXPECT_EQ(stream.units[2], "rad");
+  EXPECT_NEAR(stream.values(2, 0), 0.0, 1e-12);
+  EXPECT_NEAR(stream.values(2, 1), -1.5707963267948966, 1e-12);
+  ASSERT_EQ(notes.size(), 3u);
   EXPECT_TRUE(holds(notes[0], "line 5, the last, is cut short"));
   EXPECT_TRUE(holds(notes[1], "front_a is the mean of the columns q0, q4"));
+  EXPECT_TRUE(holds(notes[2], "front_a_apart is q0 less q4"));
 }
 
 TEST(ColumnMap, ReadsTablesWithoutAHeaderPartedByBlanks) {

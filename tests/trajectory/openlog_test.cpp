@@ -73,17 +73,20 @@ TEST(OpenLog, ReadsTypesScalesMeansAndAWrappingClock) {
   std::vector<std::string> notes;
   const Stream stream = log_of(
       "two lines\nof text\n\n" + record(65530, 0.5f, -90, 158) + record(10, 0.25f, 45, 157), notes);
-  ASSERT_EQ(stream.channels, (std::vector<std::string>{"front_a", "bus_voltage"}));
-  EXPECT_EQ(stream.units, (std::vector<std::string>{"rad", "V"}));
+  ASSERT_EQ(stream.channels, (std::vector<std::string>{"front_a", "bus_voltage", "front_a_apart"}));
+  EXPECT_EQ(stream.units, (std::vector<std::string>{"rad", "V", "rad"}));
   EXPECT_EQ(stream.rate_hz, 100.0);
   ASSERT_EQ(stream.time.size(), 2);
   EXPECT_NEAR(stream.time[1] - stream.time[0], 0.016, 1e-12);
   EXPECT_NEAR(stream.values(0, 0), ((1.0 - 0.5) - 1.5707963267948966) / 2.0, 1e-12);
   EXPECT_NEAR(stream.values(0, 1), ((1.0 - 0.25) + 0.7853981633974483) / 2.0, 1e-12);
   EXPECT_NEAR(stream.values(1, 0), 15.8, 1e-12);
+  EXPECT_NEAR(stream.values(2, 0), (1.0 - 0.5) + 1.5707963267948966, 1e-12);
+  EXPECT_NEAR(stream.values(2, 1), (1.0 - 0.25) - 0.7853981633974483, 1e-12);
   EXPECT_TRUE(any_holds(notes, "2 records of 14 bytes"));
   EXPECT_TRUE(any_holds(notes, "the clock wrapped 1 times"));
   EXPECT_TRUE(any_holds(notes, "front_a is the mean of 2 fields"));
+  EXPECT_TRUE(any_holds(notes, "front_a_apart is the first of its fields less the second"));
 }
 
 TEST(OpenLog, PassesOverRubbishBadSumsAndATruncatedTail) {

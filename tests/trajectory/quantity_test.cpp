@@ -21,6 +21,7 @@ TEST(ChannelName, IsTakenApartAtItsLongestSuffix) {
   is("tail_motor_torque", "tail", Quantity::motor_torque);
   is("rear_force_z", "rear", Quantity::force_z);
   is("rear_force", "rear", Quantity::force);
+  is("front_a_apart", "front_a", Quantity::apart);
   is("imu_pitch", "imu_pitch", Quantity::position);
   is("imu_pitch_velocity", "imu_pitch", Quantity::velocity);
   is("bus_voltage", "bus", Quantity::voltage);

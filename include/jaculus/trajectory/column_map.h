@@ -12,7 +12,9 @@
 //     time: {column: "t (us)", unit: us}
 //     front_a: {columns: [q0, q4], unit: deg, scale: -1, offset: 90} # SI of scale * mean + offset
 //
-// Columns that are not named are passed over. Line by line, one pass.
+// Columns that are not named are passed over. Of two columns that make up a joint's position, left
+// and right, the first less the second stands beside their mean, as `front_a_apart`. Line by line,
+// one pass.
 
 #include <filesystem>
 #include <istream>
@@ -40,6 +42,8 @@ struct ColumnMap {
   bool header = true;
   std::vector<std::string> gaps;
   std::vector<MappedChannel> channels;  ///< time among them
+
+  [[nodiscard]] bool has(const std::string& channel) const;
 };
 
 /// Checks a map. Faults: InputError with the node's place.

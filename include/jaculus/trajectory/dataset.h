@@ -9,7 +9,8 @@
 //           where tracked
 //   joints  <joint> [rad], <joint>_velocity [rad/s], <joint>_torque [N m], <joint>_current [A],
 //           <joint>_voltage [V], <joint>_duty [-], bus_voltage [V], imu_pitch [rad],
-//           imu_pitch_velocity [rad/s]
+//           imu_pitch_velocity [rad/s]; <joint>_apart [rad]: of left and right that are one joint,
+//           whose mean <joint> is, the left angle less the right one
 
 #include <filesystem>
 #include <map>

@@ -20,6 +20,9 @@
 //     - {skip: 2}
 //     - {name: mode, type: uint8}                                   # no channel: not kept
 //
+// Of two fields that make up a joint's position the first less the second stands beside their mean,
+// as `front_a_apart`.
+//
 // value in `unit` = scale * raw + offset; then to SI. Types: int8 ... int64, uint8 ... uint64,
 // float32, float64. A time of an unsigned type that wraps is unwrapped. Where sync is stated, bytes
 // that belong to no record are passed over and counted.

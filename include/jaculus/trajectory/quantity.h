@@ -23,7 +23,8 @@ enum class Quantity {
   duty,          ///< share of the bus voltage [-]
   force,         ///< [N]
   force_x,       ///< [N]
-  force_z        ///< [N]
+  force_z,       ///< [N]
+  apart          ///< of two sides that are one joint: the first less the second [rad or m]
 };
 
 /// "torque", "force_x"; the suffix of a column is "_" and this.
