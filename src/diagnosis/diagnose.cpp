@@ -41,6 +41,7 @@ Diagnosis unanswered(const Prepared& prepared) {
   out.notes = observations.notes;
   out.notes.insert(out.notes.end(), prepared.notes.begin(), prepared.notes.end());
   out.disturbances = prepared.disturbances;
+  out.partings = observations.partings;
   out.settings = prepared.built.problem->settings;
   if (!observations.datasets.empty()) out.problem = prepared.built.problem;
   return out;

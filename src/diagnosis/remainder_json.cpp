@@ -61,11 +61,19 @@ Json event_json(const ForceEvent& e) {
           {"every_trial", e.every_trial}};
 }
 
+Json parting_json(const Parting& p) {
+  return {{"trial", p.trial},
+          {"joint", p.joint},
+          {"from_s", json_number(p.from)},
+          {"most", json_number(p.most)},
+          {"unit", p.unit}};
+}
+
 }  // namespace
 
 Json remainder_json(const Diagnosis& d) {
   const std::vector<RemainderPlace>& described = d.remainder.places;
-  Json places = Json::array(), events = Json::array();
+  Json places = Json::array(), events = Json::array(), partings = Json::array();
   for (const RemainderPlace& place : described) places.push_back(place_json(place, d.lacking));
   for (const LackingForce& f : d.lacking) {
     const bool known = std::any_of(described.begin(), described.end(),
@@ -79,12 +87,15 @@ Json remainder_json(const Diagnosis& d) {
   }
 
   for (const ForceEvent& e : d.events) events.push_back(event_json(e));
+  for (const Parting& p : d.partings) partings.push_back(parting_json(p));
   return {{"share", json_number(d.remainder.share)},
           {"ci95", interval(d.remainder.ci95)},
-          {"established", d.verdict == Verdict::partial || d.verdict == Verdict::unexplained},
+          {"established", d.verdict == Verdict::partial || d.verdict == Verdict::unexplained ||
+                              !d.partings.empty()},
           {"probability", d.lacking_probability},
           {"places", places},
-          {"events", events}};
+          {"events", events},
+          {"partings", partings}};
 }
 
 }  // namespace jaculus::diagnosis

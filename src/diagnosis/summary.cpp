@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace jaculus::diagnosis {
 namespace {
@@ -58,7 +59,21 @@ std::vector<std::string> push_phrases(const Diagnosis& d) {
   return phrases;
 }
 
-std::string where_sentence(const Diagnosis& d) {
+/// " Left and right part at rear b from 0.118 s on (...)." Empty where they don't.
+std::string parting_sentence(const Diagnosis& d) {
+  const auto first =
+      std::min_element(d.partings.begin(), d.partings.end(),
+                       [](const Parting& a, const Parting& b) { return a.from < b.from; });
+  if (first == d.partings.end()) return {};
+  const bool angle = first->unit == "rad";
+  return fmt::format(
+      " Left and right part at {} from {:.3g} s on (by {:.2g} {}), which no model of the plane "
+      "holds: what follows is not judged.",
+      in_words(first->joint), first->from,
+      angle ? first->most * 180.0 / std::numbers::pi : first->most, angle ? "deg" : first->unit);
+}
+
+std::string gap_place(const Diagnosis& d) {
   if (d.verdict == Verdict::insufficient) return "These data can't say where a gap lies.";
   if (d.verdict == Verdict::none && !push_phrases(d).empty())
     return "Something pushed the robot in every trial; beside that no gap is beyond what sensors "
@@ -95,6 +110,8 @@ std::string where_sentence(const Diagnosis& d) {
                         d.verdict == Verdict::partial ? "remains" : "it lacks", listed(lacking));
   return text + ".";
 }
+
+std::string where_sentence(const Diagnosis& d) { return gap_place(d) + parting_sentence(d); }
 
 /// "tail compliance (stiffness 100 N m/rad, 96 to 104)".
 std::string effect_phrase(const FoundEffect& effect) {

@@ -83,6 +83,16 @@ struct OneOff {
   std::string channel;  ///< where it shows most
 };
 
+/// Left and right of one joint that part, which no model of the plane holds.
+struct Parting {
+  int dataset = 0;
+  std::string trial;
+  std::string joint;  ///< that parts first
+  double from = 0.0;  ///< data of the trial are left out from here on [s]
+  double most = 0.0;  ///< by which they part then [unit]
+  std::string unit;   ///< "rad", "m"
+};
+
 /// An experiment that would separate the rivals of an ambiguous verdict.
 struct NextExperiment {
   std::string experiment;
@@ -110,6 +120,7 @@ struct Diagnosis {
   std::vector<FoundEffect> effects;  ///< most probable first; empty where the verdict names none
   std::vector<Ranked> ranking;
   std::vector<OneOff> disturbances;
+  std::vector<Parting> partings;  ///< by dataset and trial, in time
   HeldOut gap;                    ///< of `model` against `stated` and `none`
   Tolerances tolerances;          ///< that the user named
   std::optional<double> horizon;  ///< by which they are judged [s]; nothing: the whole motion

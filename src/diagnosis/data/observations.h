@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "jaculus/core/types.h"
+#include "jaculus/diagnosis/diagnosis.h"
 #include "jaculus/diagnosis/settings.h"
 #include "jaculus/model/planar.h"
 #include "jaculus/trajectory/dataset.h"
@@ -67,6 +68,7 @@ struct Observations {
   std::vector<ObservedDataset> datasets;
   std::vector<std::string> notes;         ///< what was left out or assumed, a sentence each
   std::vector<std::string> insufficient;  ///< why the data can't answer; empty where they may
+  std::vector<Parting> partings{};        ///< from which on data are left out
 };
 
 /// Selects and cuts. `models` holds the robot of each dataset, its overrides applied.

@@ -8,10 +8,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <optional>
 #include <set>
 
 #include "diagnosis/data/evidence_channels.h"
 #include "diagnosis/data/observations.h"
+#include "diagnosis/data/partings.h"
 #include "jaculus/simulation/experiment.h"
 
 namespace jaculus::diagnosis {
@@ -106,7 +108,7 @@ void add_channels(const ObservedDataset& observed, const Trial& trial, double fr
   }
 
   const double first = observed.measured_input ? segment.start : 0.0;
-  const double last = observed.measured_input ? segment.end() : observed.window_end;
+  const double last = observed.measured_input ? segment.end() : to;
   segment.prefix_end = first + settings.prefix_share * (last - first);
 }
 
@@ -154,7 +156,17 @@ bool measured_start(const ObservedDataset& observed, const Trial& trial, double 
   return true;
 }
 
-void cut_windows(ObservedDataset& observed, int trial_index, const Settings& settings) {
+/// The end of what a model of the plane can be held to within [from, to] of a trial.
+double together_until(const Trial& trial, double from, double to, const Settings& settings,
+                      std::vector<Parting>& partings) {
+  const std::optional<Parting> found = first_parting(trial, from, to, settings.sides_apart);
+  if (!found) return to;
+  partings.push_back(*found);
+  return found->from;
+}
+
+void cut_windows(ObservedDataset& observed, int trial_index, const Settings& settings,
+                 std::vector<Parting>& partings) {
   const Trial& trial = observed.dataset.trials[trial_index];
   double end = 0.0;
   for (const Stream& stream : trial.streams)
@@ -169,9 +181,27 @@ void cut_windows(ObservedDataset& observed, int trial_index, const Settings& set
     segment.trial = trial_index;
     segment.start = from;
     if (!measured_start(observed, trial, from, settings, segment)) continue;
-    add_channels(observed, trial, from, to, settings, segment);
+    add_channels(observed, trial, from, together_until(trial, from, to, settings, partings),
+                 settings, segment);
     observed.segments.push_back(std::move(segment));
   }
+}
+
+/// Trials that a plan or a script drove, whole until their sides part.
+void cut_trials(ObservedDataset& observed, const Settings& settings,
+                std::vector<Parting>& partings) {
+  const double from = observed.window_start;
+  double latest = from;
+  for (int t = 0; t < count_of(observed.dataset.trials); ++t) {
+    const Trial& trial = observed.dataset.trials[t];
+    const double to = together_until(trial, from, observed.window_end, settings, partings);
+    Segment segment;
+    segment.trial = t;
+    add_channels(observed, trial, from, to, settings, segment);
+    observed.segments.push_back(std::move(segment));
+    latest = std::max(latest, to);
+  }
+  observed.window_end = latest;
 }
 
 bool has_data(const Segment& segment) {
@@ -235,7 +265,7 @@ void set_spacing(ObservedDataset& observed) {
   }
 }
 
-ObservedDataset cut_dataset(const Dataset& dataset, const PlanarModel& model,
+ObservedDataset cut_dataset(const Dataset& dataset, int index, const PlanarModel& model,
                             const Settings& settings, Observations& out) {
   ObservedDataset observed;
   observed.dataset = dataset;
@@ -246,17 +276,16 @@ ObservedDataset cut_dataset(const Dataset& dataset, const PlanarModel& model,
   select_channels(observed, label, out.notes);
   set_window(observed, settings);
 
-  for (int t = 0; t < count_of(dataset.trials); ++t) {
-    if (observed.measured_input) {
-      cut_windows(observed, t, settings);
-      continue;
-    }
-    Segment segment;
-    segment.trial = t;
-    add_channels(observed, dataset.trials[t], observed.window_start, observed.window_end, settings,
-                 segment);
-    observed.segments.push_back(std::move(segment));
-  }
+  std::vector<Parting> partings;
+  if (!observed.measured_input) cut_trials(observed, settings, partings);
+  for (int t = 0; observed.measured_input && t < count_of(dataset.trials); ++t)
+    cut_windows(observed, t, settings, partings);
+  const std::string plane =
+      out_of_plane(dataset, label, observed.window_start, observed.window_end);
+  if (!plane.empty()) out.notes.push_back(plane);
+  for (Parting& parting : partings) parting.dataset = index;
+  if (!partings.empty()) out.notes.push_back(note_of(label, partings));
+  out.partings.insert(out.partings.end(), partings.begin(), partings.end());
 
   std::erase_if(observed.segments, [](const Segment& segment) { return !has_data(segment); });
   drop_dead_channels(observed, label, out.notes);
@@ -282,7 +311,8 @@ Observations observe(const std::vector<Dataset>& datasets, const std::vector<Pla
                      const Settings& settings) {
   Observations out;
   for (std::size_t i = 0; i < datasets.size(); ++i) {
-    ObservedDataset observed = cut_dataset(datasets[i], models[i], settings, out);
+    ObservedDataset observed =
+        cut_dataset(datasets[i], static_cast<int>(i), models[i], settings, out);
     if (!observed.segments.empty()) out.datasets.push_back(std::move(observed));
   }
   return out;
