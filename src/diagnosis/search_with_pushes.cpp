@@ -43,11 +43,15 @@ const ModelFit& leading(const SearchResult& search) {
       [](const ModelFit& a, const ModelFit& b) { return a.log_weight() < b.log_weight(); });
 }
 
+/// Whether the leading model leaves more, or needs several effects: one push may be what these
+/// stand in for, however little they leave.
 bool pushes_sought(const Prepared& prepared, const Selection& selection) {
   const Problem& problem = *prepared.built.problem;
-  return prepared.built.forward && problem.settings.pushes_tried > 0 && !in_windows(problem) &&
-         problem.observations.datasets.size() == 1 && !selection.search.models.empty() &&
-         leaves_more(problem, leading(selection.search).fit);
+  if (!prepared.built.forward || problem.settings.pushes_tried == 0 || in_windows(problem) ||
+      problem.observations.datasets.size() != 1 || selection.search.models.empty())
+    return false;
+  const ModelFit& lead = leading(selection.search);
+  return lead.candidates.size() > 1 || leaves_more(problem, lead.fit);
 }
 
 /// Adds pushes, of each coordinate the one that gains more.
@@ -171,6 +175,21 @@ double lead_of_push(const Problem& problem, const SearchResult& search) {
   return leading(search).log_weight() - without;
 }
 
+/// Effects of the leading model, pushes left out.
+int effects_of_leading(const Problem& problem, const SearchResult& search) {
+  const std::vector<int>& members = leading(search).candidates;
+  return static_cast<int>(std::count_if(members.begin(), members.end(), [&](int c) {
+    return !problem.hypotheses.candidates[c].is_event();
+  }));
+}
+
+/// Whether a push takes the place of effects, and clearly leads the best model without one.
+bool is_simpler(const Problem& with, const SearchResult& with_pushes,
+                const SearchResult& effects_alone) {
+  return effects_of_leading(with, with_pushes) < count_of(leading(effects_alone).candidates) &&
+         lead_of_push(with, with_pushes) > with.settings.clear_lead;
+}
+
 }  // namespace
 
 bool push_established(const Problem& problem, const SearchResult& with_pushes,
@@ -198,7 +217,9 @@ Searched search_with_pushes(Prepared prepared, const ProblemBuilder& rebuild,
   Selection again = selected(with, rebuild, options);
   if (again.search.models.empty() ||
       !has_one_push(*with.built.problem, again.comparison.whitening, leading(again.search)) ||
-      !push_established(*with.built.problem, again.search, effects_alone.search))
+      !push_established(*with.built.problem, again.search, effects_alone.search) ||
+      !(leaves_more(*prepared.built.problem, leading(effects_alone.search).fit) ||
+        is_simpler(*with.built.problem, again.search, effects_alone.search)))
     return {std::move(prepared), std::move(effects_alone)};
   return {std::move(with), std::move(again)};
 }

@@ -11,10 +11,11 @@ struct Searched {
   Selection selection;  ///< without models where prepared has reasons, or none can't be fitted
 };
 
-/// Effects first. Where the leading model leaves more (fit.h), under a plan and with one dataset,
-/// the search is made again among the effects that it found worth a fit and likely pushes
-/// (push_scan.h). It counts if a model with a push leads it, one that every trial had, that is
-/// shorter than half of the motion and that is established.
+/// Effects first. Where the leading model leaves more (fit.h) or needs several effects, under a
+/// plan and with one dataset, the search is made again among the effects that it found worth a fit
+/// and likely pushes (push_scan.h). It counts if a model with a push leads it, one that every trial
+/// had, that is shorter than half of the motion and that is established; where effects alone left
+/// nothing more, if it also takes the place of one of them and clearly leads what has none.
 Searched search_with_pushes(Prepared prepared, const ProblemBuilder& rebuild,
                             const DiagnoseOptions& options);
 
