@@ -66,7 +66,8 @@ void bind_maps(nb::module_& module) {
       .def_ro("columns", &MappedChannel::columns)
       .def_ro("unit", &MappedChannel::unit)
       .def_ro("scale", &MappedChannel::scale)
-      .def_ro("shift", &MappedChannel::shift);
+      .def_ro("shift", &MappedChannel::shift)
+      .def_ro("apart", &MappedChannel::apart);
   nb::class_<ColumnMap>(module, "ColumnMap")
       .def_ro("stream", &ColumnMap::stream)
       .def_ro("rate_hz", &ColumnMap::rate_hz)

@@ -216,10 +216,13 @@ def keep_fields(
 
 def mapped(
     topic: Topic, channels: Sequence[_core.MappedChannel], place: str, notes: list[str]
-) -> np.ndarray:
-    """(c, n) of a topic whose messages were kept by `keep_fields`."""
+) -> tuple[list[str], list[str], np.ndarray]:
+    """Names, units and (c, n) of a topic whose messages were kept by `keep_fields`. Of two fields
+    that make up a joint's position the first less the second is a channel of its own."""
     kept = np.array([row.values for row in topic.messages]).T
     rows, first = [], 0
+    names, units = [c.channel for c in channels], [c.unit for c in channels]
+    aparts = []
     for channel in channels:
         fields = kept[first : first + len(channel.columns)]
         first += len(channel.columns)
@@ -231,9 +234,15 @@ def mapped(
         if len(channel.columns) > 1:
             notes.append(f"{channel.channel} is the mean of {', '.join(channel.columns)}")
         rows.append(channel.scale * fields.mean(axis=0) + channel.shift)
+        if channel.apart and channel.apart not in names:
+            aparts.append((channel.apart, channel.unit, channel.scale * (fields[0] - fields[1])))
+            notes.append(f"{channel.apart} is {channel.columns[0]} less {channel.columns[1]}")
+    for name, unit, row in aparts:
+        names, units = [*names, name], [*units, unit]
+        rows.append(row)
     read = sorted({path for channel in channels for path in channel.columns})
     notes.append(f"{topic.name} ({topic.kind}): of its fields are read {', '.join(read)}")
-    return np.array(rows)
+    return names, units, np.array(rows)
 
 
 def _sorted_names(names: Iterable[str], robot: Joints) -> list[str]:
@@ -257,12 +266,14 @@ def joint_values(
     renamed: dict[str, str],
     place: str,
     notes: list[str],
+    measured: bool = True,
 ) -> tuple[list[str], np.ndarray]:
     """Channels of named joints over samples of (names, values by suffix "", "_velocity", "_torque").
 
     Returns:
         Names, and (c, n); NaN where a sample lacks a joint or has no values of a kind. Of a joint
-        whose position two sides make up the first less the second stands beside it, "_apart".
+        whose position two sides make up, the first less the second by name stands beside it,
+        "_apart", where they were `measured`.
     """
     sums: dict[str, np.ndarray] = {}
     positions: dict[str, dict[str, np.ndarray]] = {}  # of a joint's sides
@@ -305,9 +316,13 @@ def joint_values(
             notes.append(
                 f"{place}: {joint} is the mean of {', '.join(sorted(given))}, each with its sign"
             )
-            sides_of = list(positions.get(joint, {}).values())
-            if len(sides_of) == 2:
-                apart[joint + "_apart"] = sides_of[0] - sides_of[1]
+            own = positions.get(joint, {})
+            if measured and len(own) == 2:
+                first, second = sorted(own)
+                difference = own[first] - own[second]
+                if not np.isnan(difference).all():
+                    apart[joint + "_apart"] = difference
+                    notes.append(f"{place}: {joint}_apart is {first} less {second}")
         elif given != {joint}:
             notes.append(f"{place}: {joint} is {next(iter(given))}")
 

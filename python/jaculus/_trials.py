@@ -51,9 +51,7 @@ def _read_stream(
     rate = entry.rate_hz if entry else math.nan
     stamps = stamps_of(topic, entry.stamp if entry else "", place, notes)
     if entry and entry.channels:
-        values = mapped(topic, entry.channels, place, notes)
-        names = [channel.channel for channel in entry.channels]
-        units = [channel.unit for channel in entry.channels]
+        names, units, values = mapped(topic, entry.channels, place, notes)
         return in_order(Series(stream, rate, stamps, names, units, values), topic.name, notes)
 
     if topic.kind == JOINT_STATE:
@@ -113,7 +111,9 @@ class Command:
             (message.joint_names, {"": p.positions, "_velocity": p.velocities, "_torque": p.effort})
             for p in message.points
         ]
-        names, values = joint_values(samples, robot, entry.joints if entry else {}, where, notes)
+        names, values = joint_values(
+            samples, robot, entry.joints if entry else {}, where, notes, measured=False
+        )
         if any(len(p.accelerations) for p in message.points):
             notes.append(f"{topic.name}: accelerations are left out: a plan has none")
         units = [robot.unit(name) for name in names]

@@ -62,7 +62,8 @@ Json event_json(const ForceEvent& e) {
 }
 
 Json parting_json(const Parting& p) {
-  return {{"trial", p.trial},
+  return {{"dataset", p.dataset},
+          {"trial", p.trial},
           {"joint", p.joint},
           {"from_s", json_number(p.from)},
           {"most", json_number(p.most)},
@@ -90,8 +91,7 @@ Json remainder_json(const Diagnosis& d) {
   for (const Parting& p : d.partings) partings.push_back(parting_json(p));
   return {{"share", json_number(d.remainder.share)},
           {"ci95", interval(d.remainder.ci95)},
-          {"established", d.verdict == Verdict::partial || d.verdict == Verdict::unexplained ||
-                              !d.partings.empty()},
+          {"established", d.verdict == Verdict::partial || d.verdict == Verdict::unexplained},
           {"probability", d.lacking_probability},
           {"places", places},
           {"events", events},

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "diagnosis/forward/problem.h"
+
 namespace jaculus::diagnosis {
 namespace {
 
@@ -59,7 +61,16 @@ std::vector<std::string> push_phrases(const Diagnosis& d) {
   return phrases;
 }
 
-/// " Left and right part at rear b from 0.118 s on (...)." Empty where they don't.
+/// How many trials a diagnosis has.
+int trials_of(const Diagnosis& d) {
+  int trials = 0;
+  if (d.problem)
+    for (const ObservedDataset& observed : d.problem->observations.datasets)
+      trials += count_of(observed.dataset.trials);
+  return trials;
+}
+
+/// " Left and right part in 2 of 4 trials, at rear b from 0.118 s on ..." Empty where they don't.
 std::string parting_sentence(const Diagnosis& d) {
   const auto first =
       std::min_element(d.partings.begin(), d.partings.end(),
@@ -67,9 +78,10 @@ std::string parting_sentence(const Diagnosis& d) {
   if (first == d.partings.end()) return {};
   const bool angle = first->unit == "rad";
   return fmt::format(
-      " Left and right part at {} from {:.3g} s on (by {:.2g} {}), which no model of the plane "
-      "holds: what follows is not judged.",
-      in_words(first->joint), first->from,
+      " Left and right part in {} of {} trials, first at {} {:.3g} s after the start (by {:.2g} "
+      "{}), "
+      "which no model of the plane holds: what follows is not judged.",
+      d.partings.size(), trials_of(d), in_words(first->joint), first->from,
       angle ? first->most * 180.0 / std::numbers::pi : first->most, angle ? "deg" : first->unit);
 }
 

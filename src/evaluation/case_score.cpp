@@ -272,7 +272,8 @@ CaseScore score_case(const CaseTruth& truth, const Prediction& prediction) {
   if (truth.possible_after_gap > 0.0)
     score.shrink_ratio = prediction.gap_after / truth.possible_after_gap;
   score.energy_ratio = energy_ratio(truth, prediction);
-  score.remainder = prediction.remainder;
+  // That left and right part is what is to be said of those that do, and of no others.
+  score.remainder = prediction.remainder || (is_parted(truth) && prediction.parted);
   const EventCounts events = count_events(truth, prediction);
   score.events_found = events.found;
   score.events_invented = events.invented;

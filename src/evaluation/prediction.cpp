@@ -148,6 +148,7 @@ Prediction prediction_of(const json& root, const std::string& path) {
   prediction.described = parts_of(root);
   prediction.remainder = prediction.verdict == diagnosis::Verdict::unexplained ||
                          root.value("/remainder/established"_json_pointer, false);
+  prediction.parted = !root.value("/remainder/partings"_json_pointer, json::array()).empty();
   return prediction;
 }
 
@@ -228,7 +229,8 @@ std::string prediction_to_text(const Prediction& prediction) {
                      {"remainder",
                       {{"established", prediction.remainder},
                        {"places", parts_json(prediction.described)},
-                       {"events", events_json(prediction.events)}}},
+                       {"events", events_json(prediction.events)},
+                       {"partings", json::array_t(prediction.parted ? 1 : 0)}}},
                      {"seconds", number_or_null(prediction.seconds)}};
 
   return root.dump();

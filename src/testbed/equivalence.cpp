@@ -62,7 +62,8 @@ double noise_of(const std::string& channel, const std::string& unit, const Senso
                 const RobotFiles& robot, bool heeded) {
   const double of_motion = channel_floor(channel, unit, sensors, robot);
   if (!std::isnan(of_motion)) return of_motion;
-  if (!heeded) return kInfinity;
+  const bool apart = trajectory::parse_channel(channel).quantity == trajectory::Quantity::apart;
+  if (!heeded || apart) return kInfinity;
   if (trajectory::parse_channel(channel).quantity == trajectory::Quantity::duty) return kDutyStep;
   return unit == "V" ? sensors.voltmeter : sensors.ammeter;
 }

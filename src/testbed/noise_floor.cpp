@@ -22,8 +22,9 @@ double channel_floor(const std::string& channel, const std::string& unit, const 
   if (channel == "imu_pitch") return s.imu_angle;
   if (channel == "imu_pitch_velocity") return s.imu_rate;
 
-  const std::string joint = trajectory::parse_channel(channel).of;
-  const double sides = std::max(1, count_of(robot.sides_of(joint)));
+  const trajectory::ChannelName name = trajectory::parse_channel(channel);
+  if (name.quantity == trajectory::Quantity::apart) return kNaN;  // no model of the plane has it
+  const double sides = std::max(1, count_of(robot.sides_of(name.of)));
   if (unit == "rad")
     return std::hypot(s.encoder, s.encoder_step / std::sqrt(12.0)) / std::sqrt(sides);
   if (unit == "rad/s") return s.tachometer / std::sqrt(sides);

@@ -10,7 +10,6 @@
 #include <utility>
 
 #include "jaculus/core/error.h"
-#include "trajectory/channel_units.h"
 #include "trajectory/line_reader.h"
 #include "trajectory/mapped_channel.h"
 #include "trajectory/open_input.h"
@@ -23,8 +22,7 @@ class ColumnMapReader {
   ColumnMapReader(std::istream& stream, const std::string& name, const ColumnMap& map)
       : reader_(stream, name), map_(map) {
     for (int c = 0; c < count_of(map.channels); ++c) {
-      const MappedChannel& own = map.channels[c];
-      const std::string apart = apart_of(own.channel, own.unit, count_of(own.columns));
+      const std::string& apart = map.channels[c].apart;
       if (!apart.empty() && !map.has(apart)) sides_.emplace_back(c, apart);
     }
   }

@@ -44,6 +44,7 @@ MappedChannel read_mapped_channel(const std::string& name, const yaml::Node& nod
   channel.scale *= si.factor;
   channel.shift *= si.factor;
   channel.unit = si.si;
+  channel.apart = apart_of(name, channel.unit, count_of(channel.columns));
 
   return channel;
 }

@@ -5,48 +5,109 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <optional>
 
 namespace jaculus::diagnosis {
 namespace {
 
-/// A trial at 1 kHz of 0.1 s whose sides differ by `apart`.
-template <class Function>
-trajectory::Trial trial_of(Function&& apart) {
-  trajectory::Stream stream;
-  stream.name = trajectory::kJointStream;
-  stream.time = Vector::LinSpaced(101, 0.0, 0.1);
-  stream.channels = {"leg", "leg_apart"};
-  stream.units = {"rad", "rad"};
-  stream.values = Matrix::Zero(2, 101);
-  for (Eigen::Index k = 0; k < 101; ++k) stream.values(1, k) = apart(stream.time[k]);
+/// A robot with one leg, at rest for 50 ms before it is told something.
+struct Legged {
+  ObservedDataset observed;
   trajectory::Trial trial;
-  trial.name = "trial_01";
-  trial.streams.push_back(stream);
-  return trial;
-}
+
+  /// `apart` of the time, at 1 kHz from -0.05 to 0.1 s.
+  template <class Function>
+  explicit Legged(Function&& apart, model::JointKind kind = model::JointKind::revolute) {
+    observed.dataset.folder = "leap";
+    observed.window_start = -0.1;
+    model::PlanarBody leg;
+    leg.name = "leg";
+    leg.joint = "leg";
+    leg.kind = kind;
+    observed.model.bodies.push_back(leg);
+
+    trajectory::Stream stream;
+    stream.name = trajectory::kJointStream;
+    stream.time = Vector::LinSpaced(151, -0.05, 0.1);
+    stream.channels = {"leg", "leg_apart", "stance_apart"};
+    stream.units = {"rad", "rad", "m"};
+    stream.values = Matrix::Zero(3, 151);
+    for (Eigen::Index k = 0; k < 151; ++k) stream.values(1, k) = apart(stream.time[k]);
+    stream.values.row(2) = stream.time.transpose();  // of no joint
+    trial.name = "trial_01";
+    trial.streams.push_back(stream);
+  }
+
+  [[nodiscard]] std::optional<Parting> parting(double from, double to, double limit = 0.02) const {
+    Settings settings;
+    settings.sides_apart = limit;
+    return first_parting(observed, trial, from, to, settings);
+  }
+};
+
+/// Zeros of both encoders differ by 0.03; from 0.05 s on the sides part by 2 rad/s.
+double parting_at_50_ms(double t) { return 0.03 - (t < 0.0505 ? 0.0 : 2.0 * (t - 0.05)); }
 
 TEST(Partings, BeginWhereTheDifferenceBeganToRise) {
-  // Zeros of both encoders differ by 0.03; from 0.05 s on the sides part by 2 rad/s.
-  const auto apart = [](double t) { return 0.03 - (t < 0.0505 ? 0.0 : 2.0 * (t - 0.05)); };
-  const auto found = first_parting(trial_of(apart), -0.1, 0.09, 0.02);
+  const Legged robot(parting_at_50_ms);
+  const auto found = robot.parting(0.0, 0.0905);
   ASSERT_TRUE(found.has_value());
   EXPECT_EQ(found->joint, "leg");
+  EXPECT_EQ(found->dataset, "leap");
   EXPECT_EQ(found->trial, "trial_01");
   EXPECT_EQ(found->unit, "rad");
   EXPECT_NEAR(found->from, 0.05, 1e-9);
   EXPECT_NEAR(found->most, 0.08, 1e-9);
 
   // Later than where it is asked for, smaller than the limit, or all along: no parting.
-  EXPECT_FALSE(first_parting(trial_of(apart), -0.1, 0.055, 0.02).has_value());
-  EXPECT_FALSE(first_parting(trial_of(apart), -0.1, 0.1, 0.2).has_value());
-  EXPECT_FALSE(first_parting(trial_of([](double) { return 0.5; }), 0.0, 0.1, 0.02).has_value());
+  EXPECT_FALSE(robot.parting(0.0, 0.055).has_value());
+  EXPECT_FALSE(robot.parting(0.0, 0.1, 0.2).has_value());
+  EXPECT_FALSE(Legged([](double) { return 0.5; }).parting(0.0, 0.1).has_value());
+}
+
+TEST(Partings, AreSoughtAboutNoiseAndCountAsMuchWhereAJointSlides) {
+  // Noise of 1 mrad either way: the cut is within half of the limit, 10 mrad, so 5 ms.
+  const auto noisy = [](double t) {
+    const long k = std::lround(1e3 * t);
+    return parting_at_50_ms(t) + (k % 2 == 0 ? 1e-3 : -1e-3);
+  };
+  const auto found = Legged(noisy).parting(0.0, 0.1);
+  ASSERT_TRUE(found.has_value());
+  EXPECT_NEAR(found->from, 0.053, 0.003);
+
+  // What scatters by more than the limit does not part by it.
+  const auto loud = [](double t) { return std::lround(1e3 * t) % 4 < 2 ? 0.03 : -0.03; };
+  EXPECT_FALSE(Legged(loud).parting(0.0, 0.1).has_value());
+
+  // 20 mrad at a lever of 0.1 m are 2 mm.
+  const auto slides = [](double t) { return t > 0.05 ? 0.004 : 0.0; };
+  EXPECT_FALSE(Legged(slides).parting(0.0, 0.1).has_value());
+  EXPECT_TRUE(Legged(slides, model::JointKind::prismatic).parting(0.0, 0.1).has_value());
 }
 
 TEST(Partings, AreNoSingleSampleAndNoGap) {
   const auto spike = [](double t) { return std::abs(t - 0.05) < 1e-6 ? 1.0 : 0.0; };
-  EXPECT_FALSE(first_parting(trial_of(spike), 0.0, 0.1, 0.02).has_value());
+  EXPECT_FALSE(Legged(spike).parting(0.0, 0.1).has_value());
   const auto gap = [](double t) { return t > 0.03 && t < 0.06 ? kNaN : 0.0; };
-  EXPECT_FALSE(first_parting(trial_of(gap), 0.0, 0.1, 0.02).has_value());
+  EXPECT_FALSE(Legged(gap).parting(0.0, 0.1).has_value());
+}
+
+TEST(Partings, OfWindowsAreOneOfTheTrial) {
+  EXPECT_FALSE(as_one({}).has_value());
+  const auto one =
+      as_one({{"d", "t", "knee", 0.6, 0.1, "rad"}, {"d", "t", "hip", 0.2, 0.05, "rad"}});
+  ASSERT_TRUE(one.has_value());
+  EXPECT_EQ(one->joint, "hip");
+  EXPECT_EQ(one->from, 0.2);
+  EXPECT_EQ(one->most, 0.1);
+}
+
+TEST(Partings, OnlyJointsOfTheModelTellOfThePlane) {
+  const Legged robot(parting_at_50_ms);
+  EXPECT_TRUE(tells_of_plane(robot.observed.model, "joints", "leg_apart"));
+  EXPECT_FALSE(tells_of_plane(robot.observed.model, "joints", "stance_apart"));
+  EXPECT_TRUE(tells_of_plane(robot.observed.model, "mocap", "roll"));
+  EXPECT_FALSE(tells_of_plane(robot.observed.model, "joints", "roll"));
 }
 
 TEST(Partings, SayByHowMuchTheBodyLeavesThePlane) {

@@ -207,6 +207,19 @@ TEST(Score, EventsAndRemaindersAreCountedByTheirKinds) {
   EXPECT_EQ(by.at("remainder said where there is none").value, 1.0);
 }
 
+TEST(Score, ThatLegsPartIsARemainderWhereTheyDoAlone) {
+  Prediction parted = says(Verdict::none);
+  parted.parted = true;
+  CaseTruth legs = of_kind("none");
+  legs.legs_apart = 0.1;
+  const std::vector<CaseTruth> truths = {legs, of_kind("outside"), of_kind("none")};
+  const Score score = score_predictions(truths, {{"diagnosis", {parted, parted, parted}}});
+  const auto& by = score.metrics.front().by;
+  EXPECT_EQ(by.at("remainder said where there is one").count, 2);
+  EXPECT_EQ(by.at("remainder said where there is one").value, 0.5);
+  EXPECT_EQ(by.at("remainder said where there is none").value, 0.0);
+}
+
 TEST(Score, EightTenthsExactlyAreConfident) {
   const Score score = score_predictions({of_kind("none")},
                                         {{"diagnosis", {says(Verdict::effect, {{"wind", 0.8}})}}});

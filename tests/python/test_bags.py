@@ -62,7 +62,7 @@ def test_left_and_right_joints_of_the_robots_file_become_one_with_their_signs(tm
         "header": header(0.0),
         "name": names,
         "velocity": [],
-        "position": [*(sign * 0.3 for sign in signs.values()), 1.0],
+        "position": [*(sign * at for sign, at in zip(signs.values(), (0.4, 0.2))), 1.0],
         "effort": [],
     }
     later = {
@@ -88,7 +88,10 @@ def test_left_and_right_joints_of_the_robots_file_become_one_with_their_signs(tm
     stream = dataset.trials[0]["joints"]
     assert stream.channels == ["front_a", "front_a_apart"] and len(signs) == 2
     np.testing.assert_allclose(stream["front_a"], [0.3, 0.5], rtol=1e-15)
-    np.testing.assert_allclose(stream["front_a_apart"], [0.0, np.nan], atol=1e-15)
+    first, second = sorted(signs)
+    apart = 0.2 if list(signs) == [first, second] else -0.2
+    np.testing.assert_allclose(stream["front_a_apart"], [apart, np.nan], rtol=1e-12)
+    assert has(dataset, f"front_a_apart is {first} less {second}")
     assert has(dataset, "left out, as the robot has no such joints: gripper")
     assert has(dataset, f"front_a is the mean of {', '.join(sorted(signs))}")
 

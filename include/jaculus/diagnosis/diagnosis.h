@@ -85,7 +85,7 @@ struct OneOff {
 
 /// Left and right of one joint that part, which no model of the plane holds.
 struct Parting {
-  int dataset = 0;
+  std::string dataset;  ///< of its folder
   std::string trial;
   std::string joint;  ///< that parts first
   double from = 0.0;  ///< data of the trial are left out from here on [s]

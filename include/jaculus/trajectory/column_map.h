@@ -32,6 +32,8 @@ struct MappedChannel {
   std::string unit;                  ///< SI unit of the channel
   double scale = 1.0;                ///< SI = scale * mean + shift
   double shift = 0.0;
+  /// channel of what two columns of a joint's position differ by, "front_a_apart"; else empty
+  std::string apart{};
 };
 
 struct ColumnMap {

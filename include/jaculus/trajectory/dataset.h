@@ -10,7 +10,7 @@
 //   joints  <joint> [rad], <joint>_velocity [rad/s], <joint>_torque [N m], <joint>_current [A],
 //           <joint>_voltage [V], <joint>_duty [-], bus_voltage [V], imu_pitch [rad],
 //           imu_pitch_velocity [rad/s]; <joint>_apart [rad]: of left and right that are one joint,
-//           whose mean <joint> is, the left angle less the right one
+//           whose mean <joint> is, the first of the two less the second
 
 #include <filesystem>
 #include <map>

@@ -5,6 +5,8 @@
 
 #include <set>
 
+#include "diagnosis/data/partings.h"
+
 namespace jaculus::diagnosis {
 namespace {
 
@@ -54,12 +56,6 @@ bool is_command(const Dataset& dataset, const std::string& name) {
   return dataset.script && shown == asked;
 }
 
-/// How far the robot is from the plane (partings.h): of which samples count, and of notes.
-bool tells_of_plane(const std::string& name) {
-  return trajectory::parse_channel(name).quantity == Quantity::apart || name == "y" ||
-         name == "roll" || name == "yaw";
-}
-
 }  // namespace
 
 void select_channels(ObservedDataset& observed, const std::string& label,
@@ -73,11 +69,11 @@ void select_channels(ObservedDataset& observed, const std::string& label,
       for (std::size_t c = 0; c < stream.channels.size(); ++c) {
         Channel channel{stream.name, stream.channels[c], stream.units[c]};
         if (!seen.insert(stream.name + "." + channel.name).second ||
-            is_command(observed.dataset, channel.name) || tells_of_plane(channel.name))
+            is_command(observed.dataset, channel.name))
           continue;
         if (is_predicted(observed.model, channel.name, channel.zero_order_hold)) {
           observed.channels.push_back(channel);
-        } else {
+        } else if (!tells_of_plane(observed.model, stream.name, channel.name)) {
           unused.push_back(channel.name);
         }
       }

@@ -157,9 +157,9 @@ bool measured_start(const ObservedDataset& observed, const Trial& trial, double 
 }
 
 /// The end of what a model of the plane can be held to within [from, to] of a trial.
-double together_until(const Trial& trial, double from, double to, const Settings& settings,
-                      std::vector<Parting>& partings) {
-  const std::optional<Parting> found = first_parting(trial, from, to, settings.sides_apart);
+double together_until(const ObservedDataset& observed, const Trial& trial, double from, double to,
+                      const Settings& settings, std::vector<Parting>& partings) {
+  const std::optional<Parting> found = first_parting(observed, trial, from, to, settings);
   if (!found) return to;
   partings.push_back(*found);
   return found->from;
@@ -168,6 +168,7 @@ double together_until(const Trial& trial, double from, double to, const Settings
 void cut_windows(ObservedDataset& observed, int trial_index, const Settings& settings,
                  std::vector<Parting>& partings) {
   const Trial& trial = observed.dataset.trials[trial_index];
+  std::vector<Parting> of_windows;
   double end = 0.0;
   for (const Stream& stream : trial.streams)
     if (stream.time.size() > 0) end = std::max(end, stream.time[stream.time.size() - 1]);
@@ -181,23 +182,23 @@ void cut_windows(ObservedDataset& observed, int trial_index, const Settings& set
     segment.trial = trial_index;
     segment.start = from;
     if (!measured_start(observed, trial, from, settings, segment)) continue;
-    add_channels(observed, trial, from, together_until(trial, from, to, settings, partings),
-                 settings, segment);
+    const double together = together_until(observed, trial, from, to, settings, of_windows);
+    add_channels(observed, trial, from, together, settings, segment);
     observed.segments.push_back(std::move(segment));
   }
+  if (const auto one = as_one(of_windows)) partings.push_back(*one);
 }
 
 /// Trials that a plan or a script drove, whole until their sides part.
 void cut_trials(ObservedDataset& observed, const Settings& settings,
                 std::vector<Parting>& partings) {
-  const double from = observed.window_start;
-  double latest = from;
+  double latest = 0.0;
   for (int t = 0; t < count_of(observed.dataset.trials); ++t) {
     const Trial& trial = observed.dataset.trials[t];
-    const double to = together_until(trial, from, observed.window_end, settings, partings);
+    const double to = together_until(observed, trial, 0.0, observed.window_end, settings, partings);
     Segment segment;
     segment.trial = t;
-    add_channels(observed, trial, from, to, settings, segment);
+    add_channels(observed, trial, observed.window_start, to, settings, segment);
     observed.segments.push_back(std::move(segment));
     latest = std::max(latest, to);
   }
@@ -265,7 +266,7 @@ void set_spacing(ObservedDataset& observed) {
   }
 }
 
-ObservedDataset cut_dataset(const Dataset& dataset, int index, const PlanarModel& model,
+ObservedDataset cut_dataset(const Dataset& dataset, const PlanarModel& model,
                             const Settings& settings, Observations& out) {
   ObservedDataset observed;
   observed.dataset = dataset;
@@ -283,8 +284,7 @@ ObservedDataset cut_dataset(const Dataset& dataset, int index, const PlanarModel
   const std::string plane =
       out_of_plane(dataset, label, observed.window_start, observed.window_end);
   if (!plane.empty()) out.notes.push_back(plane);
-  for (Parting& parting : partings) parting.dataset = index;
-  if (!partings.empty()) out.notes.push_back(note_of(label, partings));
+  if (!partings.empty()) out.notes.push_back(note_of(partings, count_of(observed.dataset.trials)));
   out.partings.insert(out.partings.end(), partings.begin(), partings.end());
 
   std::erase_if(observed.segments, [](const Segment& segment) { return !has_data(segment); });
@@ -311,8 +311,7 @@ Observations observe(const std::vector<Dataset>& datasets, const std::vector<Pla
                      const Settings& settings) {
   Observations out;
   for (std::size_t i = 0; i < datasets.size(); ++i) {
-    ObservedDataset observed =
-        cut_dataset(datasets[i], static_cast<int>(i), models[i], settings, out);
+    ObservedDataset observed = cut_dataset(datasets[i], models[i], settings, out);
     if (!observed.segments.empty()) out.datasets.push_back(std::move(observed));
   }
   return out;

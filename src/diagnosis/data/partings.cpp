@@ -6,17 +6,19 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <set>
 #include <vector>
+
+#include "diagnosis/noise/input_noise.h"
 
 namespace jaculus::diagnosis {
 namespace {
 
 using trajectory::Stream;
 
-constexpr Eigen::Index kAtRest = 5;  ///< first samples, whose median is what zeros differ by
+constexpr std::size_t kAtRest = 5;      ///< samples at least, whose median is what zeros differ by
+constexpr double kBeyondScatter = 5.0;  ///< deviations; two samples in a row are so by 1 in 1e12
 
-/// Samples of a channel that are no gaps.
+/// What sides differ by, gaps left out.
 struct Apart {
   std::vector<double> time, value;
 };
@@ -32,36 +34,53 @@ Apart without_gaps(const Stream& stream, int channel) {
   return out;
 }
 
-double median_of_first(const std::vector<double>& values) {
-  std::vector<double> first(values.begin(), values.begin() + std::min(kAtRest, std::ssize(values)));
-  const auto middle = first.begin() + std::ssize(first) / 2;
-  std::nth_element(first.begin(), middle, first.end());
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + std::ssize(values) / 2;
+  std::nth_element(values.begin(), middle, values.end());
   return *middle;
 }
 
+/// What zeros differ by: before the command at rest, or where there is no rest at first; under a
+/// logged input at the middle of what there is.
+double zero_of(const Apart& apart, const ObservedDataset& observed) {
+  if (observed.measured_input) return median(apart.value);
+  std::vector<double> rest;
+  for (std::size_t i = 0; i < apart.time.size() && (apart.time[i] < 0.0 || rest.size() < kAtRest);
+       ++i)
+    if (apart.time[i] >= observed.window_start) rest.push_back(apart.value[i]);
+  return median(rest.empty() ? apart.value : rest);
+}
+
 /// Where values began to rise to the one at `at`: a foot left the floor there, and its side's torque
-/// has moved the leg alone ever since.
-std::size_t start_of_rise(const std::vector<double>& values, std::size_t at) {
-  while (at > 0 && values[at - 1] < values[at]) --at;
+/// has moved the leg alone ever since. Noise may stop the search, but not above half of `limit`.
+std::size_t start_of_rise(const std::vector<double>& values, std::size_t at, double limit) {
+  while (at > 0 && (values[at - 1] < values[at] || values[at - 1] > 0.5 * limit)) --at;
   return at;
 }
 
-/// Of one channel; nothing where its sides stay together.
-std::optional<Parting> parting_of(Apart apart, double from, double to, double limit) {
-  if (apart.value.empty()) return std::nullopt;
-  const double zero = median_of_first(apart.value);
-  for (double& value : apart.value) value = std::abs(value - zero);
-
+/// Of one channel about its zero; nothing where its sides stay together.
+std::optional<Parting> parting_of(const Apart& apart, double from, double to, double limit) {
   std::optional<Parting> found;
   for (std::size_t i = 0; i + 1 < apart.time.size() && apart.time[i] <= to; ++i) {
     if (apart.time[i] < from) continue;
     if (!found && apart.value[i] > limit && apart.value[i + 1] > limit) {
       found.emplace();
-      found->from = std::max(from, apart.time[start_of_rise(apart.value, i)]);
+      found->from = std::max(from, apart.time[start_of_rise(apart.value, i, limit)]);
     }
     if (found) found->most = std::max(found->most, apart.value[i]);
   }
   return found;
+}
+
+bool is_tracked(const std::string& stream, const std::string& channel) {
+  return stream == trajectory::kMocapStream &&
+         (channel == "y" || channel == "roll" || channel == "yaw");
+}
+
+/// The joint of the model whose sides a channel compares; -1 for any other channel.
+int body_of_sides(const model::PlanarModel& model, const std::string& channel) {
+  const trajectory::ChannelName name = trajectory::parse_channel(channel);
+  return name.quantity == trajectory::Quantity::apart ? model.body_of_joint(name.of) : -1;
 }
 
 /// Of a channel from its first sample since `begin` to its last up to `end`; NaN without both.
@@ -123,36 +142,60 @@ std::string out_of_plane(const trajectory::Dataset& dataset, const std::string& 
       label, fmt::join(parts, ", "), end);
 }
 
-std::optional<Parting> first_parting(const trajectory::Trial& trial, double from, double to,
-                                     double limit) {
+bool tells_of_plane(const model::PlanarModel& model, const std::string& stream,
+                    const std::string& channel) {
+  return is_tracked(stream, channel) || body_of_sides(model, channel) >= 0;
+}
+
+std::optional<Parting> first_parting(const ObservedDataset& observed,
+                                     const trajectory::Trial& trial, double from, double to,
+                                     const Settings& settings) {
   std::optional<Parting> first;
   for (const Stream& stream : trial.streams) {
     for (int c = 0; c < count_of(stream.channels); ++c) {
-      const trajectory::ChannelName name = trajectory::parse_channel(stream.channels[c]);
-      if (name.quantity != trajectory::Quantity::apart) continue;
-      std::optional<Parting> found = parting_of(without_gaps(stream, c), from, to, limit);
+      const int body = body_of_sides(observed.model, stream.channels[c]);
+      Apart apart = without_gaps(stream, c);
+      if (body < 0 || apart.value.empty()) continue;
+      const bool slides = observed.model.bodies[body].kind == model::JointKind::prismatic;
+      const double apart_by = settings.sides_apart * (slides ? settings.lever : 1.0);
+      const double limit = std::max(apart_by, kBeyondScatter * scatter_of(apart.value));
+      const double zero = zero_of(apart, observed);
+      for (double& value : apart.value) value = std::abs(value - zero);
+      std::optional<Parting> found = parting_of(apart, from, to, limit);
       if (!found || (first && first->from <= found->from)) continue;
 
       first = std::move(found);
+      first->dataset = observed.name();
       first->trial = trial.name;
-      first->joint = name.of;
+      first->joint = trajectory::parse_channel(stream.channels[c]).of;
       first->unit = stream.units[c];
     }
   }
   return first;
 }
 
-std::string note_of(const std::string& dataset, const std::vector<Parting>& partings) {
+std::optional<Parting> as_one(const std::vector<Parting>& partings) {
+  std::optional<Parting> first;
+  double most = 0.0;
+  for (const Parting& one : partings) {
+    most = std::max(most, one.most);
+    if (!first || one.from < first->from) first = one;
+  }
+  if (first) first->most = most;
+  return first;
+}
+
+std::string note_of(const std::vector<Parting>& partings, int trials) {
   const auto earliest =
       std::min_element(partings.begin(), partings.end(),
                        [](const Parting& a, const Parting& b) { return a.from < b.from; });
-  std::set<std::string> trials;
-  for (const Parting& one : partings) trials.insert(one.trial);
   return fmt::format(
-      "{}: left and right part in {} of its trials, at {} of {} from {:.3f} s on (by {:.2g} {}): a "
-      "model of the plane moves them as one, so a trial's data are left out from there on",
-      dataset, trials.size(), earliest->joint, earliest->trial, earliest->from, earliest->most,
-      earliest->unit);
+      "{}: left and right part in {} of {} trials, at {} of {} from {:.3f} s on (by {:.2g} {}): a "
+      "model of the plane moves them as one, so a trial's data are left out from there on, or "
+      "until "
+      "a window begins with both together",
+      earliest->dataset, partings.size(), trials, earliest->joint, earliest->trial, earliest->from,
+      earliest->most, earliest->unit);
 }
 
 }  // namespace jaculus::diagnosis

@@ -8,20 +8,32 @@
 // from where the difference began to rise to what it parts by.
 
 #include <optional>
+#include <string>
+#include <vector>
 
-#include "jaculus/diagnosis/diagnosis.h"
-#include "jaculus/trajectory/dataset.h"
+#include "diagnosis/data/observations.h"
 
 namespace jaculus::diagnosis {
 
-/// Where a trial's sides first part within [from, to] by more than `limit` [rad or m] beyond what
-/// they differ by at its first samples, two samples in a row; nothing where none do, or no log has
-/// both. Indices of the dataset stay 0.
-std::optional<Parting> first_parting(const trajectory::Trial& trial, double from, double to,
-                                     double limit);
+/// Whether a channel tells how far the robot is from the plane: what sides of a joint of the model
+/// differ by; y, roll and yaw of a tracked body.
+bool tells_of_plane(const model::PlanarModel& model, const std::string& stream,
+                    const std::string& channel);
 
-/// "trial_01: ...": what was seen and left out, a sentence for a dataset's partings.
-std::string note_of(const std::string& dataset, const std::vector<Parting>& partings);
+/// Where a trial's sides first part within [from, to] by more than settings.sides_apart (of what
+/// slides that times settings.lever) or what the difference scatters by, two samples in a row;
+/// nothing where none do, or no log has both. Zeros of encoders differ: what counts is the
+/// difference beyond its median at rest before the command, or over all of a log that itself drove
+/// the robot.
+std::optional<Parting> first_parting(const ObservedDataset& observed,
+                                     const trajectory::Trial& trial, double from, double to,
+                                     const Settings& settings);
+
+/// Those of a trial's windows as one: the first, by as much as they part at most. Nothing of none.
+std::optional<Parting> as_one(const std::vector<Parting>& partings);
+
+/// What was seen and left out, a sentence for the partings of a dataset of so many trials.
+std::string note_of(const std::vector<Parting>& partings, int trials);
 
 /// By how much the body left the plane at `end` since it stood at `begin` [s], of the channels y,
 /// roll and yaw: mean over trials and scatter from one to the next. What repeats tells that left and

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 namespace jaculus::diagnosis {
 namespace {
@@ -19,7 +20,16 @@ double median(Vector values) {
   return *middle;
 }
 
-/// Mean of every segment's residual by bin of time, less the median over segments, segments x bins.
+/// The median of those that are numbers, NaN without any.
+double median_of_known(const Vector& values) {
+  std::vector<double> known;
+  for (const double value : values)
+    if (std::isfinite(value)) known.push_back(value);
+  return known.empty() ? kNaN : median(Eigen::Map<const Vector>(known.data(), std::ssize(known)));
+}
+
+/// Mean of every segment's residual by bin of time, less the median over segments, segments x bins;
+/// NaN where a segment has no row.
 Matrix scatter_by_bin(const ObservedDataset& observed, int channel, const Vector& residual,
                       int bins) {
   Matrix sums = Matrix::Zero(count_of(observed.segments), bins), counts = sums;
@@ -33,8 +43,8 @@ Matrix scatter_by_bin(const ObservedDataset& observed, int channel, const Vector
     }
   }
 
-  Matrix means = sums.array() / counts.array().max(1.0);
-  for (Eigen::Index b = 0; b < bins; ++b) means.col(b).array() -= median(means.col(b));
+  Matrix means = (counts.array() > 0.0).select(sums.array() / counts.array().max(1.0), kNaN);
+  for (Eigen::Index b = 0; b < bins; ++b) means.col(b).array() -= median_of_known(means.col(b));
   return means;
 }
 
@@ -99,12 +109,21 @@ int onset_bin(const Eigen::RowVectorXd& own, const Eigen::RowVectorXd& usual,
   return loud;
 }
 
-/// Largest scatter of the other segments, by bin, and a floor [unit^2].
-Eigen::RowVectorXd usual_scatter(const Matrix& squares, Eigen::Index segment, double floor) {
+/// Largest scatter of the other segments, by bin, and a floor [unit^2]; NaN where too few others
+/// have rows to say what is usual.
+Eigen::RowVectorXd usual_scatter(const Matrix& squares, Eigen::Index segment, double floor,
+                                 int fewest) {
   Eigen::RowVectorXd usual = Eigen::RowVectorXd::Zero(squares.cols());
-  for (Eigen::Index other = 0; other < squares.rows(); ++other)
-    if (other != segment) usual = usual.cwiseMax(squares.row(other));
-  return usual.array() + floor;
+  for (Eigen::Index b = 0; b < squares.cols(); ++b) {
+    int others = 0;
+    for (Eigen::Index other = 0; other < squares.rows(); ++other) {
+      if (other == segment || !std::isfinite(squares(other, b))) continue;
+      usual[b] = std::max(usual[b], squares(other, b));
+      ++others;
+    }
+    usual[b] = others < fewest ? kNaN : usual[b] + floor;
+  }
+  return usual;
 }
 
 std::vector<OneOff> find_one_offs(const Problem& problem, const NoiseModel& noise, int dataset,
@@ -131,7 +150,8 @@ std::vector<OneOff> find_one_offs(const Problem& problem, const NoiseModel& nois
     const double floor =
         problem.settings.one_off_floor * std::pow(own_noise.channels[c].noise_floor, 2);
     for (int s = 0; s < segments; ++s) {
-      const Eigen::RowVectorXd usual = usual_scatter(squares, s, floor);
+      const Eigen::RowVectorXd usual =
+          usual_scatter(squares, s, floor, problem.settings.one_off_fewest - 1);
       const int bin = onset_bin(squares.row(s), usual, problem.settings);
       const int after = bins - bin;
       if (after < problem.settings.one_off_fewest_bins) continue;
