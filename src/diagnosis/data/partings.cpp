@@ -154,8 +154,9 @@ std::optional<Parting> first_parting(const ObservedDataset& observed,
   for (const Stream& stream : trial.streams) {
     for (int c = 0; c < count_of(stream.channels); ++c) {
       const int body = body_of_sides(observed.model, stream.channels[c]);
+      if (body < 0) continue;
       Apart apart = without_gaps(stream, c);
-      if (body < 0 || apart.value.empty()) continue;
+      if (apart.value.empty()) continue;
       const bool slides = observed.model.bodies[body].kind == model::JointKind::prismatic;
       const double apart_by = settings.sides_apart * (slides ? settings.lever : 1.0);
       const double limit = std::max(apart_by, kBeyondScatter * scatter_of(apart.value));
