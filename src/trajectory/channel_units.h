@@ -25,8 +25,8 @@ std::vector<Dimension> channel_dimensions(std::string_view channel);
 /// needs one, unknown, or of another dimension than the name has: InputError.
 ChannelUnit channel_unit(const Column& column, const std::string& place);
 
-/// "front_a_apart", the channel of what two sides differ by, where `count` columns make up a joint's
-/// position in `unit` (SI); empty for any other channel, whose mean says it all.
+/// "front_a_apart", the channel of what two sides differ by, where `count` columns make up a
+/// joint's position in `unit` (SI); empty for any other channel, whose mean says it all.
 std::string apart_of(const std::string& channel, const std::string& unit, int count);
 
 }  // namespace jaculus::trajectory

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <random>
 
+#include "diagnosis/data/scatter.h"
 #include "jaculus/core/installation.h"
 #include "jaculus/model/robot.h"
 

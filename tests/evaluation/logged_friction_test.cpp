@@ -13,8 +13,8 @@ namespace jaculus::diagnosis {
 namespace {
 
 TEST(LoggedFriction, OfAHealthyRobotAtRestIsNone) {
-  // Windows that began at the log's first sample took its rate from one side alone, and dry friction
-  // within tolerance was behind something unknown by 219 nats, at 1.4 noise floors.
+  // Windows that began at the log's first sample took its rate from one side alone, and dry
+  // friction within tolerance was behind something unknown by 219 nats, at 1.4 noise floors.
   testbed::TrialSpec spec;
   spec.trials = 4;
   spec.seed = 21;

@@ -36,8 +36,8 @@ std::optional<Parting> as_one(const std::vector<Parting>& partings);
 std::string note_of(const std::vector<Parting>& partings, int trials);
 
 /// By how much the body left the plane at `end` since it stood at `begin` [s], of the channels y,
-/// roll and yaw: mean over trials and scatter from one to the next. What repeats tells that left and
-/// right differ. Empty where none is tracked.
+/// roll and yaw: mean over trials and scatter from one to the next. What repeats tells that left
+/// and right differ. Empty where none is tracked.
 std::string out_of_plane(const trajectory::Dataset& dataset, const std::string& label, double begin,
                          double end);
 

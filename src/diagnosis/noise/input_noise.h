@@ -9,12 +9,7 @@
 // G the rows' slopes by such forces. As nuisances of the windows these serve all models alike, and
 // what a perfect model leaves of held-out rows has them too.
 //
-// s is told by the log itself. Of white noise the second differences of neighbouring samples,
-// x_{i-1} - 2 x_i + x_{i+1}, have the variance 6 s^2, and of a torque that swings they see next to
-// nothing (von Neumann 1941; Gasser, Sroka and Jennen-Steinmetz 1986). The largest tenth is left
-// out, for commands have steps, and made up for as of normal numbers. Where a driver filters its
-// log, so that neighbours agree, or torque itself is as quick, this says less or more than the
-// noise.
+// s is told by the log itself (data/scatter.h).
 
 #include <map>
 #include <string>
@@ -22,10 +17,6 @@
 #include "diagnosis/noise/nuisances.h"
 
 namespace jaculus::diagnosis {
-
-/// Deviation of white noise on equally spaced samples, by their second differences [unit of x]; 0
-/// for fewer than ten samples.
-double scatter_of(const std::vector<double>& x);
 
 /// Noise of the log of each motor that has one, as a force at its joint over a box of time of
 /// settings.force_box [N m, N where it slides]; a joint each. Empty where no input was logged.

@@ -1,0 +1,34 @@
+#include "diagnosis/data/scatter.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+namespace jaculus::diagnosis {
+namespace {
+
+// Of an estimator, shares without a unit.
+//
+// Of second differences the smallest that are kept: chosen, as steps of commands are rarer than one
+// in ten. The variance of a normal number within +-z, P(|x| < z) = 0.9, is 1 - 2 z phi(z)/0.9.
+constexpr double kKept = 0.9, kKeptVariance = 0.6230;
+// The variance of a second difference of white noise, over that of a sample: 1 + 4 + 1.
+constexpr double kSquares = 6.0;
+// Samples, below which there is nothing to keep a share of. Chosen.
+constexpr std::size_t kLeast = 10;
+
+}  // namespace
+
+double scatter_of(const std::vector<double>& x) {
+  if (x.size() < kLeast) return 0.0;
+  std::vector<double> squares;
+  for (std::size_t i = 1; i + 1 < x.size(); ++i)
+    squares.push_back(std::pow(x[i - 1] - 2.0 * x[i] + x[i + 1], 2));
+  std::sort(squares.begin(), squares.end());
+  const auto kept = static_cast<std::size_t>(kKept * static_cast<double>(squares.size()));
+  double sum = 0.0;
+  for (std::size_t i = 0; i < kept; ++i) sum += squares[i];
+  return std::sqrt(sum / (static_cast<double>(kept) * kKeptVariance * kSquares));
+}
+
+}  // namespace jaculus::diagnosis
