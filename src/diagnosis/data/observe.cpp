@@ -157,8 +157,8 @@ bool measured_start(const ObservedDataset& observed, const Trial& trial, double 
 }
 
 /// The first time about which a parabola has samples on both sides. At the end of a log its slope
-/// is told with 16 times the variance of its middle (3 and 48 sigma^2 a sample and half width), and a
-/// robot that a dry friction holds does not answer a wrong rate in proportion.
+/// is told with 16 times the variance of its middle (3 and 48 sigma^2 a sample and half width), and
+/// a robot that a dry friction holds does not answer a wrong rate in proportion.
 double start_known(const ObservedDataset& observed, const Trial& trial, const Settings& settings) {
   double first = -kInfinity;
   for (const model::Coordinate& coordinate : observed.model.coordinates) {

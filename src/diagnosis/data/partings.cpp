@@ -52,7 +52,8 @@ double zero_of(const Apart& apart, const ObservedDataset& observed) {
 }
 
 /// Where values began to rise to the one at `at`: a foot left the floor there, and its side's
-/// torque has moved the leg alone ever since. Noise may stop the search, but not above half of `limit`.
+/// torque has moved the leg alone ever since. Noise may stop the search, but not
+/// above half of `limit`.
 std::size_t start_of_rise(const std::vector<double>& values, std::size_t at, double limit) {
   while (at > 0 && (values[at - 1] < values[at] || values[at - 1] > 0.5 * limit)) --at;
   return at;

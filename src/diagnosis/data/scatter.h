@@ -1,10 +1,10 @@
 #pragma once
 // The scatter of samples that are equally spaced, by their second differences. Of white noise those
 // of neighbours, x_{i-1} - 2 x_i + x_{i+1}, have the variance 6 s^2, and of what swings slowly they
-// see next to nothing (von Neumann 1941; Gasser, Sroka and Jennen-Steinmetz 1986). The largest tenth
-// is left out, for commands have steps, and made up for as of normal numbers. Where a driver filters
-// its log, so that neighbours agree, or what is logged is itself as quick, this says less or more
-// than the noise.
+// see next to nothing (von Neumann 1941; Gasser, Sroka and Jennen-Steinmetz 1986). The largest
+// tenth is left out, for commands have steps, and made up for as of normal numbers. Where a driver
+// filters its log, so that neighbours agree, or what is logged is itself as quick, this says less
+// or more than the noise.
 
 #include <vector>
 
