@@ -221,8 +221,7 @@ def mapped(
     that make up a joint's position the first less the second is a channel of its own."""
     kept = np.array([row.values for row in topic.messages]).T
     rows, first = [], 0
-    names, units = [c.channel for c in channels], [c.unit for c in channels]
-    aparts = []
+    aparts = {}
     for channel in channels:
         fields = kept[first : first + len(channel.columns)]
         first += len(channel.columns)
@@ -234,15 +233,14 @@ def mapped(
         if len(channel.columns) > 1:
             notes.append(f"{channel.channel} is the mean of {', '.join(channel.columns)}")
         rows.append(channel.scale * fields.mean(axis=0) + channel.shift)
-        if channel.apart and channel.apart not in names:
-            aparts.append((channel.apart, channel.unit, channel.scale * (fields[0] - fields[1])))
+        if channel.apart:
+            aparts[channel.apart] = channel.unit, channel.scale * (fields[0] - fields[1])
             notes.append(f"{channel.apart} is {channel.columns[0]} less {channel.columns[1]}")
-    for name, unit, row in aparts:
-        names, units = [*names, name], [*units, unit]
-        rows.append(row)
     read = sorted({path for channel in channels for path in channel.columns})
     notes.append(f"{topic.name} ({topic.kind}): of its fields are read {', '.join(read)}")
-    return names, units, np.array(rows)
+    names = [channel.channel for channel in channels] + list(aparts)
+    units = [channel.unit for channel in channels] + [unit for unit, _ in aparts.values()]
+    return names, units, np.array(rows + [row for _, row in aparts.values()])
 
 
 def _sorted_names(names: Iterable[str], robot: Joints) -> list[str]:

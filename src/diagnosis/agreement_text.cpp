@@ -4,9 +4,9 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <numbers>
 
 #include "jaculus/core/json.h"
+#include "jaculus/diagnosis/physical.h"
 
 namespace jaculus::diagnosis {
 namespace {
@@ -15,14 +15,10 @@ using Json = nlohmann::ordered_json;
 
 /// "x 13.9 -> 1.8 mm (held out 2.0)".
 std::string channel_text(const ChannelAgreement& c) {
-  const bool length = c.unit == "m", angle = c.unit == "rad";
-  const double factor = length ? 1e3 : angle ? 180.0 / std::numbers::pi : 1.0;
+  const ShownUnit shown = shown_unit(c.unit);
   return fmt::format("{} {:.3g} -> {:.3g} {} (held out {:.3g}, unknowns alone {:.3g})", c.channel,
-                     factor * c.stated, factor * c.account,
-                     length  ? "mm"
-                     : angle ? "deg"
-                             : c.unit,
-                     factor * c.held_out, factor * c.unknowns);
+                     c.stated / shown.size, c.account / shown.size, shown.unit,
+                     c.held_out / shown.size, c.unknowns / shown.size);
 }
 
 }  // namespace

@@ -5,8 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "diagnosis/data/partings.h"
 #include "diagnosis/forward/problem.h"
 
 namespace jaculus::diagnosis {
@@ -70,19 +70,18 @@ int trials_of(const Diagnosis& d) {
   return trials;
 }
 
-/// " Left and right part in 2 of 4 trials, at rear b from 0.118 s on ..." Empty where they don't.
+/// " Left and right part in 2 of 4 trials, first at rear b 0.118 s after the start ..." Empty where
+/// they don't.
 std::string parting_sentence(const Diagnosis& d) {
-  const auto first =
-      std::min_element(d.partings.begin(), d.partings.end(),
-                       [](const Parting& a, const Parting& b) { return a.from < b.from; });
-  if (first == d.partings.end()) return {};
-  const bool angle = first->unit == "rad";
+  const Parting* first = earliest(d.partings);
+  if (first == nullptr) return {};
+  const ShownUnit shown = shown_unit(first->unit);
   return fmt::format(
       " Left and right part in {} of {} trials, first at {} {:.3g} s after the start (by {:.2g} "
       "{}), "
       "which no model of the plane holds: what follows is not judged.",
       d.partings.size(), trials_of(d), in_words(first->joint), first->from,
-      angle ? first->most * 180.0 / std::numbers::pi : first->most, angle ? "deg" : first->unit);
+      first->most / shown.size, shown.unit);
 }
 
 std::string gap_place(const Diagnosis& d) {

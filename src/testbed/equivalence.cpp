@@ -62,9 +62,9 @@ double noise_of(const std::string& channel, const std::string& unit, const Senso
                 const RobotFiles& robot, bool heeded) {
   const double of_motion = channel_floor(channel, unit, sensors, robot);
   if (!std::isnan(of_motion)) return of_motion;
-  const bool apart = trajectory::parse_channel(channel).quantity == trajectory::Quantity::apart;
-  if (!heeded || apart) return kInfinity;
-  if (trajectory::parse_channel(channel).quantity == trajectory::Quantity::duty) return kDutyStep;
+  const trajectory::Quantity quantity = trajectory::parse_channel(channel).quantity;
+  if (!heeded || quantity == trajectory::Quantity::apart) return kInfinity;
+  if (quantity == trajectory::Quantity::duty) return kDutyStep;
   return unit == "V" ? sensors.voltmeter : sensors.ammeter;
 }
 

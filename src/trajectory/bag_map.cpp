@@ -26,8 +26,7 @@ BagTopic read_topic(const std::string& name, const yaml::Node& node) {
     topic.rest = rest->number(dimension::time, {0.0, kInfinity});
 
   if (const auto channels = node.find("channels")) {
-    for (const auto& [channel, fields] : channels->entries())
-      topic.channels.push_back(read_mapped_channel(channel, fields, "field"));
+    topic.channels = read_mapped_channels(*channels, "field");
     if (topic.channels.empty())
       throw channels->error("an empty map given; allowed: at least one channel");
   }

@@ -78,12 +78,11 @@ ChannelUnit channel_unit(const Column& column, const std::string& place) {
 }
 
 std::string apart_of(const std::string& channel, const std::string& unit, int count) {
-  const bool base = std::any_of(names().begin(), names().end(),
-                                [&](const Rule& rule) { return rule.text == channel; });
+  // A joint's name leaves its dimension open, the base's names and suffixes don't.
+  const bool joint = channel_dimensions(channel).size() > 2;
   const bool position =
-      parse_channel(channel).quantity == Quantity::position &&
-      (unit == unit_of(Quantity::position) || unit == unit_of(Quantity::position, true));
-  if (count != 2 || base || !position || channel.ends_with("_pitch")) return {};
+      unit == unit_of(Quantity::position) || unit == unit_of(Quantity::position, true);
+  if (count != 2 || !joint || !position) return {};
   return channel_name(channel, Quantity::apart);
 }
 

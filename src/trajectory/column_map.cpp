@@ -7,7 +7,6 @@
 #include <cmath>
 #include <fstream>
 #include <map>
-#include <utility>
 
 #include "jaculus/core/error.h"
 #include "trajectory/line_reader.h"
@@ -21,10 +20,8 @@ class ColumnMapReader {
  public:
   ColumnMapReader(std::istream& stream, const std::string& name, const ColumnMap& map)
       : reader_(stream, name), map_(map) {
-    for (int c = 0; c < count_of(map.channels); ++c) {
-      const std::string& apart = map.channels[c].apart;
-      if (!apart.empty() && !map.has(apart)) sides_.emplace_back(c, apart);
-    }
+    for (int c = 0; c < count_of(map.channels); ++c)
+      if (!map.channels[c].apart.empty()) sides_.push_back(c);
   }
 
   Stream read(std::vector<std::string>& notes) {
@@ -50,9 +47,9 @@ class ColumnMapReader {
       if (channel.columns.size() > 1)
         notes.push_back(fmt::format("{} is the mean of the columns {}", channel.channel,
                                     fmt::join(channel.columns, ", ")));
-    for (const auto& [c, apart] : sides_)
-      notes.push_back(fmt::format("{} is {} less {}", apart, map_.channels[c].columns[0],
-                                  map_.channels[c].columns[1]));
+    for (const int c : sides_)
+      notes.push_back(fmt::format("{} is {} less {}", map_.channels[c].apart,
+                                  map_.channels[c].columns[0], map_.channels[c].columns[1]));
 
     return finish();
   }
@@ -128,7 +125,7 @@ class ColumnMapReader {
         values_.push_back(value);
       }
     }
-    for (const auto& [c, apart] : sides_)
+    for (const int c : sides_)
       values_.push_back(map_.channels[c].scale * (number(places_[c][0]) - number(places_[c][1])));
   }
 
@@ -163,8 +160,8 @@ class ColumnMapReader {
       stream.channels.push_back(channel.channel);
       stream.units.push_back(channel.unit);
     }
-    for (const auto& [c, apart] : sides_) {
-      stream.channels.push_back(apart);
+    for (const int c : sides_) {
+      stream.channels.push_back(map_.channels[c].apart);
       stream.units.push_back(map_.channels[c].unit);
     }
     const auto samples = std::ssize(times_);
@@ -177,18 +174,12 @@ class ColumnMapReader {
   const ColumnMap& map_;
   std::vector<std::string> cells_, names_;
   std::vector<std::vector<std::size_t>> places_;  ///< by channel
-  /// Channels that are the mean of two sides, and what the channel of their difference is called.
-  std::vector<std::pair<int, std::string>> sides_;
+  std::vector<int> sides_;                        ///< channels that are the mean of two sides
   std::vector<double> times_, values_;
   int short_line_ = 0;
 };
 
 }  // namespace
-
-bool ColumnMap::has(const std::string& channel) const {
-  return std::any_of(channels.begin(), channels.end(),
-                     [&](const MappedChannel& own) { return own.channel == channel; });
-}
 
 ColumnMap read_column_map(const yaml::Node& node) {
   yaml::refuse_other_kind(node, "jaculus-columns/1");
@@ -210,8 +201,7 @@ ColumnMap read_column_map(const yaml::Node& node) {
   if (const auto header = node.find("header")) map.header = header->boolean();
   if (const auto gaps = node.find("gaps")) map.gaps = gaps->texts();
 
-  for (const auto& [name, channel] : node.at("channels").entries())
-    map.channels.push_back(read_mapped_channel(name, channel, "column"));
+  map.channels = read_mapped_channels(node.at("channels"), "column");
   const auto times =
       std::count_if(map.channels.begin(), map.channels.end(),
                     [](const MappedChannel& channel) { return channel.channel == "time"; });

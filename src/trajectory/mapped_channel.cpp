@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "jaculus/core/error.h"
 #include "trajectory/channel_units.h"
 #include "trajectory/line_reader.h"
@@ -15,8 +17,6 @@ std::string column_text(const yaml::Node& node) {
   double number = 0.0;
   return parse_number(text, number) ? text : node.text();
 }
-
-}  // namespace
 
 MappedChannel read_mapped_channel(const std::string& name, const yaml::Node& node,
                                   const std::string& word) {
@@ -47,6 +47,21 @@ MappedChannel read_mapped_channel(const std::string& name, const yaml::Node& nod
   channel.apart = apart_of(name, channel.unit, count_of(channel.columns));
 
   return channel;
+}
+
+}  // namespace
+
+std::vector<MappedChannel> read_mapped_channels(const yaml::Node& node, const std::string& word) {
+  std::vector<MappedChannel> channels;
+  for (const auto& [name, channel] : node.entries())
+    channels.push_back(read_mapped_channel(name, channel, word));
+  for (MappedChannel& own : channels) {
+    // What the map states itself is not worked out.
+    const bool stated = std::any_of(channels.begin(), channels.end(),
+                                    [&](const MappedChannel& c) { return c.channel == own.apart; });
+    if (stated) own.apart.clear();
+  }
+  return channels;
 }
 
 }  // namespace jaculus::trajectory

@@ -41,7 +41,7 @@ struct Legged {
   [[nodiscard]] std::optional<Parting> parting(double from, double to, double limit = 0.02) const {
     Settings settings;
     settings.sides_apart = limit;
-    return first_parting(observed, trial, from, to, settings);
+    return first_parting(sides_of(observed, trial, settings), from, to);
   }
 };
 

@@ -32,7 +32,8 @@ struct MappedChannel {
   std::string unit;                  ///< SI unit of the channel
   double scale = 1.0;                ///< SI = scale * mean + shift
   double shift = 0.0;
-  /// channel of what two columns of a joint's position differ by, "front_a_apart"; else empty
+  /// channel of what two columns of a joint's position differ by, "front_a_apart"; else empty, as
+  /// where the map states it itself
   std::string apart{};
 };
 
@@ -44,8 +45,6 @@ struct ColumnMap {
   bool header = true;
   std::vector<std::string> gaps;
   std::vector<MappedChannel> channels;  ///< time among them
-
-  [[nodiscard]] bool has(const std::string& channel) const;
 };
 
 /// Checks a map. Faults: InputError with the node's place.

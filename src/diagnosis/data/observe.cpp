@@ -10,10 +10,12 @@
 #include <cstddef>
 #include <optional>
 #include <set>
+#include <utility>
 
 #include "diagnosis/data/evidence_channels.h"
 #include "diagnosis/data/observations.h"
 #include "diagnosis/data/partings.h"
+#include "diagnosis/data/scatter.h"
 #include "jaculus/simulation/experiment.h"
 
 namespace jaculus::diagnosis {
@@ -172,9 +174,9 @@ double start_known(const ObservedDataset& observed, const Trial& trial, const Se
 }
 
 /// The end of what a model of the plane can be held to within [from, to] of a trial.
-double together_until(const ObservedDataset& observed, const Trial& trial, double from, double to,
-                      const Settings& settings, std::vector<Parting>& partings) {
-  const std::optional<Parting> found = first_parting(observed, trial, from, to, settings);
+double together_until(const std::vector<Sides>& sides, double from, double to,
+                      std::vector<Parting>& partings) {
+  const std::optional<Parting> found = first_parting(sides, from, to);
   if (!found) return to;
   partings.push_back(*found);
   return found->from;
@@ -184,6 +186,7 @@ void cut_windows(ObservedDataset& observed, int trial_index, const Settings& set
                  std::vector<Parting>& partings) {
   const Trial& trial = observed.dataset.trials[trial_index];
   const double known = start_known(observed, trial, settings);
+  const std::vector<Sides> sides = sides_of(observed, trial, settings);
   std::vector<Parting> of_windows;
   double end = 0.0;
   for (const Stream& stream : trial.streams)
@@ -199,8 +202,8 @@ void cut_windows(ObservedDataset& observed, int trial_index, const Settings& set
     segment.trial = trial_index;
     segment.start = from;
     if (!measured_start(observed, trial, from, settings, segment)) continue;
-    const double together = together_until(observed, trial, from, to, settings, of_windows);
-    add_channels(observed, trial, from, together, settings, segment);
+    add_channels(observed, trial, from, together_until(sides, from, to, of_windows), settings,
+                 segment);
     observed.segments.push_back(std::move(segment));
   }
   if (const auto one = as_one(of_windows)) partings.push_back(*one);
@@ -212,7 +215,8 @@ void cut_trials(ObservedDataset& observed, const Settings& settings,
   double latest = 0.0;
   for (int t = 0; t < count_of(observed.dataset.trials); ++t) {
     const Trial& trial = observed.dataset.trials[t];
-    const double to = together_until(observed, trial, 0.0, observed.window_end, settings, partings);
+    const double to =
+        together_until(sides_of(observed, trial, settings), 0.0, observed.window_end, partings);
     Segment segment;
     segment.trial = t;
     add_channels(observed, trial, observed.window_start, to, settings, segment);
@@ -276,10 +280,7 @@ void set_spacing(ObservedDataset& observed) {
     for (const Segment& segment : observed.segments)
       for (Eigen::Index i = 1; i < segment.time[c].size(); ++i)
         gaps.push_back(segment.time[c][i] - segment.time[c][i - 1]);
-    if (gaps.empty()) continue;
-    const auto middle = gaps.begin() + (gaps.size() / 2);
-    std::nth_element(gaps.begin(), middle, gaps.end());
-    observed.channels[c].spacing = *middle;
+    if (!gaps.empty()) observed.channels[c].spacing = median(std::move(gaps));
   }
 }
 

@@ -4,78 +4,62 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
+#include <cassert>
 #include <cmath>
-#include <numbers>
+#include <utility>
 #include <vector>
 
 #include "diagnosis/data/scatter.h"
+#include "jaculus/diagnosis/physical.h"
 
 namespace jaculus::diagnosis {
 namespace {
 
 using trajectory::Stream;
 
-constexpr std::size_t kAtRest = 5;      ///< samples at least, whose median is what zeros differ by
-constexpr double kBeyondScatter = 5.0;  ///< deviations; two samples in a row are so by 1 in 1e12
-
-/// What sides differ by, gaps left out.
-struct Apart {
-  std::vector<double> time, value;
-};
-
-Apart without_gaps(const Stream& stream, int channel) {
-  Apart out;
-  for (Eigen::Index i = 0; i < stream.time.size(); ++i) {
-    const double value = stream.values(channel, i);
-    if (!std::isfinite(value)) continue;
-    out.time.push_back(stream.time[i]);
-    out.value.push_back(value);
-  }
-  return out;
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + std::ssize(values) / 2;
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
+/// Channels of a tracked body that the plane has not, and their units.
+constexpr std::array<std::pair<const char*, const char*>, 3> kOutOfPlane = {
+    {{"y", "m"}, {"roll", "rad"}, {"yaw", "rad"}}};
 
 /// What zeros differ by: before the command at rest, or where there is no rest at first; under a
 /// logged input at the middle of what there is.
-double zero_of(const Apart& apart, const ObservedDataset& observed) {
-  if (observed.measured_input) return median(apart.value);
+double zero_of(const Sides& sides, const ObservedDataset& observed, const Settings& settings) {
+  if (observed.measured_input) return median(sides.apart);
   std::vector<double> rest;
-  for (std::size_t i = 0; i < apart.time.size() && (apart.time[i] < 0.0 || rest.size() < kAtRest);
-       ++i)
-    if (apart.time[i] >= observed.window_start) rest.push_back(apart.value[i]);
-  return median(rest.empty() ? apart.value : rest);
+  const auto still = [&](double t) { return t < 0.0 || count_of(rest) < settings.sides_at_rest; };
+  for (std::size_t i = 0; i < sides.time.size() && still(sides.time[i]); ++i)
+    if (sides.time[i] >= observed.window_start) rest.push_back(sides.apart[i]);
+  return median(rest.empty() ? sides.apart : rest);
 }
 
 /// Where values began to rise to the one at `at`: a foot left the floor there, and its side's
-/// torque has moved the leg alone ever since. Noise may stop the search, but not
-/// above half of `limit`.
+/// torque has moved the leg alone ever since. Noise may stop the search, but
+/// not above half of `limit`.
 std::size_t start_of_rise(const std::vector<double>& values, std::size_t at, double limit) {
   while (at > 0 && (values[at - 1] < values[at] || values[at - 1] > 0.5 * limit)) --at;
   return at;
 }
 
-/// Of one channel about its zero; nothing where its sides stay together.
-std::optional<Parting> parting_of(const Apart& apart, double from, double to, double limit) {
+/// Of one joint; nothing where its sides stay together.
+std::optional<Parting> parting_of(const Sides& sides, double from, double to) {
+  const std::vector<double>& apart = sides.apart;
   std::optional<Parting> found;
-  for (std::size_t i = 0; i + 1 < apart.time.size() && apart.time[i] <= to; ++i) {
-    if (apart.time[i] < from) continue;
-    if (!found && apart.value[i] > limit && apart.value[i + 1] > limit) {
-      found.emplace();
-      found->from = std::max(from, apart.time[start_of_rise(apart.value, i, limit)]);
+  for (std::size_t i = 0; i + 1 < apart.size() && sides.time[i] <= to; ++i) {
+    if (sides.time[i] < from) continue;
+    if (!found && apart[i] > sides.limit && apart[i + 1] > sides.limit) {
+      found = sides.names;
+      found->from = std::max(from, sides.time[start_of_rise(apart, i, sides.limit)]);
     }
-    if (found) found->most = std::max(found->most, apart.value[i]);
+    if (found) found->most = std::max(found->most, apart[i]);
   }
   return found;
 }
 
 bool is_tracked(const std::string& stream, const std::string& channel) {
   return stream == trajectory::kMocapStream &&
-         (channel == "y" || channel == "roll" || channel == "yaw");
+         std::any_of(kOutOfPlane.begin(), kOutOfPlane.end(),
+                     [&](const auto& own) { return channel == own.first; });
 }
 
 /// The joint of the model whose sides a channel compares; -1 for any other channel.
@@ -110,11 +94,11 @@ std::vector<double> moved(const trajectory::Dataset& dataset, const std::string&
 }
 
 /// "roll -1.9 deg (0.13 from trial to trial)".
-std::string moved_text(const char* channel, const char* unit, double factor,
-                       const std::vector<double>& by) {
-  const Vector all = factor * Eigen::Map<const Vector>(by.data(), std::ssize(by));
+std::string moved_text(const char* channel, const char* unit, const std::vector<double>& by) {
+  const ShownUnit shown = shown_unit(unit);
+  const Vector all = Eigen::Map<const Vector>(by.data(), std::ssize(by)) / shown.size;
   const double mean = all.mean();
-  std::string text = fmt::format("{} {:.2g} {}", channel, mean, unit);
+  std::string text = fmt::format("{} {:.2g} {}", channel, mean, shown.unit);
   if (all.size() > 1) {
     const double freedom = static_cast<double>(by.size()) - 1.0;
     const double scatter = std::sqrt((all.array() - mean).square().sum() / freedom);
@@ -127,15 +111,11 @@ std::string moved_text(const char* channel, const char* unit, double factor,
 
 std::string out_of_plane(const trajectory::Dataset& dataset, const std::string& label, double begin,
                          double end) {
-  constexpr double kDegrees = 180.0 / std::numbers::pi;
   std::vector<std::string> parts;
-  const auto add = [&](const char* channel, const char* unit, double factor) {
+  for (const auto& [channel, unit] : kOutOfPlane) {
     const std::vector<double> by = moved(dataset, channel, begin, end);
-    if (!by.empty()) parts.push_back(moved_text(channel, unit, factor, by));
-  };
-  add("y", "mm", 1e3);
-  add("roll", "deg", kDegrees);
-  add("yaw", "deg", kDegrees);
+    if (!by.empty()) parts.push_back(moved_text(channel, unit, by));
+  }
   if (parts.empty()) return {};
   return fmt::format(
       "{}: the body leaves the plane by {} at {:.2g} s; of that the model holds nothing, and what "
@@ -148,56 +128,71 @@ bool tells_of_plane(const model::PlanarModel& model, const std::string& stream,
   return is_tracked(stream, channel) || body_of_sides(model, channel) >= 0;
 }
 
-std::optional<Parting> first_parting(const ObservedDataset& observed,
-                                     const trajectory::Trial& trial, double from, double to,
-                                     const Settings& settings) {
-  std::optional<Parting> first;
+std::vector<Sides> sides_of(const ObservedDataset& observed, const trajectory::Trial& trial,
+                            const Settings& settings) {
+  std::vector<Sides> found;
   for (const Stream& stream : trial.streams) {
     for (int c = 0; c < count_of(stream.channels); ++c) {
       const int body = body_of_sides(observed.model, stream.channels[c]);
       if (body < 0) continue;
-      Apart apart = without_gaps(stream, c);
-      if (apart.value.empty()) continue;
-      const bool slides = observed.model.bodies[body].kind == model::JointKind::prismatic;
-      const double apart_by = settings.sides_apart * (slides ? settings.lever : 1.0);
-      const double limit = std::max(apart_by, kBeyondScatter * scatter_of(apart.value));
-      const double zero = zero_of(apart, observed);
-      for (double& value : apart.value) value = std::abs(value - zero);
-      std::optional<Parting> found = parting_of(apart, from, to, limit);
-      if (!found || (first && first->from <= found->from)) continue;
+      Sides sides;
+      for (Eigen::Index i = 0; i < stream.time.size(); ++i) {
+        if (!std::isfinite(stream.values(c, i))) continue;
+        sides.time.push_back(stream.time[i]);
+        sides.apart.push_back(stream.values(c, i));
+      }
+      if (sides.apart.empty()) continue;
 
-      first = std::move(found);
-      first->dataset = observed.name();
-      first->trial = trial.name;
-      first->joint = trajectory::parse_channel(stream.channels[c]).of;
-      first->unit = stream.units[c];
+      const model::PlanarBody& own = observed.model.bodies[body];
+      sides.names.dataset = observed.name();
+      sides.names.trial = trial.name;
+      sides.names.joint = own.joint;
+      sides.names.unit = stream.units[c];
+      const double lever = own.kind == model::JointKind::prismatic ? settings.lever : 1.0;
+      sides.limit =
+          std::max(settings.sides_apart * lever, settings.sides_scatter * scatter_of(sides.apart));
+      const double zero = zero_of(sides, observed, settings);
+      for (double& value : sides.apart) value = std::abs(value - zero);
+      found.push_back(std::move(sides));
     }
   }
+  return found;
+}
+
+std::optional<Parting> first_parting(const std::vector<Sides>& sides, double from, double to) {
+  std::optional<Parting> first;
+  for (const Sides& own : sides) {
+    const std::optional<Parting> found = parting_of(own, from, to);
+    if (found && (!first || found->from < first->from)) first = found;
+  }
   return first;
+}
+
+const Parting* earliest(const std::vector<Parting>& partings) {
+  const auto first =
+      std::min_element(partings.begin(), partings.end(),
+                       [](const Parting& a, const Parting& b) { return a.from < b.from; });
+  return first == partings.end() ? nullptr : &*first;
 }
 
 std::optional<Parting> as_one(const std::vector<Parting>& partings) {
-  std::optional<Parting> first;
-  double most = 0.0;
-  for (const Parting& one : partings) {
-    most = std::max(most, one.most);
-    if (!first || one.from < first->from) first = one;
-  }
-  if (first) first->most = most;
-  return first;
+  const Parting* first = earliest(partings);
+  if (first == nullptr) return std::nullopt;
+  Parting one = *first;
+  for (const Parting& own : partings) one.most = std::max(one.most, own.most);
+  return one;
 }
 
 std::string note_of(const std::vector<Parting>& partings, int trials) {
-  const auto earliest =
-      std::min_element(partings.begin(), partings.end(),
-                       [](const Parting& a, const Parting& b) { return a.from < b.from; });
+  const Parting* first = earliest(partings);
+  assert(first != nullptr);
   return fmt::format(
       "{}: left and right part in {} of {} trials, at {} of {} from {:.3f} s on (by {:.2g} {}): a "
       "model of the plane moves them as one, so a trial's data are left out from there on, or "
       "until "
       "a window begins with both together",
-      earliest->dataset, partings.size(), trials, earliest->joint, earliest->trial, earliest->from,
-      earliest->most, earliest->unit);
+      first->dataset, partings.size(), trials, first->joint, first->trial, first->from, first->most,
+      first->unit);
 }
 
 }  // namespace jaculus::diagnosis

@@ -20,14 +20,25 @@ namespace jaculus::diagnosis {
 bool tells_of_plane(const model::PlanarModel& model, const std::string& stream,
                     const std::string& channel);
 
-/// Where a trial's sides first part within [from, to] by more than settings.sides_apart (of what
-/// slides that times settings.lever) or what the difference scatters by, two samples in a row;
-/// nothing where none do, or no log has both. Zeros of encoders differ: what counts is the
-/// difference beyond its median at rest before the command, or over all of a log that itself drove
-/// the robot.
-std::optional<Parting> first_parting(const ObservedDataset& observed,
-                                     const trajectory::Trial& trial, double from, double to,
-                                     const Settings& settings);
+/// What sides of one joint differ by in a trial, about its zero.
+struct Sides {
+  Parting names;                    ///< dataset, trial, joint and unit
+  double limit = 0.0;               ///< from which on they part [unit]
+  std::vector<double> time, apart;  ///< gaps left out [s], [unit], not negative
+};
+
+/// Every joint of a trial whose log has both sides. They part by more than settings.sides_apart (of
+/// what slides that times settings.lever) or settings.sides_scatter times what the difference
+/// scatters by. Zeros of encoders differ: what counts is the difference beyond its median at rest
+/// before the command, or over all of a log that itself drove the robot.
+std::vector<Sides> sides_of(const ObservedDataset& observed, const trajectory::Trial& trial,
+                            const Settings& settings);
+
+/// Where a trial's sides first part within [from, to], two samples in a row; nothing where none do.
+std::optional<Parting> first_parting(const std::vector<Sides>& sides, double from, double to);
+
+/// The first of some; null of none.
+const Parting* earliest(const std::vector<Parting>& partings);
 
 /// Those of a trial's windows as one: the first, by as much as they part at most. Nothing of none.
 std::optional<Parting> as_one(const std::vector<Parting>& partings);

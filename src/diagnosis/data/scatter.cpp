@@ -1,6 +1,7 @@
 #include "diagnosis/data/scatter.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <cstddef>
 
@@ -18,6 +19,13 @@ constexpr double kSquares = 6.0;
 constexpr std::size_t kLeast = 10;
 
 }  // namespace
+
+double median(std::vector<double> values) {
+  assert(!values.empty());
+  const auto middle = values.begin() + std::ssize(values) / 2;
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
 
 double scatter_of(const std::vector<double>& x) {
   if (x.size() < kLeast) return 0.0;

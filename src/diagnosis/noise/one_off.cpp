@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
+
+#include "diagnosis/data/scatter.h"
 
 namespace jaculus::diagnosis {
 namespace {
@@ -14,18 +17,12 @@ int bin_of(const ObservedDataset& observed, double time, int count) {
   return std::clamp(static_cast<int>(share * count), 0, count - 1);
 }
 
-double median(Vector values) {
-  const auto middle = values.begin() + values.size() / 2;
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 /// The median of those that are numbers, NaN without any.
 double median_of_known(const Vector& values) {
   std::vector<double> known;
   for (const double value : values)
     if (std::isfinite(value)) known.push_back(value);
-  return known.empty() ? kNaN : median(Eigen::Map<const Vector>(known.data(), std::ssize(known)));
+  return known.empty() ? kNaN : median(std::move(known));
 }
 
 /// Mean of every segment's residual by bin of time, less the median over segments, segments x bins;

@@ -10,6 +10,9 @@
 #include <map>
 #include <numbers>
 #include <optional>
+#include <utility>
+
+#include "diagnosis/data/scatter.h"
 
 namespace jaculus::diagnosis {
 namespace {
@@ -26,9 +29,7 @@ constexpr double kSameTime = 0.25;  ///< of a box
 
 double usual_size(std::vector<double> values) {
   for (double& value : values) value = std::abs(value);
-  const auto middle = values.begin() + (std::ssize(values) / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle / kMedianOfNormal;
+  return median(std::move(values)) / kMedianOfNormal;
 }
 
 /// A pulse's share of its peak in each of `count` boxes.
