@@ -88,12 +88,12 @@ void describe_remainder(const std::vector<trajectory::Dataset>& datasets,
 
   if (options.progress) options.progress("what is left");
   std::vector<RemainderPlace>& places = found.remainder.places;
-  places = places_in_boxes(datasets, options, found);
+  for (RemainderPlace& place : places_in_boxes(datasets, options, found))
+    places.push_back(std::move(place));
   const bool followed = std::any_of(places.begin(), places.end(),
                                     [](const RemainderPlace& p) { return !p.follows.empty(); });
   if (followed) return;
-  for (RemainderPlace& place : patterns_of_motion(datasets, options, found))
-    places.push_back(std::move(place));
+  for (RemainderPlace& place : patterns_of_motion(found)) places.push_back(std::move(place));
 }
 
 }  // namespace jaculus::diagnosis

@@ -9,9 +9,10 @@
 #include "diagnosis/describe_remainder.h"
 #include "diagnosis/localise/localise.h"
 #include "diagnosis/localise/postures.h"
+#include "diagnosis/motion_patterns.h"
 #include "diagnosis/preflight/next_experiment.h"
 #include "diagnosis/read_tolerances.h"
-#include "diagnosis/search_with_pushes.h"
+#include "diagnosis/search_with_forces.h"
 #include "diagnosis/validation/agreement.h"
 #include "diagnosis/verdict/statement.h"
 
@@ -87,7 +88,7 @@ Diagnosis run_pipeline(BuiltProblem built, const ProblemBuilder& rebuild,
                        const trajectory::Dataset* present, const DiagnoseOptions& options) {
   tell(options, "noise and alignment");
   const Searched searched =
-      search_with_pushes(prepare(std::move(built), rebuild), rebuild, options);
+      search_with_forces(prepare(std::move(built), rebuild), rebuild, options);
   const Prepared& prepared = searched.prepared;
   if (!prepared.reasons.empty()) return unanswered(prepared);
 
@@ -103,6 +104,8 @@ Diagnosis run_pipeline(BuiltProblem built, const ProblemBuilder& rebuild,
   const Statement statement =
       state_verdict(problem, selection, one_trial(problem.observations, problem.settings));
   Diagnosis out = answered(prepared, selection, statement);
+  out.remainder.places = places_of(searched.patterns, statement.patterns,
+                                   share_taken(statement.gap, statement.gap_with));
   tell(options, "agreement of the datasets");
   const FittedModel& account = names_effects(statement.verdict) ? statement.model : statement.none;
   out.agreement = agreement_of(problem, selection.comparison, selection.search.models.front().fit,
@@ -110,9 +113,9 @@ Diagnosis run_pipeline(BuiltProblem built, const ProblemBuilder& rebuild,
   if (!prepared.built.forward || present == nullptr) return out;
 
   tell(options, "where the gap lies");
-  out.where =
-      localise(problem, *prepared.built.forward, selection, statement.stated.p, statement.posterior,
-               names_effects(statement.verdict) || !statement.events.empty());
+  out.where = localise(
+      problem, *prepared.built.forward, selection, statement.stated.p, statement.posterior,
+      names_effects(statement.verdict) || !statement.events.empty() || !statement.patterns.empty());
   out.where->postures = postures_of(problem, *prepared.built.forward, *out.noise, out.stated.p,
                                     out.model.p, out.where->departure);
   if (out.rivals.size() == 2) {

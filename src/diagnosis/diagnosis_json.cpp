@@ -294,7 +294,8 @@ std::string augmented_yaml(const Diagnosis& d) {
     const int c = d.model.candidates[i];
     const Candidate& candidate = d.problem->hypotheses.candidates[c];
     if (candidate.effect == nullptr || !candidate.effect->applies(model)) continue;
-    if (candidate.is_event()) continue;  // it is over
+    if (candidate.is_event()) continue;    // it is over
+    if (candidate.is_pattern()) continue;  // a hypothesis
     const Vector& theta = d.theta[i];
     for (const ModelOverride& value : candidate.effect->overrides(theta, model)) {
       std::erase_if(overrides, [&](const ModelOverride& o) { return o.first == value.first; });

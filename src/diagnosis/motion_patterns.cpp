@@ -8,151 +8,13 @@
 #include <map>
 #include <optional>
 
-#include "diagnosis/build_problem.h"
-#include "diagnosis/forward/sensitivities.h"
-#include "diagnosis/remainder/place_patterns.h"
-#include "diagnosis/selection/residual.h"
+#include "diagnosis/pattern_scan.h"
 #include "diagnosis/validation/fold_interval.h"
 #include "diagnosis/validation/folds.h"
 #include "diagnosis/validation/shapley.h"
-#include "jaculus/effects/user_effect.h"
 
 namespace jaculus::diagnosis {
 namespace {
-
-/// Patterns with the problem in which they are candidates.
-struct PatternProblem {
-  std::vector<PlacePattern> patterns;
-  BuiltProblem built;
-  Comparison comparison;
-  Vector p;                  ///< as stated
-  std::vector<Vector> rows;  ///< predicted there, a dataset each
-};
-
-UsualMotion usual_motion(const Problem& problem, const PlantForward& forward, const Vector& p) {
-  const model::PlanarModel& robot = problem.observations.datasets.front().model;
-  UsualMotion usual{Vector::Zero(robot.size()), Vector::Zero(robot.size()),
-                    Vector::Zero(robot.size())};
-  const SimulationSetup setup = forward.setup(0, 0, p);
-  const simulation::Simulation run =
-      simulate(setup.plant, setup.controller, setup.start, setup.options);
-  usual.start = setup.start.q;
-  if (run.time.size() == 0 || !run.v.allFinite()) return usual;
-  usual.speed = (run.v.rowwise().squaredNorm() / static_cast<double>(run.v.cols())).cwiseSqrt();
-  usual.range = run.q.rowwise().maxCoeff() - run.q.rowwise().minCoeff();
-  return usual;
-}
-
-std::vector<double> scales_of(const PlacePattern& pattern) {
-  std::vector<double> scales;
-  for (const PatternParameter& own : pattern.parameters) scales.push_back(own.scale);
-  return scales;
-}
-
-/// The named effects and the patterns, as candidates.
-std::vector<effects::Effect> effects_and_patterns(const Diagnosis& found,
-                                                  const std::vector<PlacePattern>& patterns) {
-  std::vector<effects::Effect> all;
-  if (names_effects(found.verdict))
-    for (const int c : found.model.candidates)
-      if (const effects::Effect* named = found.problem->hypotheses.candidates[c].effect)
-        all.push_back(*named);
-  for (const PlacePattern& pattern : patterns)
-    all.push_back(
-        effects::parse_user_effect(pattern_file(pattern, scales_of(pattern), false), pattern.name)
-            .effect);
-  return all;
-}
-
-/// Nothing where the stated model can't be simulated.
-std::optional<PatternProblem> pattern_problem(const std::vector<trajectory::Dataset>& datasets,
-                                              const DiagnoseOptions& options,
-                                              const Diagnosis& found) {
-  const Settings& settings = options.settings;
-  const BuiltProblem plain = build_problem(datasets, options);
-  if (!plain.forward) return {};
-  const Vector as_stated = stated_parameters(found, plain.problem->hypotheses);
-  PatternProblem out;
-  out.patterns = place_patterns(plain.problem->observations.datasets.front().model,
-                                usual_motion(*plain.problem, *plain.forward, as_stated),
-                                settings.pattern_prior, settings.lever, settings.rest_speed);
-
-  const ProblemBuilder builder = builder_of(effects_and_patterns(found, out.patterns), settings);
-  Prepared prepared = prepare(builder(plain.problem->observations), builder);
-  if (!prepared.reasons.empty() || !prepared.noise.valid()) return {};
-  out.built = std::move(prepared.built);
-  const Problem& problem = *out.built.problem;
-  out.p = stated_parameters(found, problem.hypotheses);
-  NoiseModel noise = estimate_noise(problem, out.p, prepared.noise.alignments);
-  if (!noise.valid()) return {};
-  out.comparison = comparison_about(problem, with_random_effects(problem, std::move(noise)));
-  out.rows = rows_of(problem, out.comparison.noise, out.comparison.noise.at_p);
-  return out;
-}
-
-/// White columns of a pattern, one a parameter; none where it changes nothing or is lost.
-Matrix pattern_columns(const PatternProblem& own, const Shrinkage& tolerances, int candidate) {
-  const Problem& problem = *own.built.problem;
-  const Whitening& whitening = own.comparison.whitening;
-  const std::vector<int>& parameters = problem.hypotheses.candidates[candidate].parameters;
-  Matrix columns(whitening.rows, count_of(parameters));
-  for (int k = 0; k < count_of(parameters); ++k) {
-    const double scale = problem.hypotheses.parameters[parameters[k]].scale;
-    const auto moved = difference(problem, whitening.alignments, own.p, own.rows, parameters[k],
-                                  problem.settings.pattern_step * scale);
-    if (!moved) return {};
-    Vector white = whitening.apply(moved->rows) * (scale / moved->step);
-    tolerances.apply(white);
-    columns.col(k) = white;
-  }
-  return columns.squaredNorm() > 1.0 ? columns : Matrix();
-}
-
-/// The linear problem of the patterns.
-struct LinearPatterns {
-  Vector residual;
-  std::vector<Matrix> columns;  ///< a pattern each; empty where it can't act
-  int tried = 0;
-};
-
-LinearPatterns linear_patterns(const PatternProblem& own) {
-  const Problem& problem = *own.built.problem;
-  const Whitening& whitening = own.comparison.whitening;
-  const Shrinkage tolerances = shrinkage(linear_nuisances(problem, whitening, own.p).slopes);
-  LinearPatterns out;
-  out.residual = whitening.residual(own.rows);
-  tolerances.apply(out.residual);
-  out.columns.resize(own.patterns.size());
-  tbb::parallel_for(0, count_of(own.patterns), [&](int k) {
-    const int c = problem.hypotheses.candidate(own.patterns[k].name);
-    if (c >= 0) out.columns[k] = pattern_columns(own, tolerances, c);
-  });
-  for (const Matrix& columns : out.columns) out.tried += columns.cols() > 0 ? 1 : 0;
-  return out;
-}
-
-Matrix columns_of(const LinearPatterns& linear, const std::vector<int>& members) {
-  Matrix all(linear.residual.size(), 0);
-  for (const int k : members) {
-    const Eigen::Index before = all.cols();
-    all.conservativeResize(all.rows(), before + linear.columns[k].cols());
-    all.rightCols(linear.columns[k].cols()) = linear.columns[k];
-  }
-  return all;
-}
-
-double log_evidence(const PatternProblem& own, const LinearPatterns& linear,
-                    const std::vector<int>& members) {
-  const RandomEffects& random = own.comparison.whitening.random;
-  const Settings& settings = own.built.problem->settings;
-  const Matrix Y = columns_of(linear, members);
-  Matrix X(linear.residual.size(), 1 + Y.cols());
-  X << linear.residual, Y;
-  const Products products = products_of(random, X);
-  const ScaleEstimate estimate = estimated_scales(random, products, first_scales(random),
-                                                  settings.scale_steps, settings.scale_spread);
-  return linear_evidence(random, products, estimate.scales).log_evidence + estimate.log_cost;
-}
 
 /// The channel of which most is left, root mean square [noise floors].
 double most_left(const Whitening& whitening, const Vector& white) {
@@ -270,18 +132,21 @@ PatternShares shares_of(const PatternProblem& own, const LinearPatterns& linear,
   return shares;
 }
 
-/// A member as a place says it, with the file that a diagnosis may judge.
+/// A member as a place says it, with the file that a diagnosis may judge. Of a spring the coefficient
+/// is the force's slope by the position, as of what is found box by box.
 Dependence dependence_of(const PlacePattern& pattern, const Vector& found) {
   Dependence own;
   own.regressor = pattern.regressor;
   own.period = pattern.period;
   own.unit = pattern.period_unit;
+  own.form = pattern.form;
   double size = 0.0;
   for (Eigen::Index k = 0; k < found.size(); ++k) size = std::max(size, std::abs(found[k]));
   std::vector<double> scales;
   for (std::size_t k = 0; k < pattern.parameters.size(); ++k) {
     const double scale = pattern.parameters[k].scale;
-    own.coefficients.push_back(found[static_cast<Eigen::Index>(k)] * scale);
+    const double sign = pattern.regressor == Regressor::position ? -1.0 : 1.0;
+    own.coefficients.push_back(sign * found[static_cast<Eigen::Index>(k)] * scale);
     scales.push_back(std::max(size, 1e-9) * scale);
   }
   own.hypothesis = pattern_file(pattern, scales, true);
@@ -303,27 +168,58 @@ void add_to_places(const PlacePattern& pattern, Dependence dependence,
 
 }  // namespace
 
-Vector stated_parameters(const Diagnosis& found, const Hypotheses& hypotheses) {
-  const Vector& stated = names_effects(found.verdict) ? found.model.p : found.none.p;
-  const std::vector<FreeParameter>& known = found.problem->hypotheses.parameters;
-  Vector p = hypotheses.nominal();
-  for (int i = 0; i < count_of(hypotheses.parameters); ++i) {
-    const FreeParameter& own = hypotheses.parameters[i];
-    for (int k = 0; k < count_of(known); ++k)
-      if (own.owner != "force" && known[k].owner == own.owner && known[k].name == own.name)
-        p[i] = stated[k];
-  }
-  return p;
+KnownModel stated_model(const Diagnosis& found) {
+  const FittedModel& model = names_effects(found.verdict) ? found.model : found.none;
+  return {found.problem.get(), model.candidates, model.p};
 }
 
-std::vector<RemainderPlace> patterns_of_motion(const std::vector<trajectory::Dataset>& datasets,
-                                               const DiagnoseOptions& options,
-                                               const Diagnosis& found) {
+Vector stated_parameters(const Diagnosis& found, const Hypotheses& hypotheses) {
+  return carried_over(stated_model(found), hypotheses);
+}
+
+TakenShare share_taken(const HeldOut& by_effects, const HeldOut& with_patterns) {
+  if (!by_effects.valid || !with_patterns.valid) return {};
+  std::vector<double> by_fold;
+  for (std::size_t f = 0; f < by_effects.by_fold.size(); ++f) {
+    const double before = by_effects.by_fold[f].after, after = with_patterns.by_fold[f].after;
+    if (before > 1.0) by_fold.push_back(1.0 - energy_left(before, after));
+  }
+  const double value = 1.0 - energy_left(by_effects.after, with_patterns.after);
+  return {value, fold_interval(by_fold, value)};
+}
+
+std::vector<RemainderPlace> places_of(const std::vector<PlacePattern>& candidates,
+                                      const std::vector<FoundEffect>& found,
+                                      const TakenShare& taken) {
+  double all = 0.0;
+  for (const FoundEffect& effect : found) all += effect.share ? effect.share->shapley : 0.0;
+  std::vector<RemainderPlace> places;
+  for (const FoundEffect& effect : found) {
+    PlacePattern pattern =
+        *std::find_if(candidates.begin(), candidates.end(),
+                      [&](const PlacePattern& own) { return own.name == effect.name; });
+    Vector sizes(count_of(pattern.parameters));
+    for (int k = 0; k < sizes.size(); ++k)
+      sizes[k] = effect.parameters[k].value / pattern.parameters[k].scale;
+    if (std::isfinite(pattern.period)) pattern.period = effect.parameters.back().value;
+    if (std::isfinite(pattern.slack)) pattern.slack = effect.parameters.back().value;
+    Dependence own = dependence_of(pattern, sizes);
+    own.selected = effect.probability;
+    const double part = found.size() == 1 ? 1.0 : effect.share ? effect.share->shapley / all : kNaN;
+    own.share = part * taken.value;
+    own.ci95 = {part * taken.ci95.lower, part * taken.ci95.upper};
+    add_to_places(pattern, std::move(own), places);
+  }
+  return places;
+}
+
+std::vector<RemainderPlace> patterns_of_motion(const Diagnosis& found) {
   if (found.problem == nullptr || in_windows(*found.problem)) return {};
-  const std::optional<PatternProblem> own = pattern_problem(datasets, options, found);
+  const std::optional<PatternProblem> own = pattern_problem(
+      stated_model(found), found.noise ? found.noise->alignments : std::vector<Alignment>());
   if (!own || own->comparison.whitening.random.size() == 0) return {};
   const LinearPatterns linear = linear_patterns(*own);
-  const Settings& settings = options.settings;
+  const Settings& settings = found.problem->settings;
   const double mean_square =
       linear.residual.squaredNorm() / static_cast<double>(linear.residual.size());
   if (most_left(own->comparison.whitening, linear.residual) < settings.plain_gap) return {};

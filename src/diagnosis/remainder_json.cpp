@@ -21,6 +21,7 @@ Json dependence_json(const Dependence& d, const std::optional<double>& weight) {
     json["period"] = d.period;
     json["unit"] = d.unit;
   }
+  if (!d.form.empty()) json["form"] = d.form;
   json["share"] = json_number(d.share);
   json["ci95"] = interval(d.ci95);
   json["selected"] = json_number(d.selected);

@@ -20,6 +20,7 @@ std::string period_text(const Dependence& d) {
 
 /// "repeats with the joint's position, period 17 deg (0.3 rad): cogging, a bent shaft or a tooth".
 std::string dependence_text(const Dependence& d) {
+  if (!d.form.empty()) return d.form;
   const std::string of = in_words(d.of);
 
   switch (d.regressor) {
@@ -80,23 +81,37 @@ std::string simulated_sentence(const RemainderPlace& place) {
                      fmt::join(parts, "; "));
 }
 
+std::string box_sentence(const RemainderPlace& place) {
+  std::vector<std::string> parts;
+  for (const Dependence& d : place.follows) parts.push_back(per_cent_of(d));
+  return fmt::format(
+      "What is left at {} is {:.2g} {} rms; {}.", in_words(place.joint), place.rms, place.unit,
+      parts.empty() ? "no pattern in it" : fmt::format("{}", fmt::join(parts, "; ")));
+}
+
+std::string sentence_of(const RemainderPlace& place) {
+  return place.by_simulation ? simulated_sentence(place) : box_sentence(place);
+}
+
+bool remains(const Diagnosis& diagnosis) {
+  return diagnosis.verdict == Verdict::partial || diagnosis.verdict == Verdict::unexplained;
+}
+
 }  // namespace
 
+std::string leading_remainder(const Diagnosis& diagnosis) {
+  const std::vector<RemainderPlace>& places = diagnosis.remainder.places;
+  const auto first = std::find_if(places.begin(), places.end(),
+                                  [](const RemainderPlace& p) { return !p.follows.empty(); });
+  return remains(diagnosis) && first != places.end() ? sentence_of(*first) : "";
+}
+
 std::vector<std::string> remainder_sentences(const Diagnosis& diagnosis) {
-  const bool remains =
-      diagnosis.verdict == Verdict::partial || diagnosis.verdict == Verdict::unexplained;
   std::vector<std::string> sentences;
   for (const RemainderPlace& place : diagnosis.remainder.places) {
-    if (place.by_simulation) {
-      sentences.push_back(simulated_sentence(place));
-      continue;
-    }
-    if (!std::isfinite(place.rms) || (place.follows.empty() && !remains)) continue;
-    std::vector<std::string> parts;
-    for (const Dependence& d : place.follows) parts.push_back(per_cent_of(d));
-    sentences.push_back(fmt::format(
-        "What is left at {} is {:.2g} {} rms; {}.", in_words(place.joint), place.rms, place.unit,
-        parts.empty() ? "no pattern in it" : fmt::format("{}", fmt::join(parts, "; "))));
+    const bool silent = place.follows.empty() && !remains(diagnosis);
+    if (place.by_simulation || (std::isfinite(place.rms) && !silent))
+      sentences.push_back(sentence_of(place));
   }
   return sentences;
 }

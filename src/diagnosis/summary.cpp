@@ -203,9 +203,12 @@ std::string effects_sentence(const Diagnosis& d) {
   if (d.verdict == Verdict::insufficient)
     return d.reasons.empty() ? "No effect can be named." : capital(d.reasons.front()) + ".";
   const std::string unknowns = unknowns_sentence(d.agreement);
+  const std::string left = leading_remainder(d), more = left.empty() ? "" : " " + left;
   if (d.effects.empty())
-    return unknowns.empty() ? "No effect of the catalogue is established."
-                            : unknowns + "Beside that no effect of the catalogue is established.";
+    return (unknowns.empty()
+                ? "No effect of the catalogue is established."
+                : unknowns + "Beside that no effect of the catalogue is established.") +
+           more;
 
   std::vector<std::string> named, rivals;
   for (const FoundEffect& e : d.effects)
@@ -225,7 +228,7 @@ std::string effects_sentence(const Diagnosis& d) {
   if (text.empty()) text = fmt::format("{} {} it", capital(listed(named)), verb);
   if (!rivals.empty()) text += "; these data can't tell " + listed(rivals);
   if (d.verdict == Verdict::partial) text += "; something else, not named, is there too";
-  return unknowns + text + ".";
+  return unknowns + text + "." + more;
 }
 
 std::string which_sentence(const Diagnosis& d) {

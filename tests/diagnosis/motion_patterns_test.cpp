@@ -7,9 +7,12 @@
 #include <fstream>
 
 #include "diagnosis/build_problem.h"
+#include "diagnosis/effects_by_name.h"
 #include "diagnosis/logged_trials.h"
 #include "diagnosis/remainder/hypothesis.h"
 #include "diagnosis/remainder/place_patterns.h"
+#include "jaculus/diagnosis/diagnose.h"
+#include "jaculus/diagnosis/summary.h"
 #include "jaculus/effects/user_effect.h"
 #include "jaculus/model/robot.h"
 #include "support/temporary_folder.h"
@@ -19,7 +22,7 @@ namespace {
 
 using test::TemporaryFolder;
 
-/// Leaps of the shipped experiment, with a user's effect where a file is given.
+/// Leaps of the shipped experiment with an effect, a user's where a file is given.
 trajectory::Dataset leaps(const std::string& text, const std::string& effect, int seed) {
   const TemporaryFolder folder;
   simulation::Experiment played =
@@ -28,10 +31,8 @@ trajectory::Dataset leaps(const std::string& text, const std::string& effect, in
   played.seed = seed;
   const model::PlanarModel robot = simulation::dataset_robot(played.setup).planar;
   effects::EffectChoice choice;
-  if (!text.empty()) {
-    choice.files = {folder.write("effect.yaml", text).string()};
-    choice.effects = {effect};
-  }
+  if (!text.empty()) choice.files = {folder.write("effect.yaml", text).string()};
+  if (!effect.empty()) choice.effects = {effect};
   return simulate_trials(played, effects::choose_effects(choice, robot), robot).dataset;
 }
 
@@ -43,7 +44,7 @@ std::vector<RemainderPlace> described(const trajectory::Dataset& dataset, int to
   Diagnosis found;
   found.problem = build_problem({dataset}, options).problem;
   found.none.p = found.problem->hypotheses.nominal();
-  return patterns_of_motion({dataset}, options, found);
+  return patterns_of_motion(found);
 }
 
 constexpr const char* kTether =
@@ -80,29 +81,65 @@ TEST(MotionPatterns, NothingIsSaidOfLeapsThatTheModelMade) {
     EXPECT_TRUE(described(leaps("", "", seed), 1).empty()) << "seed " << seed;
 }
 
+/// Among a few effects.
+Diagnosis diagnosed(const trajectory::Dataset& dataset) {
+  const DiagnoseOptions options =
+      test::among({"leg_coulomb_friction", "wind", "payload", "controller_gains"});
+  return diagnose({dataset}, options);
+}
+
+// A cable is no effect of the catalogue, yet some of these explain a part of what it does.
+TEST(PatternSearch, ACableIsNoEffectOfTheCatalogue) {
+  const Diagnosis found = diagnosed(leaps(kTether, "tether:stiffness=500", 3));
+  EXPECT_EQ(found.verdict, Verdict::unexplained) << to_text(found.verdict);
+  EXPECT_TRUE(found.effects.empty());
+  ASSERT_FALSE(found.remainder.places.empty());
+  const RemainderPlace& place = found.remainder.places.front();
+  EXPECT_EQ(place.place, "body");
+  EXPECT_EQ(place.joint, "x");
+  ASSERT_FALSE(place.follows.empty());
+  EXPECT_EQ(place.follows.front().regressor, Regressor::position);
+  EXPECT_LT(place.follows.front().coefficients.front(), 0.0);  // pulls back
+  EXPECT_GT(place.follows.front().share, 0.8);
+  for (const Ranked& row : found.ranking) EXPECT_EQ(row.effect.find("found_"), std::string::npos);
+  EXPECT_NE(summary_of(found).which.find("the body, along x"), std::string::npos);
+}
+
+TEST(PatternSearch, AnEffectOfTheCatalogueStaysOne) {
+  const Diagnosis found = diagnosed(leaps("", "leg_coulomb_friction:torque=0.3", 3));
+  EXPECT_EQ(found.verdict, Verdict::effect) << to_text(found.verdict);
+  ASSERT_EQ(found.effects.size(), 1U);
+  EXPECT_EQ(found.effects.front().name, "leg_coulomb_friction");
+  EXPECT_TRUE(found.remainder.places.empty());
+}
+
 TEST(PlacePatterns, AreEffectsThatEveryRobotCanHave) {
   for (const char* name : {"minitaur", "minitaur_tail", "quadruped25", "pendulum", "slider"}) {
     const model::PlanarModel robot =
         model::read_robot(model::find_robot(name, source_folder())).planar;
-    const Vector ones = Vector::Ones(robot.size());
-    const auto patterns =
-        place_patterns(robot, {Vector::Zero(robot.size()), ones, ones}, 0.1, 0.1, 0.02);
+    const auto moving = [](Eigen::Index n) {
+      return UsualMotions{Vector::Zero(n), Vector::Ones(n), Vector::Ones(n)};
+    };
+    const UsualMotion usual{moving(robot.size()), moving(std::ssize(robot.motors))};
+    const auto patterns = place_patterns(robot, usual, 0.1, 0.1, 0.02);
     ASSERT_FALSE(patterns.empty()) << name;
-    bool body = false, feet = false;
+    bool body = false, feet = false, waves = false;
     for (const PlacePattern& pattern : patterns) {
       std::vector<double> scales;
       for (const PatternParameter& own : pattern.parameters) scales.push_back(own.scale);
-      for (const bool free_period : {false, true})
+      for (const bool free_shape : {false, true})
         EXPECT_NO_THROW(
-            effects::parse_user_effect(pattern_file(pattern, scales, free_period), pattern.name)
+            effects::parse_user_effect(pattern_file(pattern, scales, free_shape), pattern.name)
                 .require(robot))
             << name << '\n'
-            << pattern_file(pattern, scales, free_period);
+            << pattern_file(pattern, scales, free_shape);
       body = body || pattern.place == "body";
       feet = feet || pattern.place == "feet";
+      waves = waves || (pattern.at == robot.motors.front().joint && std::isfinite(pattern.period));
     }
     EXPECT_EQ(body, robot.coordinate_index("x") >= 0) << name;
     EXPECT_EQ(feet, !robot.feet.empty()) << name;
+    EXPECT_TRUE(waves) << name;
   }
 }
 

@@ -1,4 +1,4 @@
-// Verdicts about what is left beside pushes.
+// Verdicts about what is left beside pushes and forces of stated forms.
 
 #include "diagnosis/verdict/told_events.h"
 
@@ -7,17 +7,18 @@
 namespace jaculus::diagnosis {
 namespace {
 
-enum : int { kFriction, kWind, kPush, kOtherPush };
+enum : int { kFriction, kWind, kPush, kOtherPush, kCable, kWave };
 
-/// Two effects and two pushes as candidates.
+/// Two effects, two pushes and two patterns as candidates.
 struct Candidates {
-  std::vector<effects::Effect> effects{4};
+  std::vector<effects::Effect> effects{6};
   Problem problem;
 
   Candidates() {
-    const char* names[] = {"friction", "wind", "push@x", "push@elbow"};
-    for (int c = 0; c < 4; ++c) {
-      effects[c].event = c >= kPush;
+    const char* names[] = {"friction", "wind", "push@x", "push@elbow", "cable", "wave"};
+    for (int c = 0; c < 6; ++c) {
+      effects[c].event = c == kPush || c == kOtherPush;
+      effects[c].pattern = c >= kCable;
       problem.hypotheses.candidates.push_back(
           {names[c], effects::Component::body, {}, &effects[c]});
     }
@@ -78,7 +79,7 @@ TEST(ToldEvents, RankingPutsRowsTogetherThatDifferInPushesAlone) {
       {"friction + push@x", 19.0, 0.9, 0.2, {"friction", "push@x"}, {}},
       {"none", 0.0, 3.0, 0.2, {}, {}},
       {"unexplained", 0.0, kNaN, 0.1, {}, {}}};
-  const std::vector<Ranked> about = ranked_without_events(c.problem, ranking);
+  const std::vector<Ranked> about = ranked_by_effects(c.problem, ranking);
   ASSERT_EQ(about.size(), 3U);
   EXPECT_EQ(about[0].effect, "none");
   EXPECT_DOUBLE_EQ(about[0].probability, 0.7);
@@ -86,6 +87,45 @@ TEST(ToldEvents, RankingPutsRowsTogetherThatDifferInPushesAlone) {
   EXPECT_TRUE(about[0].parameters.empty());
   EXPECT_EQ(about[1].effect, "friction");
   EXPECT_EQ(about[2].effect, "unexplained");
+}
+
+TEST(ToldPatterns, AloneAreNoEffectButWhatIsLeft) {
+  const Candidates c;
+  const PartedProposal alone = parted(c.problem, proposed(Naming::sure, {{kCable, {}, 1.0}}));
+  EXPECT_TRUE(alone.effects.empty());
+  EXPECT_EQ(alone.patterns.size(), 1U);
+  EXPECT_EQ(about_effects(Verdict::effect, alone), Verdict::unexplained);
+  // Of what form it is may be open: it is no effect all the same.
+  const PartedProposal either =
+      parted(c.problem, proposed(Naming::rivals, {{kCable, {kWave}, 1.0}}));
+  EXPECT_EQ(about_effects(Verdict::ambiguous, either), Verdict::unexplained);
+  const PartedProposal effect =
+      parted(c.problem, proposed(Naming::rivals, {{kCable, {kWind}, 1.0}}));
+  EXPECT_EQ(about_effects(Verdict::ambiguous, effect), Verdict::ambiguous);
+}
+
+TEST(ToldPatterns, BesideAnEffectMakeItPartOfTheAnswer) {
+  const Candidates c;
+  const PartedProposal told =
+      parted(c.problem, proposed(Naming::sure, {{kCable, {}, 1.0}, {kFriction, {}, 0.9}}));
+  ASSERT_EQ(told.effects.size(), 1U);
+  EXPECT_EQ(about_effects(Verdict::several, told), Verdict::partial);
+  EXPECT_EQ(about_effects(Verdict::none, told), Verdict::none);
+}
+
+TEST(ToldPatterns, RankingCountsOneAloneAsUnexplained) {
+  const Candidates c;
+  const std::vector<Ranked> ranking = {
+      {"cable", 20.0, 0.9, 0.6, {"cable"}, {}},
+      {"cable + friction", 19.0, 0.9, 0.2, {"cable", "friction"}, {}},
+      {"friction", 9.0, 2.0, 0.1, {"friction"}, {}},
+      {"unexplained", 0.0, kNaN, 0.1, {}, {}}};
+  const std::vector<Ranked> about = ranked_by_effects(c.problem, ranking);
+  ASSERT_EQ(about.size(), 2U);
+  EXPECT_EQ(about[0].effect, "unexplained");
+  EXPECT_DOUBLE_EQ(about[0].probability, 0.7);
+  EXPECT_EQ(about[1].effect, "friction");
+  EXPECT_DOUBLE_EQ(about[1].probability, 0.3);
 }
 
 }  // namespace

@@ -42,6 +42,7 @@ struct Dependence {
   /// Force a unit of each of its functions: amplitudes of sine and cosine, slope and constant, ...
   std::vector<double> coefficients;
   std::string hypothesis{};  ///< the file of an effect, where one was simulated to find it
+  std::string form{};        ///< in words, where the regressor says only what it depends on
 };
 
 /// What is left along one coordinate, or at one place.

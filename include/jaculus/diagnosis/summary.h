@@ -19,6 +19,9 @@ Summary summary_of(const Diagnosis& diagnosis);
 /// told of verdicts by which something is left.
 std::vector<std::string> remainder_sentences(const Diagnosis& diagnosis);
 
+/// The first of these of a place where something is left that follows something; else empty.
+std::string leading_remainder(const Diagnosis& diagnosis);
+
 /// A name as words: "front_a" is "front a".
 std::string in_words(std::string name);
 

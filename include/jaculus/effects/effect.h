@@ -99,7 +99,8 @@ struct Effect {
   std::string file{};  ///< that a user wrote it in; empty: the library's
   /// Another effect that this one is with its parameters beyond the first at nominal, by name.
   std::string special_case{};
-  bool event = false;  ///< something that happened once: told as an event, no property of a robot
+  bool event = false;    ///< something that happened once: told as an event, no property of a robot
+  bool pattern = false;  ///< a force of some form, whatever makes it: told as what is left
   /// Where it acts in front and rear legs: the same effect in each of them alone, of the same
   /// parameters.
   std::vector<Effect> parts;

@@ -15,6 +15,8 @@ Vector Candidate::theta(const Vector& p) const {
 
 bool Candidate::is_event() const { return effect != nullptr && effect->event; }
 
+bool Candidate::is_pattern() const { return effect != nullptr && effect->pattern; }
+
 Vector Hypotheses::nominal() const {
   Vector p(count_of(parameters));
   for (std::size_t i = 0; i < parameters.size(); ++i) p[i] = parameters[i].nominal;
@@ -55,6 +57,11 @@ std::vector<Vector> Hypotheses::gain_starts(const Vector& p) const {
 bool Hypotheses::has_event(const std::vector<int>& members) const {
   return std::any_of(members.begin(), members.end(),
                      [&](int c) { return candidates[c].is_event(); });
+}
+
+bool Hypotheses::has_pattern(const std::vector<int>& members) const {
+  return std::any_of(members.begin(), members.end(),
+                     [&](int c) { return candidates[c].is_pattern(); });
 }
 
 std::vector<int> Hypotheses::nuisances() const {

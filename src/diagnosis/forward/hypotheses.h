@@ -50,6 +50,7 @@ struct Candidate {
   [[nodiscard]] Vector theta(const Vector& p) const;
   /// Whether it is a force that acted once and is told as an event, no effect of the robot.
   [[nodiscard]] bool is_event() const;
+  [[nodiscard]] bool is_pattern() const;
 };
 
 /// The generalised force along one coordinate that the plant may lack: constant over boxes of a
@@ -88,6 +89,7 @@ struct Hypotheses {
   [[nodiscard]] Vector without_effects(Vector p, const std::vector<int>& members) const;
   /// Whether one of some candidates is an event.
   [[nodiscard]] bool has_event(const std::vector<int>& members) const;
+  [[nodiscard]] bool has_pattern(const std::vector<int>& members) const;
   [[nodiscard]] int candidate(const std::string& name) const;  ///< index, -1 where there is none
 };
 

@@ -15,12 +15,25 @@ namespace {
 using model::PlanarModel;
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
-constexpr double kNearFloor = 5e-3;                     ///< within which a foot feels the floor [m]
-constexpr double kReach = 10.0;                         ///< scales that a parameter may reach
+constexpr double kNearFloor = 5e-3;  ///< within which a foot feels the floor [m]
+constexpr double kReach = 10.0;      ///< scales that a parameter may reach
+constexpr double kSlackSpread = 0.5, kSlackRange = 3.0;  ///< of a slack; grids are 2.5 apart
+constexpr double kLostShare = 0.3;     ///< prior deviation, at the limit or a second
+constexpr double kSmallTorque = 0.02;  ///< of the limit, where a dead band's step is
 constexpr double kWaveSpread = 0.05, kWaveRange = 0.2;  ///< of a period
 const std::vector<int> kWaves = {1, 2, 3, 4, 6, 8, 10, 12, 14, 16, 18, 20, 24, 28, 36};  ///< a turn
 const std::vector<double> kHertz = {1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 10.0};
 const std::vector<double> kSlacks = {0.02, 0.05, 0.1, 0.2};  ///< [m]
+
+/// What an effect of the catalogue does at a joint: an offset of its torque, dry and viscous
+/// friction, a scale, friction with load.
+bool is_listed(const std::string& place, Regressor regressor) {
+  const bool has_effect = regressor == Regressor::constant ||
+                          regressor == Regressor::sign_of_speed || regressor == Regressor::speed ||
+                          regressor == Regressor::motor_torque ||
+                          regressor == Regressor::torque_friction;
+  return place == "joint" && has_effect;
+}
 
 /// Lower-case letters, digits and _, as names of effects are.
 std::string plain_name(std::string name) {
@@ -39,6 +52,7 @@ struct PatternPlace {
   std::string metre{};              ///< unit of its position
   std::string what{};               ///< of the captions: "torque at elbow"
   double large = 1.0;               ///< that counts as large, times the prior [force]
+  double limit = 1.0;               ///< of a motor's torque, where it has one, else large [force]
   double speed = 1.0;               ///< usual [metre/s]
   double start = 0.0, range = 0.0;  ///< [metre]
 };
@@ -55,6 +69,7 @@ class PatternMaker {
     pattern.where = place_.where;
     pattern.parameters = std::move(parameters);
     pattern.formulas = std::move(formulas);
+    pattern.listed = is_listed(place_.place, regressor);
     made.push_back(std::move(pattern));
     return made.back();
   }
@@ -96,6 +111,30 @@ void add_waves(PatternMaker& maker) {
   }
 }
 
+/// What may become of a motor's torque on its way, that is no share of it.
+void add_losses(PatternMaker& maker) {
+  const PatternPlace& place = maker.at();
+  const std::string limit = constant("limit", place.force, place.limit);
+  const PatternParameter share{"share", "\"-\"", kLostShare};
+  const auto add = [&](const std::string& kind, const std::string& caption,
+                       const std::string& cause, const PatternParameter& parameter,
+                       const std::string& formula) {
+    PlacePattern& pattern =
+        maker.add(Regressor::motor_torque, kind, caption, {parameter}, {line(place, formula)});
+    pattern.form = caption + ": " + cause;
+    pattern.listed = false;
+  };
+
+  add("saturation", "is a share of the motor's that grows with it", "magnets saturate", share,
+      "-share*abs(tau)*tau/limit");
+  maker.made.back().constants = {limit};
+  add("dead_band", "has the sign of the motor's", "a dead band", maker.parameter("level"),
+      fmt::format("-level*tanh(tau/({}*limit))", kSmallTorque));
+  maker.made.back().constants = {limit};
+  add("fading", "is a share of the motor's that grows with time", "it fades",
+      {"rate", "1/s", kLostShare}, "-rate*t*tau");
+}
+
 /// What a group's joints may have as well as one alone.
 void add_joint(PatternMaker& maker, double rest_speed) {
   const PatternPlace& place = maker.at();
@@ -125,6 +164,7 @@ void add_joint(PatternMaker& maker, double rest_speed) {
       .constants = {rest};
   maker.add(Regressor::time, "drift", "grows with time since the start",
             {maker.parameter("rate", "s", 0.3)}, {line(place, "rate*t")});
+  add_losses(maker);
   add_waves(maker);
 }
 
@@ -161,12 +201,13 @@ void add_body_axis(PatternMaker& maker, const std::string& axis) {
   if (axis == "x")
     for (const double slack : kSlacks) {
       if (slack > place.range) continue;
-      maker
-          .add(Regressor::position, fmt::format("x_cable_{:.0f}_mm", 1e3 * slack),
-               "grows with the way once a cable is taut",
-               {maker.parameter("stiffness", "m", std::max(0.05, place.range - slack))},
-               force("-stiffness*max(0, x - start - slack)"))
-          .constants = {start, constant("slack", "m", slack)};
+      PlacePattern& cable =
+          maker.add(Regressor::position, fmt::format("x_cable_{:.0f}_mm", 1e3 * slack),
+                    "grows with the way once a cable is taut",
+                    {maker.parameter("stiffness", "m", std::max(0.05, place.range - slack))},
+                    force("-stiffness*max(0, x - start - slack)"));
+      cable.constants = {start};
+      cable.slack = slack;
     }
 
   maker.add(Regressor::speed, axis + "_damping", "grows with the speed",
@@ -224,18 +265,18 @@ void add_foot(PatternMaker& maker, double rest_speed) {
 
 PatternPlace joint_place(const PlanarModel& robot, const model::PlanarMotor& motor,
                          const UsualMotion& usual, double prior, double lever) {
-  const int c = robot.coordinate_index(motor.joint);
+  const int m = robot.motor_index(motor.joint);
   const bool turns = robot.bodies[motor.body].kind == model::JointKind::revolute;
   PatternPlace place{"joint", motor.joint, "{joint: " + motor.joint + "}"};
   place.key = turns ? "torque" : "force";
   place.force = turns ? "N m" : "N";
   place.metre = turns ? "rad" : "m";
   place.what = place.key + " at " + motor.joint;
-  place.large = prior * large_force(robot, motor, lever);
-  if (c < 0) return place;
-  place.speed = std::max(1e-3, usual.speed[c]);
-  place.start = usual.start[c];
-  place.range = usual.range[c];
+  place.limit = large_force(robot, motor, lever);
+  place.large = prior * place.limit;
+  place.speed = std::max(1e-3, usual.motors.speed[m]);
+  place.start = usual.motors.start[m];
+  place.range = usual.motors.range[m];
   return place;
 }
 
@@ -255,7 +296,10 @@ void add_joints(const PlanarModel& robot, const UsualMotion& usual, double prior
       legs.push_back(maker.at());
   }
   if (legs.size() < 2) return;
-  PatternPlace together = legs.front();  // the legs' first motor: its sizes are theirs
+  // The sizes of the motor that moves farthest are theirs.
+  PatternPlace together = *std::max_element(
+      legs.begin(), legs.end(),
+      [](const PatternPlace& a, const PatternPlace& b) { return a.range < b.range; });
   together.at = "legs";
   together.where = "{group: legs}";
   together.what = "torque at every leg's joints";
@@ -279,9 +323,9 @@ void add_body(const PlanarModel& robot, const UsualMotion& usual, double prior, 
     place.metre = turns ? "rad" : "m";
     place.what = turns ? "moment on the body" : "force on the body along " + axis;
     place.large = prior * weight * (turns ? lever : 1.0);
-    place.speed = std::max(1e-3, usual.speed[c]);
-    place.start = usual.start[c];
-    place.range = usual.range[c];
+    place.speed = std::max(1e-3, usual.coordinates.speed[c]);
+    place.start = usual.coordinates.start[c];
+    place.range = usual.coordinates.range[c];
     PatternMaker maker(place);
     turns ? add_moment(maker) : add_body_axis(maker, axis);
     add_all(maker, all);
@@ -298,7 +342,7 @@ void add_feet(const PlanarModel& robot, const UsualMotion& usual, double prior, 
     place.metre = "m";
     place.what = "force at " + foot.name;
     place.large = prior * weight;
-    place.speed = x < 0 ? 1.0 : std::max(1e-3, usual.speed[x]);
+    place.speed = x < 0 ? 1.0 : std::max(1e-3, usual.coordinates.speed[x]);
     PatternMaker maker(place);
     add_foot(maker, rest_speed);
     add_all(maker, all);
@@ -322,19 +366,28 @@ std::vector<PlacePattern> place_patterns(const PlanarModel& robot, const UsualMo
 }
 
 std::string pattern_file(const PlacePattern& pattern, const std::vector<double>& scales,
-                         bool free_period) {
+                         bool free_shape) {
   std::string parameters, constants;
   for (std::size_t k = 0; k < pattern.parameters.size(); ++k)
     parameters += parameter_line(pattern.parameters[k], scales[k]);
   for (const std::string& line : pattern.constants) constants += line;
   if (std::isfinite(pattern.period)) {
     const double p = pattern.period;
-    if (free_period)
+    if (free_shape)
       parameters += fmt::format(
           "  period: {{unit: {}, nominal: {:.4g}, bounds: [{:.4g}, {:.4g}], scale: {:.4g}}}\n",
           pattern.period_unit, p, (1.0 - kWaveRange) * p, (1.0 + kWaveRange) * p, kWaveSpread * p);
     else
       constants += constant("period", pattern.period_unit, p);
+  }
+
+  if (std::isfinite(pattern.slack)) {
+    if (free_shape)
+      parameters +=
+          fmt::format("  slack: {{unit: m, nominal: {:.4g}, bounds: [0, {:.4g}], scale: {:.4g}}}\n",
+                      pattern.slack, kSlackRange * pattern.slack, kSlackSpread * pattern.slack);
+    else
+      constants += constant("slack", "m", pattern.slack);
   }
 
   std::string text =

@@ -7,8 +7,8 @@
 // constant along z and x, a spring from there down, friction. Every form is linear in its
 // parameters, all zero at nominal:
 //   f(q, v, tau, t) = sum_k b_k phi_k(q, v, tau, t).
-// Periods, slacks and where springs rest are constants of a pattern; a hypothesis (file) frees the
-// period. Scales, the deviations of the prior, are `pattern_prior` of a force that counts as large
+// Periods, slacks and where springs rest are constants of a pattern; a hypothesis (file) frees
+// periods and slacks. Scales, the deviations of the prior, are `pattern_prior` of a force that counts as large
 // at the place, over the usual size of what it follows.
 
 #include <string>
@@ -30,6 +30,7 @@ struct PlacePattern {
   std::string place, at;  ///< as of RemainderPlace
   Regressor regressor = Regressor::constant;
   double period = kNaN;       ///< [period_unit]
+  double slack = kNaN;        ///< of a cable [m]
   std::string period_unit{};  ///< "rad", "m", "s"
   std::string name{};         ///< of the effect
   std::string caption{};
@@ -37,21 +38,28 @@ struct PlacePattern {
   std::vector<PatternParameter> parameters{};
   std::vector<std::string> constants{};  ///< lines
   std::vector<std::string> formulas{};   ///< lines
+  std::string form{};   ///< in words, where the regressor says only what it depends on
+  bool listed = false;  ///< the catalogue has an effect that is the same at a joint
 };
 
-/// How a robot moves in the data, a coordinate each.
-struct UsualMotion {
+/// How coordinates or joints move in the data, one each.
+struct UsualMotions {
   Vector start;  ///< [rad or m]
   Vector speed;  ///< root mean square [rad/s or m/s]
   Vector range;  ///< largest less least position [rad or m]
+};
+
+/// How a robot does. A leg's motors turn joints that are no coordinates.
+struct UsualMotion {
+  UsualMotions coordinates, motors;
 };
 
 /// Those of a robot. `prior`: share of a large force; `lever` [m] as of large_force().
 std::vector<PlacePattern> place_patterns(const model::PlanarModel& robot, const UsualMotion& usual,
                                          double prior, double lever, double rest_speed);
 
-/// A file of the pattern with these scales; `free_period`: its period is a parameter.
+/// A file of the pattern with these scales; `free_shape`: its period or slack is a parameter.
 std::string pattern_file(const PlacePattern& pattern, const std::vector<double>& scales,
-                         bool free_period);
+                         bool free_shape);
 
 }  // namespace jaculus::diagnosis

@@ -287,17 +287,19 @@ std::vector<ModelFit> rivals_that_led(const SearchResult& search, const Problem&
   return rivals;
 }
 
-/// Whether events are candidates and no set with one comes near what leads, as far as fits by
-/// slopes tell: tolerances that are simulated move evidence by tens of nats. Such a search serves
-/// to establish an event; what leads without one is known from the search before.
-bool event_out_of_reach(const Problem& problem, const FittedModels& models) {
+/// Whether events or patterns are candidates and no set with one comes near what leads, as far as
+/// fits by slopes tell: tolerances that are simulated move evidence by tens of nats. Such a search
+/// serves to establish these; what leads without them is known from the search before.
+bool beyond_reach(const Problem& problem, const FittedModels& models) {
   const Hypotheses& hypotheses = problem.hypotheses;
   const double least = models.value(*models.leading()) - problem.settings.far_behind;
   for (const ModelFit& model : models.all())
-    if (model.fit.valid && models.value(model) >= least && hypotheses.has_event(model.candidates))
+    if (model.fit.valid && models.value(model) >= least &&
+        (hypotheses.has_event(model.candidates) || hypotheses.has_pattern(model.candidates)))
       return false;
-  return std::any_of(hypotheses.candidates.begin(), hypotheses.candidates.end(),
-                     [](const Candidate& candidate) { return candidate.is_event(); });
+  return std::any_of(
+      hypotheses.candidates.begin(), hypotheses.candidates.end(),
+      [](const Candidate& candidate) { return candidate.is_event() || candidate.is_pattern(); });
 }
 
 }  // namespace
@@ -324,8 +326,7 @@ SearchResult search_models(const Problem& problem, const Comparison& comparison,
     search_about_leaders(problem, options, models);
   }
 
-  if (options.earlier != nullptr && !event_out_of_reach(problem, models))
-    models.refine(options.none);
+  if (options.earlier != nullptr && !beyond_reach(problem, models)) models.refine(options.none);
   out.indistinguishable = indistinguishable_sets(random, models, out.probes, probed,
                                                  problem.settings.indistinguishable_below);
   out.models = models.all();

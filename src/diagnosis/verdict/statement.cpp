@@ -256,17 +256,38 @@ void add_shares(HeldOutGaps& gaps, const ModelFit& chosen, std::vector<FoundEffe
   }
 }
 
+/// What a model's effects make of it without its patterns; none where it has no effects.
+const ModelFit& by_effects(HeldOutGaps& gaps, const ModelFit& chosen) {
+  std::vector<int> effects = chosen.candidates;
+  std::erase_if(effects,
+                [&](int c) { return gaps.problem().hypotheses.candidates[c].is_pattern(); });
+  return effects.empty() ? *gaps.posterior().find({}) : gaps.subset(chosen, effects);
+}
+
+double most_probable(const std::vector<Established>& places) {
+  double most = 0.0;
+  for (const Established& place : places) most = std::max(most, place.probability);
+  return most;
+}
+
 /// Why the verdict is what it is.
 std::vector<std::string> rule_reasons(const Problem& problem, const VerdictRule& rule,
                                       Verdict verdict, const PartedProposal& told,
                                       const ModelFit& chosen) {
   std::vector<std::string> reasons;
   const bool events = names_effects(rule.verdict) && !told.events.empty();
-  if (events && verdict == Verdict::unexplained)
+  const bool patterns = names_effects(rule.verdict) && !told.patterns.empty();
+  for (const Established& e : told.patterns)
+    if (patterns)
+      reasons.push_back(
+          fmt::format("a {} is clearly more probable than effects of the catalogue in "
+                      "its place",
+                      problem.hypotheses.candidates[e.effect].effect->caption));
+  if (events && verdict == Verdict::unexplained && !patterns)
     reasons.emplace_back("forces remain that neither what acted once nor an effect explains");
   else
     reasons.emplace_back(rule.reason);
-  if (verdict == Verdict::unexplained && !events && !chosen.candidates.empty())
+  if (verdict == Verdict::unexplained && !events && !patterns && !chosen.candidates.empty())
     reasons.push_back("the nearest of the catalogue, which leaves structure beyond noise: " +
                       joined(names_of(problem, chosen.candidates)));
   for (const Established& e : told.events)
@@ -305,6 +326,12 @@ Statement state_verdict(const Problem& problem, const Selection& selection, bool
                                    settings);
   out.verdict = about_effects(rule.verdict, told);
   out.rule = rule.name;
+  const bool patterns = names_effects(rule.verdict) && !told.patterns.empty();
+  out.gap_with = out.gap;
+  if (patterns) {
+    out.gap = gaps.of(by_effects(gaps, chosen));
+    out.lacking_probability = most_probable(told.patterns);
+  }
   out.stated = {{}, stated.p};
   const bool once = names_effects(rule.verdict) && told.effects.empty();
   out.none = once ? FittedModel{chosen.candidates, chosen.fit.p} : FittedModel{{}, none.p};
@@ -326,6 +353,10 @@ Statement state_verdict(const Problem& problem, const Selection& selection, bool
   if (names_effects(rule.verdict))
     for (const Established& e : told.events)
       out.events.push_back(event_of(problem, e.effect, found(e.effect, {})));
+  if (patterns) {
+    for (const Established& e : told.patterns) out.patterns.push_back(found(e.effect, {}));
+    add_shares(gaps, chosen, out.patterns);
+  }
   if (names_effects(out.verdict)) {
     for (const Established& e : told.effects) effects.push_back(found(e.effect, e.others));
     // Rivals have a row each.
@@ -335,7 +366,7 @@ Statement state_verdict(const Problem& problem, const Selection& selection, bool
   }
   if (out.verdict == Verdict::ambiguous) out.rivals = rivals_of(posterior);
   std::vector<Ranked> ranking = ranking_of(gaps, chosen);
-  if (!out.events.empty()) ranking = ranked_without_events(problem, ranking);
+  if (!out.events.empty() || patterns) ranking = ranked_by_effects(problem, ranking);
   std::vector<Ranked> others = ranking;
   std::erase_if(others, [&](const Ranked& row) {
     if (told.effects.empty() || row.members.size() != 1) return false;

@@ -15,9 +15,11 @@ struct Statement {
   std::string rule;
   std::vector<std::string> reasons;
   std::vector<FoundEffect> effects;
-  std::vector<ForceEvent> events;  ///< of the effects proposed those that happened once
+  std::vector<ForceEvent> events;     ///< of the effects proposed those that happened once
+  std::vector<FoundEffect> patterns;  ///< and those that are forces of a stated form
   std::vector<Ranked> ranking;
-  HeldOut gap;
+  HeldOut gap;                       ///< by effects and events
+  HeldOut gap_with;                  ///< by these and the patterns
   double lacking_probability = 0.0;  ///< that `model` lacks forces, given that it is at work
   std::vector<LackingForce> lacking;
   std::vector<FittedModel> rivals;

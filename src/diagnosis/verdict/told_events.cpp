@@ -8,48 +8,57 @@
 namespace jaculus::diagnosis {
 
 PartedProposal parted(const Problem& problem, const Proposal& proposal) {
-  PartedProposal out{proposal.naming, {}, {}};
+  PartedProposal out{proposal.naming, {}, {}, {}};
   const auto event = [&](int c) { return problem.hypotheses.candidates[c].is_event(); };
+  const auto pattern = [&](int c) { return problem.hypotheses.candidates[c].is_pattern(); };
   if (proposal.naming == Naming::rivals) {
-    Established place = proposal.effects.front();
-    const bool events_alone =
-        event(place.effect) && std::all_of(place.others.begin(), place.others.end(), event);
-    if (!events_alone) {
-      out.effects = proposal.effects;
-      return out;
-    }
-    return {Naming::sure, {}, {place}};
+    const Established& place = proposal.effects.front();
+    const auto alone = [&](const auto& kind) {
+      return kind(place.effect) && std::all_of(place.others.begin(), place.others.end(), kind);
+    };
+    if (alone(event)) return {Naming::sure, {}, {place}, {}};
+    if (alone(pattern)) return {Naming::sure, {}, {}, {place}};
+    out.effects = proposal.effects;
+    return out;
   }
 
-  for (const Established& e : proposal.effects)
-    (event(e.effect) ? out.events : out.effects).push_back(e);
+  for (const Established& e : proposal.effects) {
+    auto& own = event(e.effect) ? out.events : pattern(e.effect) ? out.patterns : out.effects;
+    own.push_back(e);
+  }
   const bool rivals = out.effects.size() == 1 && !out.effects.front().others.empty();
-  if (!out.events.empty() && rivals) out.naming = Naming::rivals;
+  if (out.beyond_effects() && rivals) out.naming = Naming::rivals;
   return out;
 }
 
 Verdict about_effects(Verdict verdict, const PartedProposal& proposal) {
-  if (!names_effects(verdict) || proposal.events.empty()) return verdict;
-  if (proposal.effects.empty())
-    return verdict == Verdict::partial ? Verdict::unexplained : Verdict::none;
+  if (!names_effects(verdict) || !proposal.beyond_effects()) return verdict;
+  const bool more = verdict == Verdict::partial || !proposal.patterns.empty();
+  if (proposal.effects.empty()) return more ? Verdict::unexplained : Verdict::none;
   if (proposal.naming == Naming::rivals) return Verdict::ambiguous;
+  if (more) return Verdict::partial;
   return verdict == Verdict::several && proposal.effects.size() == 1 ? Verdict::effect : verdict;
 }
 
-std::vector<Ranked> ranked_without_events(const Problem& problem,
-                                          const std::vector<Ranked>& ranking) {
+std::vector<Ranked> ranked_by_effects(const Problem& problem, const std::vector<Ranked>& ranking) {
   const Hypotheses& hypotheses = problem.hypotheses;
   std::vector<Ranked> out;
   for (Ranked row : ranking) {
     const std::size_t before = row.members.size();
+    bool more = false;
     std::erase_if(row.members, [&](const std::string& name) {
-      return hypotheses.candidates[hypotheses.candidate(name)].is_event();
+      const Candidate& own = hypotheses.candidates[hypotheses.candidate(name)];
+      more = more || own.is_pattern();
+      return own.is_event() || own.is_pattern();
     });
     if (row.members.size() != before)
-      row.effect = row.members.empty() ? "none" : fmt::format("{}", fmt::join(row.members, " + "));
+      row.effect = !row.members.empty() ? fmt::format("{}", fmt::join(row.members, " + "))
+                   : more               ? to_text(Verdict::unexplained)
+                                        : "none";
     std::erase_if(row.parameters, [&](const FoundParameter& value) {
       const int c = hypotheses.candidate(value.name.substr(0, value.name.rfind('.')));
-      return c >= 0 && hypotheses.candidates[c].is_event();
+      return c >= 0 &&
+             (hypotheses.candidates[c].is_event() || hypotheses.candidates[c].is_pattern());
     });
 
     const auto same = std::find_if(out.begin(), out.end(),

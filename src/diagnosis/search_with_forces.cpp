@@ -1,13 +1,17 @@
-#include "diagnosis/search_with_pushes.h"
+#include "diagnosis/search_with_forces.h"
 
 #include <algorithm>
 #include <cmath>
 #include <set>
 
+#include "diagnosis/pattern_scan.h"
 #include "diagnosis/selection/push_scan.h"
 
 namespace jaculus::diagnosis {
 namespace {
+
+/// Whether a set of effects has some of a kind.
+using Kind = bool (Hypotheses::*)(const std::vector<int>&) const;
 
 constexpr double kOfIt = 0.5;     ///< share of a push that every trial has at least
 constexpr double kSure = 3.0;     ///< deviations
@@ -43,12 +47,12 @@ const ModelFit& leading(const SearchResult& search) {
       [](const ModelFit& a, const ModelFit& b) { return a.log_weight() < b.log_weight(); });
 }
 
-/// Whether the leading model leaves more, or needs several effects: one push may be what these
-/// stand in for, however little they leave.
-bool pushes_sought(const Prepared& prepared, const Selection& selection) {
+/// Whether the leading model leaves more, or needs several effects: one force that no effect is may
+/// be what these stand in for, however little they leave.
+bool forces_sought(const Prepared& prepared, const Selection& selection) {
   const Problem& problem = *prepared.built.problem;
-  if (!prepared.built.forward || problem.settings.pushes_tried == 0 || in_windows(problem) ||
-      problem.observations.datasets.size() != 1 || selection.search.models.empty())
+  if (!prepared.built.forward || in_windows(problem) || problem.observations.datasets.size() != 1 ||
+      selection.search.models.empty())
     return false;
   const ModelFit& lead = leading(selection.search);
   return lead.candidates.size() > 1 || leaves_more(problem, lead.fit);
@@ -86,6 +90,7 @@ std::vector<effects::Effect> likely_push_effects(const Prepared& prepared,
                                                  const Selection& effects_alone,
                                                  const DiagnoseOptions& options) {
   const Problem& problem = *prepared.built.problem;
+  if (problem.settings.pushes_tried == 0) return {};
   DiagnoseOptions narrow = options;
   narrow.settings.force_box = scanned_box(problem);
   const BuiltProblem scanned = builder_of(narrow)(problem.observations);
@@ -103,6 +108,37 @@ std::vector<effects::Effect> likely_push_effects(const Prepared& prepared,
   const double duration = problem.observations.datasets.front().window_end;
   for (const LikelyPush& push : likely) pushes.push_back(push_effect(problem, push, duration));
   return pushes;
+}
+
+/// Patterns as candidates, and of how many they are the likeliest.
+struct CandidatePatterns {
+  std::vector<PlacePattern> patterns;
+  int tried = 0;
+};
+
+void add_patterns(const PatternScan& scan, CandidatePatterns& candidates) {
+  candidates.tried = std::max(candidates.tried, scan.tried);
+  for (const LikelyPattern& likely : scan.likely) {
+    const bool known =
+        std::any_of(candidates.patterns.begin(), candidates.patterns.end(),
+                    [&](const PlacePattern& own) { return own.name == likely.pattern.name; });
+    if (!known) candidates.patterns.push_back(likely.pattern);
+  }
+}
+
+/// Forces of stated forms that may be at work: about the leading model, which may lack one, and about
+/// the model without effects, for one may be what the effects stand in for.
+CandidatePatterns candidate_patterns(const Prepared& prepared, const Selection& found) {
+  const Problem& problem = *prepared.built.problem;
+  CandidatePatterns patterns;
+  if (problem.settings.patterns_tried == 0) return patterns;
+  const std::vector<Alignment>& alignments = found.comparison.noise.alignments;
+  const ModelFit& leader = leading(found.search);
+  const ModelFit& none = found.search.models.front();
+  add_patterns(likely_patterns({&problem, leader.candidates, leader.fit.p}, alignments), patterns);
+  if (!leader.candidates.empty())
+    add_patterns(likely_patterns({&problem, {}, none.fit.p}, alignments), patterns);
+  return patterns;
 }
 
 /// The effects that a search found worth a fit.
@@ -165,14 +201,18 @@ double lead_over_none(const SearchResult& search) {
   return leading(search).log_weight() - search.models.front().log_weight();
 }
 
-/// By how much it leads the most probable one without a push [log weight].
-double lead_of_push(const Problem& problem, const SearchResult& search) {
+/// By how much it leads the most probable one that has no push, or no pattern [log weight].
+double lead_over_those_without(Kind kind, const Problem& problem, const SearchResult& search) {
   double without = -kInfinity;
   for (const ModelFit& model : search.models) {
-    if (!problem.hypotheses.has_event(model.candidates))
+    if (!(problem.hypotheses.*kind)(model.candidates))
       without = std::max(without, model.log_weight());
   }
   return leading(search).log_weight() - without;
+}
+
+double lead_of_push(const Problem& problem, const SearchResult& search) {
+  return lead_over_those_without(&Hypotheses::has_event, problem, search);
 }
 
 /// Effects of the leading model, pushes left out.
@@ -190,6 +230,23 @@ bool is_simpler(const Problem& with, const SearchResult& with_pushes,
          lead_of_push(with, with_pushes) > with.settings.clear_lead;
 }
 
+/// Whether a model has a push or a pattern.
+bool goes_beyond_effects(const Problem& problem, const ModelFit& model) {
+  return problem.hypotheses.has_event(model.candidates) ||
+         problem.hypotheses.has_pattern(model.candidates);
+}
+
+/// Whether the leading model has no push, or one that is established.
+bool push_holds(const Problem& with, const Selection& again, const Problem& problem,
+                const SearchResult& effects_alone) {
+  const ModelFit& lead = leading(again.search);
+  if (!with.hypotheses.has_event(lead.candidates)) return true;
+  return has_one_push(with, again.comparison.whitening, lead) &&
+         push_established(with, again.search, effects_alone) &&
+         (leaves_more(problem, leading(effects_alone).fit) ||
+          is_simpler(with, again.search, effects_alone));
+}
+
 }  // namespace
 
 bool push_established(const Problem& problem, const SearchResult& with_pushes,
@@ -200,28 +257,65 @@ bool push_established(const Problem& problem, const SearchResult& with_pushes,
          lead_of_push(problem, with_pushes) > settings.clear_lead;
 }
 
-Searched search_with_pushes(Prepared prepared, const ProblemBuilder& rebuild,
-                            const DiagnoseOptions& options) {
-  if (!prepared.reasons.empty()) return {std::move(prepared), {}};
-  Selection effects_alone = selected(prepared, rebuild, options);
-  if (!pushes_sought(prepared, effects_alone))
-    return {std::move(prepared), std::move(effects_alone)};
+bool pattern_established(const Problem& problem, const SearchResult& search, int tried) {
+  if (!problem.hypotheses.has_pattern(leading(search).candidates)) return true;
+  const double lead = lead_over_those_without(&Hypotheses::has_pattern, problem, search);
+  return lead > problem.settings.clear_lead + std::log(std::max(1, tried));
+}
 
-  if (options.progress) options.progress("pushes");
+namespace {
+
+/// Whether there were models of a kind, which are gone then.
+bool left_out(Kind kind, const Problem& problem, SearchResult& search) {
+  return std::erase_if(search.models, [&](const ModelFit& model) {
+           return (problem.hypotheses.*kind)(model.candidates);
+         }) > 0;
+}
+
+/// Pushes count where one leads that holds, patterns where some lead that are established. Else they
+/// are left out as if they had been no candidates, and what leads then is asked in turn.
+void leave_out_unfounded(const Problem& with, const Problem& problem,
+                         const SearchResult& effects_alone, int tried, Selection& again) {
+  const auto leads = [&](Kind kind) {
+    return (with.hypotheses.*kind)(leading(again.search).candidates);
+  };
+  for (bool changed = true; changed;) {
+    const bool push =
+        leads(&Hypotheses::has_event) && push_holds(with, again, problem, effects_alone);
+    changed = !push && left_out(&Hypotheses::has_event, with, again.search);
+    const bool pattern =
+        leads(&Hypotheses::has_pattern) && pattern_established(with, again.search, tried);
+    changed = (!pattern && left_out(&Hypotheses::has_pattern, with, again.search)) || changed;
+  }
+}
+
+}  // namespace
+
+Searched search_with_forces(Prepared prepared, const ProblemBuilder& rebuild,
+                            const DiagnoseOptions& options) {
+  if (!prepared.reasons.empty()) return {std::move(prepared), {}, {}};
+  Selection effects_alone = selected(prepared, rebuild, options);
+  if (!forces_sought(prepared, effects_alone))
+    return {std::move(prepared), std::move(effects_alone), {}};
+
+  if (options.progress) options.progress("pushes and forces of other forms");
   const std::vector<effects::Effect> pushes = likely_push_effects(prepared, effects_alone, options);
-  if (pushes.empty()) return {std::move(prepared), std::move(effects_alone)};
+  CandidatePatterns likely = candidate_patterns(prepared, effects_alone);
+  if (pushes.empty() && likely.patterns.empty())
+    return {std::move(prepared), std::move(effects_alone), {}};
   std::vector<effects::Effect> effects =
       fitted_effects(*prepared.built.problem, effects_alone.search);
   effects.insert(effects.end(), pushes.begin(), pushes.end());
+  for (const PlacePattern& pattern : likely.patterns) effects.push_back(pattern_effect(pattern));
   Prepared with = with_effects(prepared, std::move(effects));
   Selection again = selected(with, rebuild, options);
-  if (again.search.models.empty() ||
-      !has_one_push(*with.built.problem, again.comparison.whitening, leading(again.search)) ||
-      !push_established(*with.built.problem, again.search, effects_alone.search) ||
-      !(leaves_more(*prepared.built.problem, leading(effects_alone.search).fit) ||
-        is_simpler(*with.built.problem, again.search, effects_alone.search)))
-    return {std::move(prepared), std::move(effects_alone)};
-  return {std::move(with), std::move(again)};
+
+  const Problem& problem = *with.built.problem;
+  if (again.search.models.empty()) return {std::move(prepared), std::move(effects_alone), {}};
+  leave_out_unfounded(problem, *prepared.built.problem, effects_alone.search, likely.tried, again);
+  if (!goes_beyond_effects(problem, leading(again.search)))
+    return {std::move(prepared), std::move(effects_alone), {}};
+  return {std::move(with), std::move(again), std::move(likely.patterns)};
 }
 
 }  // namespace jaculus::diagnosis
