@@ -88,8 +88,8 @@ void describe_remainder(const std::vector<trajectory::Dataset>& datasets,
 
   if (options.progress) options.progress("what is left");
   std::vector<RemainderPlace>& places = found.remainder.places;
-  for (RemainderPlace& place : places_in_boxes(datasets, options, found))
-    places.push_back(std::move(place));
+  // What the search told of simulated forces, boxes would find again.
+  if (places.empty()) places = places_in_boxes(datasets, options, found);
   const bool followed = std::any_of(places.begin(), places.end(),
                                     [](const RemainderPlace& p) { return !p.follows.empty(); });
   if (followed) return;

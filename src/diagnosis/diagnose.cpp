@@ -104,8 +104,9 @@ Diagnosis run_pipeline(BuiltProblem built, const ProblemBuilder& rebuild,
   const Statement statement =
       state_verdict(problem, selection, one_trial(problem.observations, problem.settings));
   Diagnosis out = answered(prepared, selection, statement);
-  out.remainder.places = places_of(searched.patterns, statement.patterns,
-                                   share_taken(statement.gap, statement.gap_with));
+  out.remainder.places =
+      places_of(searched.patterns, statement.patterns,
+                share_taken(statement.gap, statement.gap_with, problem.settings));
   tell(options, "agreement of the datasets");
   const FittedModel& account = names_effects(statement.verdict) ? statement.model : statement.none;
   out.agreement = agreement_of(problem, selection.comparison, selection.search.models.front().fit,

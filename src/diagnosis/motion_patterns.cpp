@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "diagnosis/pattern_scan.h"
+#include "diagnosis/remainder/pattern_file.h"
 #include "diagnosis/validation/fold_interval.h"
 #include "diagnosis/validation/folds.h"
 #include "diagnosis/validation/shapley.h"
@@ -132,8 +133,8 @@ PatternShares shares_of(const PatternProblem& own, const LinearPatterns& linear,
   return shares;
 }
 
-/// A member as a place says it, with the file that a diagnosis may judge. Of a spring the coefficient
-/// is the force's slope by the position, as of what is found box by box.
+/// A member as a place says it, with the file that a diagnosis may judge. Of a spring the
+/// coefficient is the force's slope by the position, as of what is found box by box.
 Dependence dependence_of(const PlacePattern& pattern, const Vector& found) {
   Dependence own;
   own.regressor = pattern.regressor;
@@ -168,21 +169,27 @@ void add_to_places(const PlacePattern& pattern, Dependence dependence,
 
 }  // namespace
 
+namespace {
+
 KnownModel stated_model(const Diagnosis& found) {
   const FittedModel& model = names_effects(found.verdict) ? found.model : found.none;
   return {found.problem.get(), model.candidates, model.p};
 }
 
+}  // namespace
+
 Vector stated_parameters(const Diagnosis& found, const Hypotheses& hypotheses) {
   return carried_over(stated_model(found), hypotheses);
 }
 
-TakenShare share_taken(const HeldOut& by_effects, const HeldOut& with_patterns) {
-  if (!by_effects.valid || !with_patterns.valid) return {};
+TakenShare share_taken(const HeldOut& by_effects, const HeldOut& with_patterns,
+                       const Settings& settings) {
+  const bool judged = by_effects.valid && with_patterns.valid;
+  if (!judged || !(by_effects.after > settings.gap_of_fold)) return {};
   std::vector<double> by_fold;
   for (std::size_t f = 0; f < by_effects.by_fold.size(); ++f) {
     const double before = by_effects.by_fold[f].after, after = with_patterns.by_fold[f].after;
-    if (before > 1.0) by_fold.push_back(1.0 - energy_left(before, after));
+    if (before > settings.gap_of_fold) by_fold.push_back(1.0 - energy_left(before, after));
   }
   const double value = 1.0 - energy_left(by_effects.after, with_patterns.after);
   return {value, fold_interval(by_fold, value)};
@@ -191,13 +198,20 @@ TakenShare share_taken(const HeldOut& by_effects, const HeldOut& with_patterns) 
 std::vector<RemainderPlace> places_of(const std::vector<PlacePattern>& candidates,
                                       const std::vector<FoundEffect>& found,
                                       const TakenShare& taken) {
-  double all = 0.0;
-  for (const FoundEffect& effect : found) all += effect.share ? effect.share->shapley : 0.0;
+  // Each one's part of all: by what it explains, equal where that is not known.
+  Vector parts = Vector::Ones(count_of(found));
+  for (int k = 0; k < parts.size(); ++k)
+    parts[k] = found[k].share ? std::max(0.0, found[k].share->shapley) : kNaN;
+  if (!parts.allFinite() || !(parts.sum() > 0.0)) parts.setOnes();
+  parts /= parts.sum();
   std::vector<RemainderPlace> places;
-  for (const FoundEffect& effect : found) {
-    PlacePattern pattern =
-        *std::find_if(candidates.begin(), candidates.end(),
-                      [&](const PlacePattern& own) { return own.name == effect.name; });
+  for (int n = 0; n < count_of(found); ++n) {
+    const FoundEffect& effect = found[n];
+    const auto known =
+        std::find_if(candidates.begin(), candidates.end(),
+                     [&](const PlacePattern& own) { return own.name == effect.name; });
+    if (known == candidates.end() || effect.parameters.size() < known->parameters.size()) continue;
+    PlacePattern pattern = *known;
     Vector sizes(count_of(pattern.parameters));
     for (int k = 0; k < sizes.size(); ++k)
       sizes[k] = effect.parameters[k].value / pattern.parameters[k].scale;
@@ -205,9 +219,8 @@ std::vector<RemainderPlace> places_of(const std::vector<PlacePattern>& candidate
     if (std::isfinite(pattern.slack)) pattern.slack = effect.parameters.back().value;
     Dependence own = dependence_of(pattern, sizes);
     own.selected = effect.probability;
-    const double part = found.size() == 1 ? 1.0 : effect.share ? effect.share->shapley / all : kNaN;
-    own.share = part * taken.value;
-    own.ci95 = {part * taken.ci95.lower, part * taken.ci95.upper};
+    own.share = parts[n] * taken.value;
+    own.ci95 = {parts[n] * taken.ci95.lower, parts[n] * taken.ci95.upper};
     add_to_places(pattern, std::move(own), places);
   }
   return places;

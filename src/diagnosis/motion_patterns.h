@@ -29,12 +29,14 @@ struct TakenShare {
   Bounds ci95{kNaN, kNaN};
 };
 
-/// Of the held-out gap's energy that one model leaves, what another one leaves less of it.
-TakenShare share_taken(const HeldOut& by_effects, const HeldOut& with_patterns);
+/// Of the held-out gap's energy that one model leaves, what another one leaves less of it; not known
+/// where that one leaves no gap (settings.gap_of_fold).
+TakenShare share_taken(const HeldOut& by_effects, const HeldOut& with_patterns,
+                       const Settings& settings);
 
-/// Places of patterns that a diagnosis has as candidates, with what was found of them. `taken`: what
-/// they take of the gap that the effects beside them leave; by their shares of the whole gap it is
-/// each one's.
+/// Places of patterns that a diagnosis has as candidates, with what was found of them. `taken`:
+/// what they take of the gap that the effects beside them leave; by their shares of the whole gap
+/// it is each one's.
 std::vector<RemainderPlace> places_of(const std::vector<PlacePattern>& candidates,
                                       const std::vector<FoundEffect>& found,
                                       const TakenShare& taken);

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "diagnosis/forward/sensitivities.h"
+#include "diagnosis/remainder/pattern_file.h"
 #include "diagnosis/selection/residual.h"
 #include "jaculus/effects/user_effect.h"
 
@@ -85,12 +86,11 @@ Matrix pattern_columns(const PatternProblem& own, const Shrinkage& tolerances, i
   return columns.squaredNorm() > 1.0 ? columns : Matrix();
 }
 
-/// Whether two patterns are of one kind at one place, so that the better one stands for both.
-bool alike(const PlacePattern& a, const PlacePattern& b) {
-  return a.at == b.at && a.regressor == b.regressor;
-}
-
 }  // namespace
+
+bool alike(const PlacePattern& a, const PlacePattern& b) {
+  return a.at == b.at && a.regressor == b.regressor && a.form == b.form;
+}
 
 Vector carried_over(const KnownModel& model, const Hypotheses& hypotheses) {
   const std::vector<FreeParameter>& known = model.problem->hypotheses.parameters;
@@ -167,7 +167,8 @@ PatternScan likely_patterns(const KnownModel& about, const std::vector<Alignment
   const double without = log_evidence(*own, linear, {});
   std::vector<double> gains(own->patterns.size(), -kInfinity);
   tbb::parallel_for(0, count_of(own->patterns), [&](int k) {
-    if (own->patterns[k].listed || linear.columns[k].cols() == 0) return;
+    const bool known = about.problem->hypotheses.candidate(own->patterns[k].name) >= 0;
+    if (own->patterns[k].listed || known || linear.columns[k].cols() == 0) return;
     gains[k] = log_evidence(*own, linear, {k}) - without;
   });
 

@@ -1,13 +1,13 @@
 #pragma once
-// Forces of a stated form (place_patterns.h) as candidates beside the catalogue, and what each would
-// explain about a fitted model, by simulation of whole motions and linear algebra.
+// Forces of a stated form (place_patterns.h) as candidates beside the catalogue, and what each
+// would explain about a fitted model, by simulation of whole motions and linear algebra.
 //
 // About a model p, white residuals of the measured rows are
 //   r = sum_k Y_k b_k + e,   Y_k = M^-1/2 T df/db_k,   b_k ~ N(0, 1) prior scales,
 // f simulated with the force of a pattern k at work, tolerances and gains marginalised by M as in
-// preflight/signatures.h, e with the misfit of noise/random_effects.h of most likely size. Contacts,
-// closures and free flight are the simulation's: a force at a foot acts where the foot touches, and
-// no coordinate has to be measured.
+// preflight/signatures.h, e with the misfit of noise/random_effects.h of most likely size.
+// Contacts, closures and free flight are the simulation's: a force at a foot acts where the foot
+// touches, and no coordinate has to be measured.
 //   gain of a set S:  G(S) = log Z(S) - log Z(nothing),  Z by linear algebra
 
 #include <optional>
@@ -39,8 +39,8 @@ struct PatternProblem {
   std::vector<Vector> rows;  ///< predicted there, a dataset each
 };
 
-/// About a model, streams aligned as stated, or anew where nothing is stated. Nothing where it can't
-/// be simulated.
+/// About a model, streams aligned as stated, or anew where nothing is stated. Nothing where it
+/// can't be simulated.
 std::optional<PatternProblem> pattern_problem(const KnownModel& about,
                                               const std::vector<Alignment>& alignments);
 
@@ -71,6 +71,9 @@ struct PatternScan {
   std::vector<LikelyPattern> likely;
   int tried = 0;
 };
+
+/// Whether two patterns are of one kind at one place, so that the better one stands for both.
+bool alike(const PlacePattern& a, const PlacePattern& b);
 
 /// Patterns that the catalogue doesn't have about a model, settings.patterns_tried at most.
 PatternScan likely_patterns(const KnownModel& about, const std::vector<Alignment>& alignments);

@@ -65,6 +65,7 @@ std::string dependence_text(const Dependence& d) {
 }
 
 std::string per_cent_of(const Dependence& d) {
+  if (!std::isfinite(d.share)) return dependence_text(d);
   const auto shown = [](double share) { return 100.0 * std::clamp(share, 0.0, 1.0); };
   return fmt::format("{:.0f} % of it ({:.0f} to {:.0f} %) {}", shown(d.share), shown(d.ci95.lower),
                      shown(d.ci95.upper), dependence_text(d));

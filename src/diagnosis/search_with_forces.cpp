@@ -4,18 +4,12 @@
 #include <cmath>
 #include <set>
 
+#include "diagnosis/established_forces.h"
 #include "diagnosis/pattern_scan.h"
 #include "diagnosis/selection/push_scan.h"
 
 namespace jaculus::diagnosis {
 namespace {
-
-/// Whether a set of effects has some of a kind.
-using Kind = bool (Hypotheses::*)(const std::vector<int>&) const;
-
-constexpr double kOfIt = 0.5;     ///< share of a push that every trial has at least
-constexpr double kSure = 3.0;     ///< deviations
-constexpr double kInside = 1.01;  ///< a length so near its bound is at it
 
 Selection selected(const Prepared& prepared, const ProblemBuilder& rebuild,
                    const DiagnoseOptions& options) {
@@ -38,13 +32,6 @@ Selection selected(const Prepared& prepared, const ProblemBuilder& rebuild,
     }
   }
   return select_models(problem, std::move(comparison), options.progress);
-}
-
-/// The most probable of all models, none among them.
-const ModelFit& leading(const SearchResult& search) {
-  return *std::max_element(
-      search.models.begin(), search.models.end(),
-      [](const ModelFit& a, const ModelFit& b) { return a.log_weight() < b.log_weight(); });
 }
 
 /// Whether the leading model leaves more, or needs several effects: one force that no effect is may
@@ -121,13 +108,13 @@ void add_patterns(const PatternScan& scan, CandidatePatterns& candidates) {
   for (const LikelyPattern& likely : scan.likely) {
     const bool known =
         std::any_of(candidates.patterns.begin(), candidates.patterns.end(),
-                    [&](const PlacePattern& own) { return own.name == likely.pattern.name; });
+                    [&](const PlacePattern& own) { return alike(own, likely.pattern); });
     if (!known) candidates.patterns.push_back(likely.pattern);
   }
 }
 
-/// Forces of stated forms that may be at work: about the leading model, which may lack one, and about
-/// the model without effects, for one may be what the effects stand in for.
+/// Forces of stated forms that may be at work: about the leading model, which may lack one, and
+/// about the model without effects, for one may be what the effects stand in for.
 CandidatePatterns candidate_patterns(const Prepared& prepared, const Selection& found) {
   const Problem& problem = *prepared.built.problem;
   CandidatePatterns patterns;
@@ -161,132 +148,41 @@ Prepared with_effects(const Prepared& prepared, std::vector<effects::Effect> eff
   return out;
 }
 
-/// Whether every trial has half of a fitted push or more, as far as its noise lets that be told:
-/// with j the slopes of a trial's rows by the peak u and r its residual, the trial's own peak is
-/// u - j.r/j.j, of deviation 1/|j|.
-bool in_every_trial(const Whitening& whitening, const Fit& fit, Eigen::Index peak, double u) {
-  for (const SegmentBlock& trial : whitening.datasets.front().blocks) {
-    const auto slopes = fit.jacobian.col(peak).segment(trial.first, trial.count);
-    const double energy = slopes.squaredNorm();
-    if (!(energy > 0.0)) continue;
-    const double own = u - slopes.dot(fit.residual.segment(trial.first, trial.count)) / energy;
-    const double unsure = kSure / (std::sqrt(energy) * std::abs(u));
-    if (own / u < kOfIt - unsure) return false;
-  }
-  return true;
+/// The prepared data with some effects, and what was found among them.
+struct SearchedAmong {
+  Prepared with;
+  Selection found;
+};
+
+SearchedAmong searched_among(const Prepared& prepared, std::vector<effects::Effect> effects,
+                             const std::vector<effects::Effect>& pushes,
+                             const std::vector<PlacePattern>& patterns,
+                             const ProblemBuilder& rebuild, const DiagnoseOptions& options) {
+  effects.insert(effects.end(), pushes.begin(), pushes.end());
+  for (const PlacePattern& pattern : patterns) effects.push_back(pattern_effect(pattern));
+  Prepared with = with_effects(prepared, std::move(effects));
+  Selection found = selected(with, rebuild, options);
+  return {std::move(with), std::move(found)};
 }
 
-/// Whether a model has a push that every trial had, of a length within its bounds. One alone:
-/// forces that come at the same times in every trial of the same plan are told from forces that
-/// follow the motion by nothing but how few there are, and with several any missing force can be
-/// drawn.
-bool has_one_push(const Problem& problem, const Whitening& whitening, const ModelFit& model) {
-  int pushes = 0;
-  for (const int c : model.candidates) {
-    const Candidate& candidate = problem.hypotheses.candidates[c];
-    if (!candidate.is_event()) continue;
-    ++pushes;
-    const int peak = candidate.parameters.front(), length = candidate.parameters.back();
-    const FreeParameter& own = problem.hypotheses.parameters[length];
-    const double value = model.fit.p[length];
-    if (value <= own.bounds.lower * kInside || value >= own.bounds.upper / kInside) return false;
-    const double u = model.fit.p[peak] / problem.hypotheses.parameters[peak].scale;
-    if (!in_every_trial(whitening, model.fit, index_of(model.fit.free, peak), u)) return false;
-  }
-  return pushes == 1;
+/// The patterns of the leading model.
+std::vector<PlacePattern> leading_patterns(const SearchedAmong& searched,
+                                           std::vector<PlacePattern> patterns) {
+  const std::vector<Candidate>& candidates = searched.with.built.problem->hypotheses.candidates;
+  const std::vector<int>& members = leading(searched.found.search).candidates;
+  std::erase_if(patterns, [&](const PlacePattern& pattern) {
+    return std::none_of(members.begin(), members.end(),
+                        [&](int c) { return candidates[c].name == pattern.name; });
+  });
+  return patterns;
 }
 
-/// By how much the most probable model leads none [log weight].
-double lead_over_none(const SearchResult& search) {
-  return leading(search).log_weight() - search.models.front().log_weight();
-}
-
-/// By how much it leads the most probable one that has no push, or no pattern [log weight].
-double lead_over_those_without(Kind kind, const Problem& problem, const SearchResult& search) {
-  double without = -kInfinity;
-  for (const ModelFit& model : search.models) {
-    if (!(problem.hypotheses.*kind)(model.candidates))
-      without = std::max(without, model.log_weight());
-  }
-  return leading(search).log_weight() - without;
-}
-
-double lead_of_push(const Problem& problem, const SearchResult& search) {
-  return lead_over_those_without(&Hypotheses::has_event, problem, search);
-}
-
-/// Effects of the leading model, pushes left out.
-int effects_of_leading(const Problem& problem, const SearchResult& search) {
-  const std::vector<int>& members = leading(search).candidates;
-  return static_cast<int>(std::count_if(members.begin(), members.end(), [&](int c) {
-    return !problem.hypotheses.candidates[c].is_event();
-  }));
-}
-
-/// Whether a push takes the place of effects, and clearly leads the best model without one.
-bool is_simpler(const Problem& with, const SearchResult& with_pushes,
-                const SearchResult& effects_alone) {
-  return effects_of_leading(with, with_pushes) < count_of(leading(effects_alone).candidates) &&
-         lead_of_push(with, with_pushes) > with.settings.clear_lead;
-}
-
-/// Whether a model has a push or a pattern.
-bool goes_beyond_effects(const Problem& problem, const ModelFit& model) {
-  return problem.hypotheses.has_event(model.candidates) ||
-         problem.hypotheses.has_pattern(model.candidates);
-}
-
-/// Whether the leading model has no push, or one that is established.
-bool push_holds(const Problem& with, const Selection& again, const Problem& problem,
-                const SearchResult& effects_alone) {
-  const ModelFit& lead = leading(again.search);
-  if (!with.hypotheses.has_event(lead.candidates)) return true;
-  return has_one_push(with, again.comparison.whitening, lead) &&
-         push_established(with, again.search, effects_alone) &&
-         (leaves_more(problem, leading(effects_alone).fit) ||
-          is_simpler(with, again.search, effects_alone));
-}
-
-}  // namespace
-
-bool push_established(const Problem& problem, const SearchResult& with_pushes,
-                      const SearchResult& effects_alone) {
-  const Settings& settings = problem.settings;
-  if (!lacks(problem, leading(with_pushes).fit)) return true;
-  return lead_over_none(effects_alone) < settings.bare_mention &&
-         lead_of_push(problem, with_pushes) > settings.clear_lead;
-}
-
-bool pattern_established(const Problem& problem, const SearchResult& search, int tried) {
-  if (!problem.hypotheses.has_pattern(leading(search).candidates)) return true;
-  const double lead = lead_over_those_without(&Hypotheses::has_pattern, problem, search);
-  return lead > problem.settings.clear_lead + std::log(std::max(1, tried));
-}
-
-namespace {
-
-/// Whether there were models of a kind, which are gone then.
-bool left_out(Kind kind, const Problem& problem, SearchResult& search) {
-  return std::erase_if(search.models, [&](const ModelFit& model) {
-           return (problem.hypotheses.*kind)(model.candidates);
-         }) > 0;
-}
-
-/// Pushes count where one leads that holds, patterns where some lead that are established. Else they
-/// are left out as if they had been no candidates, and what leads then is asked in turn.
-void leave_out_unfounded(const Problem& with, const Problem& problem,
-                         const SearchResult& effects_alone, int tried, Selection& again) {
-  const auto leads = [&](Kind kind) {
-    return (with.hypotheses.*kind)(leading(again.search).candidates);
-  };
-  for (bool changed = true; changed;) {
-    const bool push =
-        leads(&Hypotheses::has_event) && push_holds(with, again, problem, effects_alone);
-    changed = !push && left_out(&Hypotheses::has_event, with, again.search);
-    const bool pattern =
-        leads(&Hypotheses::has_pattern) && pattern_established(with, again.search, tried);
-    changed = (!pattern && left_out(&Hypotheses::has_pattern, with, again.search)) || changed;
-  }
+/// Every effect that was asked for.
+std::vector<effects::Effect> all_effects(const Problem& problem) {
+  std::vector<effects::Effect> effects;
+  for (const Candidate& candidate : problem.hypotheses.candidates)
+    effects.push_back(*candidate.effect);
+  return effects;
 }
 
 }  // namespace
@@ -294,28 +190,35 @@ void leave_out_unfounded(const Problem& with, const Problem& problem,
 Searched search_with_forces(Prepared prepared, const ProblemBuilder& rebuild,
                             const DiagnoseOptions& options) {
   if (!prepared.reasons.empty()) return {std::move(prepared), {}, {}};
-  Selection effects_alone = selected(prepared, rebuild, options);
-  if (!forces_sought(prepared, effects_alone))
-    return {std::move(prepared), std::move(effects_alone), {}};
+  Selection alone = selected(prepared, rebuild, options);
+  if (!forces_sought(prepared, alone)) return {std::move(prepared), std::move(alone), {}};
 
   if (options.progress) options.progress("pushes and forces of other forms");
-  const std::vector<effects::Effect> pushes = likely_push_effects(prepared, effects_alone, options);
-  CandidatePatterns likely = candidate_patterns(prepared, effects_alone);
-  if (pushes.empty() && likely.patterns.empty())
-    return {std::move(prepared), std::move(effects_alone), {}};
-  std::vector<effects::Effect> effects =
-      fitted_effects(*prepared.built.problem, effects_alone.search);
-  effects.insert(effects.end(), pushes.begin(), pushes.end());
-  for (const PlacePattern& pattern : likely.patterns) effects.push_back(pattern_effect(pattern));
-  Prepared with = with_effects(prepared, std::move(effects));
-  Selection again = selected(with, rebuild, options);
+  const Problem& problem = *prepared.built.problem;
+  const std::vector<effects::Effect> pushes = likely_push_effects(prepared, alone, options);
+  const CandidatePatterns likely = candidate_patterns(prepared, alone);
+  if (pushes.empty() && likely.patterns.empty()) return {std::move(prepared), std::move(alone), {}};
 
-  const Problem& problem = *with.built.problem;
-  if (again.search.models.empty()) return {std::move(prepared), std::move(effects_alone), {}};
-  leave_out_unfounded(problem, *prepared.built.problem, effects_alone.search, likely.tried, again);
-  if (!goes_beyond_effects(problem, leading(again.search)))
-    return {std::move(prepared), std::move(effects_alone), {}};
-  return {std::move(with), std::move(again), std::move(likely.patterns)};
+  const auto beyond_effects = [&](SearchedAmong& searched) {
+    if (searched.found.search.models.empty()) return false;
+    leave_out_unfounded(*searched.with.built.problem, {problem, alone.search}, likely.tried,
+                        searched.found);
+    return searched.with.built.problem->hypotheses.beyond_effects(
+        leading(searched.found.search).candidates);
+  };
+  SearchedAmong among = searched_among(prepared, fitted_effects(problem, alone.search), pushes,
+                                       likely.patterns, rebuild, options);
+  if (!beyond_effects(among)) return {std::move(prepared), std::move(alone), {}};
+
+  // A pattern may do what an effect does that was not worth a fit about another leader: the whole
+  // catalogue is asked beside it.
+  std::vector<PlacePattern> patterns = leading_patterns(among, likely.patterns);
+  if (!patterns.empty()) {
+    if (options.progress) options.progress("the catalogue beside these");
+    among = searched_among(prepared, all_effects(problem), pushes, patterns, rebuild, options);
+    if (!beyond_effects(among)) return {std::move(prepared), std::move(alone), {}};
+  }
+  return {std::move(among.with), std::move(among.found), std::move(patterns)};
 }
 
 }  // namespace jaculus::diagnosis

@@ -227,7 +227,8 @@ std::string effects_sentence(const Diagnosis& d) {
   std::string text = explaining(d);
   if (text.empty()) text = fmt::format("{} {} it", capital(listed(named)), verb);
   if (!rivals.empty()) text += "; these data can't tell " + listed(rivals);
-  if (d.verdict == Verdict::partial) text += "; something else, not named, is there too";
+  if (d.verdict == Verdict::partial && more.empty())
+    text += "; something else, not named, is there too";
   return unknowns + text + "." + more;
 }
 

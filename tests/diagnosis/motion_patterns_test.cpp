@@ -4,12 +4,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 
 #include "diagnosis/build_problem.h"
 #include "diagnosis/effects_by_name.h"
 #include "diagnosis/logged_trials.h"
 #include "diagnosis/remainder/hypothesis.h"
+#include "diagnosis/remainder/pattern_file.h"
 #include "diagnosis/remainder/place_patterns.h"
 #include "jaculus/diagnosis/diagnose.h"
 #include "jaculus/diagnosis/summary.h"
@@ -23,7 +25,8 @@ namespace {
 using test::TemporaryFolder;
 
 /// Leaps of the shipped experiment with an effect, a user's where a file is given.
-trajectory::Dataset leaps(const std::string& text, const std::string& effect, int seed) {
+trajectory::Dataset leaps(const std::string& text, const std::vector<std::string>& effects,
+                          int seed) {
   const TemporaryFolder folder;
   simulation::Experiment played =
       simulation::read_experiment(source_folder() / "problems" / "leap_trials.yaml");
@@ -32,7 +35,7 @@ trajectory::Dataset leaps(const std::string& text, const std::string& effect, in
   const model::PlanarModel robot = simulation::dataset_robot(played.setup).planar;
   effects::EffectChoice choice;
   if (!text.empty()) choice.files = {folder.write("effect.yaml", text).string()};
-  if (!effect.empty()) choice.effects = {effect};
+  choice.effects = effects;
   return simulate_trials(played, effects::choose_effects(choice, robot), robot).dataset;
 }
 
@@ -57,7 +60,7 @@ constexpr const char* kTether =
 
 TEST(MotionPatterns, ACableFromTheWorldIsAForceOnTheBodyThatGrowsWithTheWay) {
   const std::vector<RemainderPlace> places =
-      described(leaps(kTether, "tether:stiffness=150", 3), 0);
+      described(leaps(kTether, {"tether:stiffness=150"}, 3), 0);
   ASSERT_FALSE(places.empty());
   EXPECT_EQ(places.front().place, "body");
   EXPECT_EQ(places.front().joint, "x");
@@ -78,7 +81,7 @@ TEST(MotionPatterns, ACableFromTheWorldIsAForceOnTheBodyThatGrowsWithTheWay) {
 
 TEST(MotionPatterns, NothingIsSaidOfLeapsThatTheModelMade) {
   for (const int seed : {1, 2, 3})
-    EXPECT_TRUE(described(leaps("", "", seed), 1).empty()) << "seed " << seed;
+    EXPECT_TRUE(described(leaps("", {}, seed), 1).empty()) << "seed " << seed;
 }
 
 /// Among a few effects.
@@ -90,7 +93,7 @@ Diagnosis diagnosed(const trajectory::Dataset& dataset) {
 
 // A cable is no effect of the catalogue, yet some of these explain a part of what it does.
 TEST(PatternSearch, ACableIsNoEffectOfTheCatalogue) {
-  const Diagnosis found = diagnosed(leaps(kTether, "tether:stiffness=500", 3));
+  const Diagnosis found = diagnosed(leaps(kTether, {"tether:stiffness=500"}, 3));
   EXPECT_EQ(found.verdict, Verdict::unexplained) << to_text(found.verdict);
   EXPECT_TRUE(found.effects.empty());
   ASSERT_FALSE(found.remainder.places.empty());
@@ -105,11 +108,15 @@ TEST(PatternSearch, ACableIsNoEffectOfTheCatalogue) {
   EXPECT_NE(summary_of(found).which.find("the body, along x"), std::string::npos);
 }
 
-TEST(PatternSearch, AnEffectOfTheCatalogueStaysOne) {
-  const Diagnosis found = diagnosed(leaps("", "leg_coulomb_friction:torque=0.3", 3));
-  EXPECT_EQ(found.verdict, Verdict::effect) << to_text(found.verdict);
-  ASSERT_EQ(found.effects.size(), 1U);
-  EXPECT_EQ(found.effects.front().name, "leg_coulomb_friction");
+// Two of them leave nothing more, and forces of other forms are tried for that.
+TEST(PatternSearch, EffectsOfTheCatalogueStayThese) {
+  const Diagnosis found = diagnosed(
+      leaps("", {"leg_coulomb_friction:torque=0.3", "controller_gains:proportional_scale=0.6"}, 3));
+  EXPECT_EQ(found.verdict, Verdict::several) << to_text(found.verdict);
+  std::vector<std::string> names;
+  for (const FoundEffect& effect : found.effects) names.push_back(effect.name);
+  std::sort(names.begin(), names.end());
+  EXPECT_EQ(names, (std::vector<std::string>{"controller_gains", "leg_coulomb_friction"}));
   EXPECT_TRUE(found.remainder.places.empty());
 }
 

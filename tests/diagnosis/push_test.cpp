@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "diagnosis/effects_by_name.h"
-#include "diagnosis/search_with_forces.h"
+#include "diagnosis/established_forces.h"
 #include "diagnosis/toy.h"
 #include "jaculus/core/installation.h"
 #include "jaculus/diagnosis/diagnose.h"

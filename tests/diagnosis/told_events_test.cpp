@@ -102,6 +102,12 @@ TEST(ToldPatterns, AloneAreNoEffectButWhatIsLeft) {
   const PartedProposal effect =
       parted(c.problem, proposed(Naming::rivals, {{kCable, {kWind}, 1.0}}));
   EXPECT_EQ(about_effects(Verdict::ambiguous, effect), Verdict::ambiguous);
+  ASSERT_EQ(effect.effects.size(), 1U);
+  EXPECT_EQ(effect.effects.front().effect, kWind);
+  EXPECT_TRUE(effect.effects.front().others.empty());
+  const PartedProposal push = parted(c.problem, proposed(Naming::rivals, {{kCable, {kPush}, 1.0}}));
+  EXPECT_EQ(push.patterns.size(), 1U);
+  EXPECT_TRUE(push.effects.empty());
 }
 
 TEST(ToldPatterns, BesideAnEffectMakeItPartOfTheAnswer) {

@@ -17,6 +17,10 @@ bool Candidate::is_event() const { return effect != nullptr && effect->event; }
 
 bool Candidate::is_pattern() const { return effect != nullptr && effect->pattern; }
 
+std::string told_name(const Candidate& candidate) {
+  return candidate.is_pattern() ? candidate.effect->caption : candidate.name;
+}
+
 Vector Hypotheses::nominal() const {
   Vector p(count_of(parameters));
   for (std::size_t i = 0; i < parameters.size(); ++i) p[i] = parameters[i].nominal;
@@ -59,9 +63,9 @@ bool Hypotheses::has_event(const std::vector<int>& members) const {
                      [&](int c) { return candidates[c].is_event(); });
 }
 
-bool Hypotheses::has_pattern(const std::vector<int>& members) const {
+bool Hypotheses::beyond_effects(const std::vector<int>& members) const {
   return std::any_of(members.begin(), members.end(),
-                     [&](int c) { return candidates[c].is_pattern(); });
+                     [&](int c) { return candidates[c].beyond_effects(); });
 }
 
 std::vector<int> Hypotheses::nuisances() const {

@@ -51,6 +51,8 @@ struct Candidate {
   /// Whether it is a force that acted once and is told as an event, no effect of the robot.
   [[nodiscard]] bool is_event() const;
   [[nodiscard]] bool is_pattern() const;
+  /// A push or a pattern: a force that no effect is.
+  [[nodiscard]] bool beyond_effects() const { return is_event() || is_pattern(); }
 };
 
 /// The generalised force along one coordinate that the plant may lack: constant over boxes of a
@@ -59,6 +61,9 @@ struct ForceGroup {
   std::string name;        ///< "body x", "elbow"
   std::vector<int> boxes;  ///< indices of their parameters, in order of time
 };
+
+/// Its name; of a pattern what it does.
+std::string told_name(const Candidate& candidate);
 
 struct Hypotheses {
   /// of the candidates, with this robot's sizes; they point into it
@@ -89,7 +94,8 @@ struct Hypotheses {
   [[nodiscard]] Vector without_effects(Vector p, const std::vector<int>& members) const;
   /// Whether one of some candidates is an event.
   [[nodiscard]] bool has_event(const std::vector<int>& members) const;
-  [[nodiscard]] bool has_pattern(const std::vector<int>& members) const;
+  /// Whether some of these are no effects.
+  [[nodiscard]] bool beyond_effects(const std::vector<int>& members) const;
   [[nodiscard]] int candidate(const std::string& name) const;  ///< index, -1 where there is none
 };
 

@@ -158,9 +158,10 @@ std::vector<std::string> hypotheses_of(const Remainder& remainder,
   std::vector<Part> parts;
   for (const RemainderPlace& place : remainder.places)
     for (const Dependence& d : place.follows)
-      parts.push_back(
-          {&place, &d,
-           place.by_simulation ? d.share : place.rms * std::sqrt(std::max(0.0, d.share))});
+      parts.push_back({&place, &d,
+                       !std::isfinite(d.share) ? 0.0
+                       : place.by_simulation   ? d.share
+                                               : place.rms * std::sqrt(std::max(0.0, d.share))});
   std::stable_sort(parts.begin(), parts.end(),
                    [](const Part& a, const Part& b) { return a.size > b.size; });
 

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "diagnosis/forward/missing_forces.h"
+#include "diagnosis/remainder/pattern_file.h"
 
 namespace jaculus::diagnosis {
 namespace {
@@ -15,12 +16,9 @@ namespace {
 using model::PlanarModel;
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
-constexpr double kNearFloor = 5e-3;  ///< within which a foot feels the floor [m]
-constexpr double kReach = 10.0;      ///< scales that a parameter may reach
-constexpr double kSlackSpread = 0.5, kSlackRange = 3.0;  ///< of a slack; grids are 2.5 apart
+constexpr double kNearFloor = 5e-3;    ///< within which a foot feels the floor [m]
 constexpr double kLostShare = 0.3;     ///< prior deviation, at the limit or a second
 constexpr double kSmallTorque = 0.02;  ///< of the limit, where a dead band's step is
-constexpr double kWaveSpread = 0.05, kWaveRange = 0.2;  ///< of a period
 const std::vector<int> kWaves = {1, 2, 3, 4, 6, 8, 10, 12, 14, 16, 18, 20, 24, 28, 36};  ///< a turn
 const std::vector<double> kHertz = {1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 10.0};
 const std::vector<double> kSlacks = {0.02, 0.05, 0.1, 0.2};  ///< [m]
@@ -87,10 +85,6 @@ class PatternMaker {
   PatternPlace place_;
 };
 
-std::string constant(const std::string& name, const std::string& unit, double value) {
-  return fmt::format("  {}: {{unit: {}, value: {:.6g}}}\n", name, unit, value);
-}
-
 /// A formula line of a joint.
 std::string line(const PatternPlace& place, const std::string& formula) {
   return fmt::format("{}: \"{}\"\n", place.key, formula);
@@ -114,7 +108,7 @@ void add_waves(PatternMaker& maker) {
 /// What may become of a motor's torque on its way, that is no share of it.
 void add_losses(PatternMaker& maker) {
   const PatternPlace& place = maker.at();
-  const std::string limit = constant("limit", place.force, place.limit);
+  const std::string limit = constant_line("limit", place.force, place.limit);
   const PatternParameter share{"share", "\"-\"", kLostShare};
   const auto add = [&](const std::string& kind, const std::string& caption,
                        const std::string& cause, const PatternParameter& parameter,
@@ -140,7 +134,7 @@ void add_joint(PatternMaker& maker, double rest_speed) {
   const PatternPlace& place = maker.at();
   const std::string rate = place.metre + "/s";
   const std::string rest =
-      constant("rest", rate, std::max(1e-6, rest_speed * std::max(1e-3, place.speed)));
+      constant_line("rest", rate, std::max(1e-6, rest_speed * std::max(1e-3, place.speed)));
   const PatternParameter share{"share", "\"-\"", 0.1};
 
   maker.add(Regressor::constant, "offset", "is always there", {maker.parameter("offset")},
@@ -174,7 +168,7 @@ void add_spring(PatternMaker& maker) {
       .add(Regressor::position, "spring", "grows with the distance from where the joint starts",
            {maker.parameter("stiffness", place.metre, std::max(0.1, place.range))},
            {line(place, "-stiffness*(q - start)")})
-      .constants = {constant("start", place.metre, place.start)};
+      .constants = {constant_line("start", place.metre, place.start)};
 }
 
 /// "force: {x: ..., z: ...}".
@@ -189,7 +183,7 @@ void add_body_axis(PatternMaker& maker, const std::string& axis) {
   const auto force = [&](const std::string& formula) {
     return std::vector<std::string>{along(axis, formula, "0*(" + formula + ")")};
   };
-  const std::string start = constant("start", "m", place.start);
+  const std::string start = constant_line("start", "m", place.start);
 
   maker.add(Regressor::constant, axis + "_offset", "is always there", {maker.parameter("offset")},
             force("offset"));
@@ -240,7 +234,7 @@ void add_moment(PatternMaker& maker) {
 void add_foot(PatternMaker& maker, double rest_speed) {
   const PatternPlace& place = maker.at();
   const std::string near = "max(0, min(1, 1 - z/range))",
-                    range = constant("range", "m", kNearFloor);
+                    range = constant_line("range", "m", kNearFloor);
   const auto force = [&](const std::string& axis, const std::string& formula) {
     return std::vector<std::string>{along(axis, formula, "0*(" + formula + ")")};
   };
@@ -260,7 +254,7 @@ void add_foot(PatternMaker& maker, double rest_speed) {
   maker
       .add(Regressor::sign_of_speed, "rub", "acts against its motion along the floor",
            {maker.parameter("level")}, force("x", "-level*tanh(vx/rest)*" + near))
-      .constants = {range, constant("rest", "m/s", std::max(1e-6, rest_speed * place.speed))};
+      .constants = {range, constant_line("rest", "m/s", std::max(1e-6, rest_speed * place.speed))};
 }
 
 PatternPlace joint_place(const PlanarModel& robot, const model::PlanarMotor& motor,
@@ -349,11 +343,6 @@ void add_feet(const PlanarModel& robot, const UsualMotion& usual, double prior, 
   }
 }
 
-std::string parameter_line(const PatternParameter& own, double scale) {
-  return fmt::format("  {}: {{unit: {}, nominal: 0, bounds: [{:.4g}, {:.4g}], scale: {:.4g}}}\n",
-                     own.name, own.unit, -kReach * scale, kReach * scale, scale);
-}
-
 }  // namespace
 
 std::vector<PlacePattern> place_patterns(const PlanarModel& robot, const UsualMotion& usual,
@@ -363,39 +352,6 @@ std::vector<PlacePattern> place_patterns(const PlanarModel& robot, const UsualMo
   add_body(robot, usual, prior, lever, all);
   add_feet(robot, usual, prior, rest_speed, all);
   return all;
-}
-
-std::string pattern_file(const PlacePattern& pattern, const std::vector<double>& scales,
-                         bool free_shape) {
-  std::string parameters, constants;
-  for (std::size_t k = 0; k < pattern.parameters.size(); ++k)
-    parameters += parameter_line(pattern.parameters[k], scales[k]);
-  for (const std::string& line : pattern.constants) constants += line;
-  if (std::isfinite(pattern.period)) {
-    const double p = pattern.period;
-    if (free_shape)
-      parameters += fmt::format(
-          "  period: {{unit: {}, nominal: {:.4g}, bounds: [{:.4g}, {:.4g}], scale: {:.4g}}}\n",
-          pattern.period_unit, p, (1.0 - kWaveRange) * p, (1.0 + kWaveRange) * p, kWaveSpread * p);
-    else
-      constants += constant("period", pattern.period_unit, p);
-  }
-
-  if (std::isfinite(pattern.slack)) {
-    if (free_shape)
-      parameters +=
-          fmt::format("  slack: {{unit: m, nominal: {:.4g}, bounds: [0, {:.4g}], scale: {:.4g}}}\n",
-                      pattern.slack, kSlackRange * pattern.slack, kSlackSpread * pattern.slack);
-    else
-      constants += constant("slack", "m", pattern.slack);
-  }
-
-  std::string text =
-      fmt::format("format: jaculus-effect/1\nname: {}\ncaption: {}\nat: {}\nparameters:\n{}",
-                  pattern.name, pattern.caption, pattern.where, parameters);
-  if (!constants.empty()) text += "constants:\n" + constants;
-  for (const std::string& formula : pattern.formulas) text += formula;
-  return text;
 }
 
 }  // namespace jaculus::diagnosis

@@ -1,15 +1,17 @@
 #pragma once
 // Forces that a robot may lack, each at one place and of one form, as effects (jaculus-effect/1):
-// what a description tries where no force can be had box by box. At a motor's joint or a group of
-// them the forms are those of regressors.h; on the body forces along x and z and a moment that are
+// what a description tries where no force can be had box by box, and what competes with the
+// catalogue (search_with_forces.h). At a motor's joint or a group of them the forms are those of
+// regressors.h, and three of what may become of a motor's torque on its way: a loss that grows with
+// the torque, with time, or has its sign. On the body forces along x and z and a moment that are
 // constant, grow with the way from the start (at once or from a slack on), with the speed and its
-// square, with time, or repeat in time; at a foot what acts within kNearFloor of the floor: a
+// square, with time, or repeat in time. At a foot what acts within kNearFloor of the floor: a
 // constant along z and x, a spring from there down, friction. Every form is linear in its
 // parameters, all zero at nominal:
 //   f(q, v, tau, t) = sum_k b_k phi_k(q, v, tau, t).
 // Periods, slacks and where springs rest are constants of a pattern; a hypothesis (file) frees
-// periods and slacks. Scales, the deviations of the prior, are `pattern_prior` of a force that counts as large
-// at the place, over the usual size of what it follows.
+// periods and slacks. Scales, the deviations of the prior, are `pattern_prior` of a force that
+// counts as large at the place, over the usual size of what it follows.
 
 #include <string>
 #include <vector>
@@ -57,9 +59,5 @@ struct UsualMotion {
 /// Those of a robot. `prior`: share of a large force; `lever` [m] as of large_force().
 std::vector<PlacePattern> place_patterns(const model::PlanarModel& robot, const UsualMotion& usual,
                                          double prior, double lever, double rest_speed);
-
-/// A file of the pattern with these scales; `free_shape`: its period or slack is a parameter.
-std::string pattern_file(const PlacePattern& pattern, const std::vector<double>& scales,
-                         bool free_shape);
 
 }  // namespace jaculus::diagnosis

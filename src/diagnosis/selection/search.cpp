@@ -295,11 +295,10 @@ bool beyond_reach(const Problem& problem, const FittedModels& models) {
   const double least = models.value(*models.leading()) - problem.settings.far_behind;
   for (const ModelFit& model : models.all())
     if (model.fit.valid && models.value(model) >= least &&
-        (hypotheses.has_event(model.candidates) || hypotheses.has_pattern(model.candidates)))
+        hypotheses.beyond_effects(model.candidates))
       return false;
-  return std::any_of(
-      hypotheses.candidates.begin(), hypotheses.candidates.end(),
-      [](const Candidate& candidate) { return candidate.is_event() || candidate.is_pattern(); });
+  return std::any_of(hypotheses.candidates.begin(), hypotheses.candidates.end(),
+                     [](const Candidate& candidate) { return candidate.beyond_effects(); });
 }
 
 }  // namespace

@@ -183,7 +183,8 @@ Proposal propose(HeldOutGaps& gaps) {
                             "nothing of their gap"
                           : "a dataset that no fit saw is predicted better without it";
     proposal.reasons.push_back(fmt::format("{} would raise the evidence, but {}",
-                                           gaps.problem().hypotheses.candidates[c].name, why));
+                                           told_name(gaps.problem().hypotheses.candidates[c]),
+                                           why));
   }
 
   std::erase_if(proposal.effects, [&](const Established& e) {

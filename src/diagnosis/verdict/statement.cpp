@@ -27,6 +27,19 @@ std::vector<std::string> names_of(const Problem& problem, const std::vector<int>
   return names;
 }
 
+/// As users read them: forces that are no effects by what they do.
+std::vector<std::string> told_names(const Problem& problem, const std::vector<int>& candidates) {
+  std::vector<std::string> names;
+  for (const int c : candidates) names.push_back(told_name(problem.hypotheses.candidates[c]));
+  return names;
+}
+
+bool has_forces_beside_effects(const Problem& problem) {
+  const std::vector<Candidate>& candidates = problem.hypotheses.candidates;
+  return std::any_of(candidates.begin(), candidates.end(),
+                     [](const Candidate& candidate) { return candidate.beyond_effects(); });
+}
+
 std::string joined(const std::vector<std::string>& names) {
   return names.empty() ? "none" : fmt::format("{}", fmt::join(names, " + "));
 }
@@ -84,7 +97,8 @@ FoundEffect found_effect(const Problem& problem, const Whitening& whitening,
   }
   for (const int other : like) {
     const std::string& name = problem.hypotheses.candidates[other].name;
-    if (other == c || extends(problem.hypotheses, other, c)) continue;
+    const bool effect = !problem.hypotheses.candidates[other].beyond_effects();
+    if (other == c || !effect || extends(problem.hypotheses, other, c)) continue;
     if (index_of(found.indistinguishable, name) < 0) found.indistinguishable.push_back(name);
   }
 
@@ -288,13 +302,13 @@ std::vector<std::string> rule_reasons(const Problem& problem, const VerdictRule&
   else
     reasons.emplace_back(rule.reason);
   if (verdict == Verdict::unexplained && !events && !patterns && !chosen.candidates.empty())
-    reasons.push_back("the nearest of the catalogue, which leaves structure beyond noise: " +
-                      joined(names_of(problem, chosen.candidates)));
+    reasons.push_back("the nearest that was found, which leaves structure beyond noise: " +
+                      joined(told_names(problem, chosen.candidates)));
   for (const Established& e : told.events)
     if (events && !e.others.empty())
       reasons.push_back(fmt::format("{} can't be told from {}",
                                     problem.hypotheses.candidates[e.effect].name,
-                                    joined(names_of(problem, e.others))));
+                                    joined(told_names(problem, e.others))));
   return reasons;
 }
 
@@ -330,7 +344,7 @@ Statement state_verdict(const Problem& problem, const Selection& selection, bool
   out.gap_with = out.gap;
   if (patterns) {
     out.gap = gaps.of(by_effects(gaps, chosen));
-    out.lacking_probability = most_probable(told.patterns);
+    out.lacking_probability = std::max(lacking, most_probable(told.patterns));
   }
   out.stated = {{}, stated.p};
   const bool once = names_effects(rule.verdict) && told.effects.empty();
@@ -366,7 +380,7 @@ Statement state_verdict(const Problem& problem, const Selection& selection, bool
   }
   if (out.verdict == Verdict::ambiguous) out.rivals = rivals_of(posterior);
   std::vector<Ranked> ranking = ranking_of(gaps, chosen);
-  if (!out.events.empty() || patterns) ranking = ranked_by_effects(problem, ranking);
+  if (has_forces_beside_effects(problem)) ranking = ranked_by_effects(problem, ranking);
   std::vector<Ranked> others = ranking;
   std::erase_if(others, [&](const Ranked& row) {
     if (told.effects.empty() || row.members.size() != 1) return false;

@@ -12,13 +12,17 @@ PartedProposal parted(const Problem& problem, const Proposal& proposal) {
   const auto event = [&](int c) { return problem.hypotheses.candidates[c].is_event(); };
   const auto pattern = [&](int c) { return problem.hypotheses.candidates[c].is_pattern(); };
   if (proposal.naming == Naming::rivals) {
-    const Established& place = proposal.effects.front();
-    const auto alone = [&](const auto& kind) {
-      return kind(place.effect) && std::all_of(place.others.begin(), place.others.end(), kind);
-    };
-    if (alone(event)) return {Naming::sure, {}, {place}, {}};
-    if (alone(pattern)) return {Naming::sure, {}, {}, {place}};
-    out.effects = proposal.effects;
+    Established place = proposal.effects.front();
+    const auto effect = [&](int c) { return !event(c) && !pattern(c); };
+    const auto first = std::find_if(place.others.begin(), place.others.end(), effect);
+    if (!effect(place.effect) && first == place.others.end()) {
+      if (event(place.effect)) return {Naming::sure, {}, {place}, {}};
+      return {Naming::sure, {}, {}, {place}};
+    }
+    // Rows are effects alone: whether it is one of them is open.
+    if (!effect(place.effect)) std::swap(place.effect, *first);
+    std::erase_if(place.others, [&](int c) { return !effect(c); });
+    out.effects = {place};
     return out;
   }
 
@@ -49,7 +53,7 @@ std::vector<Ranked> ranked_by_effects(const Problem& problem, const std::vector<
     std::erase_if(row.members, [&](const std::string& name) {
       const Candidate& own = hypotheses.candidates[hypotheses.candidate(name)];
       more = more || own.is_pattern();
-      return own.is_event() || own.is_pattern();
+      return own.beyond_effects();
     });
     if (row.members.size() != before)
       row.effect = !row.members.empty() ? fmt::format("{}", fmt::join(row.members, " + "))
@@ -57,8 +61,7 @@ std::vector<Ranked> ranked_by_effects(const Problem& problem, const std::vector<
                                         : "none";
     std::erase_if(row.parameters, [&](const FoundParameter& value) {
       const int c = hypotheses.candidate(value.name.substr(0, value.name.rfind('.')));
-      return c >= 0 &&
-             (hypotheses.candidates[c].is_event() || hypotheses.candidates[c].is_pattern());
+      return c >= 0 && hypotheses.candidates[c].beyond_effects();
     });
 
     const auto same = std::find_if(out.begin(), out.end(),

@@ -1,0 +1,18 @@
+#pragma once
+// A pattern as a file of an effect (jaculus-effect/1, effects/user_effect.h).
+
+#include <string>
+#include <vector>
+
+#include "diagnosis/remainder/place_patterns.h"
+
+namespace jaculus::diagnosis {
+
+/// A line of `constants`.
+std::string constant_line(const std::string& name, const std::string& unit, double value);
+
+/// A file of the pattern with these scales; `free_shape`: its period or slack is a parameter.
+std::string pattern_file(const PlacePattern& pattern, const std::vector<double>& scales,
+                         bool free_shape);
+
+}  // namespace jaculus::diagnosis

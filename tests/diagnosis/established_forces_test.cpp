@@ -1,0 +1,93 @@
+// Which pushes and patterns that lead among the models are told, and what is left out.
+
+#include "diagnosis/established_forces.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace jaculus::diagnosis {
+namespace {
+
+enum : int { kFriction, kCable, kWave };
+constexpr int kTried = 150;
+
+/// An effect and two patterns as candidates.
+struct Candidates {
+  std::vector<effects::Effect> effects{3};
+  Problem problem;
+
+  Candidates() {
+    const char* names[] = {"friction", "cable", "wave"};
+    for (int c = 0; c < 3; ++c) {
+      effects[c].pattern = c >= kCable;
+      problem.hypotheses.candidates.push_back(
+          {names[c], effects::Component::body, {}, &effects[c]});
+    }
+  }
+};
+
+/// None, and models that lead it by so many nats.
+SearchResult led(const std::vector<std::pair<std::vector<int>, double>>& models) {
+  SearchResult search;
+  search.probes.resize(3);
+  search.indistinguishable = {{kFriction, kCable}, {kCable, kWave}, {}};
+  const auto add = [&](const std::vector<int>& members, double nats) {
+    ModelFit model;
+    model.candidates = members;
+    model.fit.valid = true;
+    model.fit.log_evidence = model.fit.log_complete = nats;
+    search.models.push_back(model);
+  };
+  add({}, 0.0);
+  for (const auto& [members, nats] : models) add(members, nats);
+  return search;
+}
+
+double asked(const Settings& settings) { return settings.clear_lead + std::log(kTried); }
+
+TEST(EstablishedPattern, LeadsWhatHasNoneByMoreThanHowManyWereTried) {
+  const Candidates c;
+  const double most = asked(c.problem.settings);
+  const auto established = [&](double nats) {
+    return pattern_established(c.problem, led({{{kFriction}, 40.0}, {{kCable}, 40.0 + nats}}),
+                               kCable, kTried);
+  };
+  EXPECT_TRUE(established(most + 0.1));
+  EXPECT_FALSE(established(most - 0.1));
+}
+
+TEST(EstablishedPattern, MayBeOfAnotherForm) {
+  const Candidates c;
+  EXPECT_TRUE(
+      pattern_established(c.problem, led({{{kWave}, 59.0}, {{kCable}, 60.0}}), kCable, kTried));
+}
+
+// Each of two must be needed: one may not ride on the other.
+TEST(EstablishedPattern, IsAskedBesideAnother) {
+  const Candidates c;
+  const SearchResult search =
+      led({{{kFriction, kWave}, 59.0}, {{kCable, kWave}, 60.0}, {{kFriction}, 5.0}});
+  EXPECT_FALSE(pattern_established(c.problem, search, kCable, kTried));
+  EXPECT_TRUE(pattern_established(c.problem, search, kWave, kTried));
+}
+
+TEST(LeaveOut, WhatDoesNotHoldIsNoCandidateAnyMore) {
+  const Candidates c;
+  const SearchResult none = led({});
+  Selection found;
+  found.search = led({{{kFriction}, 55.0}, {{kCable}, 60.0}, {{kWave}, 30.0}});
+  leave_out_unfounded(c.problem, {c.problem, none}, kTried, found);
+  EXPECT_EQ(leading(found.search).candidates, std::vector<int>{kFriction});
+  EXPECT_EQ(found.search.models.size(), 2U);
+  EXPECT_EQ(found.search.indistinguishable[kFriction], std::vector<int>{kFriction});
+  EXPECT_FALSE(found.search.probes[kCable].valid);
+
+  found.search = led({{{kFriction}, 20.0}, {{kCable}, 60.0}, {{kWave}, 30.0}});
+  leave_out_unfounded(c.problem, {c.problem, none}, kTried, found);
+  EXPECT_EQ(leading(found.search).candidates, std::vector<int>{kCable});
+  EXPECT_EQ(found.search.models.size(), 3U);  // the wave, which doesn't lead, is left out
+}
+
+}  // namespace
+}  // namespace jaculus::diagnosis
