@@ -22,17 +22,18 @@ struct EffectsAlone {
 bool push_established(const Problem& problem, const SearchResult& with_pushes,
                       const SearchResult& effects_alone);
 
-/// Whether the leading model leads the best one without one of its patterns, and without any in its
-/// place, by settings.clear_lead and the logarithm of how many patterns were tried: each was as
+/// Whether the leading model leads the best one without one of its patterns, and without any in
+/// its place, by settings.clear_lead and the logarithm of how many patterns were tried: each was as
 /// likely before. Which of several forms it is may be open all the same.
 bool pattern_established(const Problem& problem, const SearchResult& search, int pattern,
                          int tried);
 
-/// Leaves out models with a push that not every trial had, or that is as long as half of the motion;
-/// then what leads and doesn't hold, one after the other, as if it had been no candidate: a push
-/// that is not established, or that takes nobody's place where effects alone left nothing more; a
-/// pattern that is not established. What leads then is asked in turn. In the end what doesn't lead is left out too: of a push that
-/// holds and a pattern that does as well the more probable one is told.
+/// Leaves out models with a push that not every trial had, or that is as long as half of the
+/// motion; then what leads and doesn't hold, one after the other, as if it had been no candidate: a
+/// push that is not established, or that takes nobody's place where effects alone left nothing
+/// more; a pattern that is not established. What leads then is asked in turn. In the end what
+/// doesn't lead is left out too: of a push that holds and a pattern that does as well the more
+/// probable one is told.
 void leave_out_unfounded(const Problem& with, const EffectsAlone& alone, int tried,
                          Selection& again);
 

@@ -29,8 +29,8 @@ struct TakenShare {
   Bounds ci95{kNaN, kNaN};
 };
 
-/// Of the held-out gap's energy that one model leaves, what another one leaves less of it; not known
-/// where that one leaves no gap (settings.gap_of_fold).
+/// Of the held-out gap's energy that one model leaves, what another one leaves less of it; not
+/// known where that one leaves no gap (settings.gap_of_fold).
 TakenShare share_taken(const HeldOut& by_effects, const HeldOut& with_patterns,
                        const Settings& settings);
 
