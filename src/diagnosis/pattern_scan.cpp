@@ -86,11 +86,12 @@ Matrix pattern_columns(const PatternProblem& own, const Shrinkage& tolerances, i
   return columns.squaredNorm() > 1.0 ? columns : Matrix();
 }
 
-}  // namespace
-
+/// Whether two patterns are of one kind at one place, so that the better one stands for both.
 bool alike(const PlacePattern& a, const PlacePattern& b) {
   return a.at == b.at && a.regressor == b.regressor && a.form == b.form;
 }
+
+}  // namespace
 
 Vector carried_over(const KnownModel& model, const Hypotheses& hypotheses) {
   const std::vector<FreeParameter>& known = model.problem->hypotheses.parameters;

@@ -72,9 +72,6 @@ struct PatternScan {
   int tried = 0;
 };
 
-/// Whether two patterns are of one kind at one place, so that the better one stands for both.
-bool alike(const PlacePattern& a, const PlacePattern& b);
-
 /// Patterns that the catalogue doesn't have about a model, settings.patterns_tried at most.
 PatternScan likely_patterns(const KnownModel& about, const std::vector<Alignment>& alignments);
 

@@ -103,12 +103,14 @@ struct CandidatePatterns {
   int tried = 0;
 };
 
+/// Of one kind at one place the best about another model joins too: beside the wrong effects a wave
+/// of another period may be the best, from which a fit doesn't come to the right one.
 void add_patterns(const PatternScan& scan, CandidatePatterns& candidates) {
   candidates.tried = std::max(candidates.tried, scan.tried);
   for (const LikelyPattern& likely : scan.likely) {
     const bool known =
         std::any_of(candidates.patterns.begin(), candidates.patterns.end(),
-                    [&](const PlacePattern& own) { return alike(own, likely.pattern); });
+                    [&](const PlacePattern& own) { return own.name == likely.pattern.name; });
     if (!known) candidates.patterns.push_back(likely.pattern);
   }
 }
