@@ -167,10 +167,7 @@ void add_to_places(const PlacePattern& pattern, Dependence dependence,
   own.follows.push_back(std::move(dependence));
 }
 
-}  // namespace
-
-namespace {
-
+/// What a diagnosis states.
 KnownModel stated_model(const Diagnosis& found) {
   const FittedModel& model = names_effects(found.verdict) ? found.model : found.none;
   return {found.problem.get(), model.candidates, model.p};
@@ -199,7 +196,7 @@ std::vector<RemainderPlace> places_of(const std::vector<PlacePattern>& candidate
                                       const std::vector<FoundEffect>& found,
                                       const TakenShare& taken) {
   // Each one's part of all: by what it explains, equal where that is not known.
-  Vector parts = Vector::Ones(count_of(found));
+  Vector parts(count_of(found));
   for (int k = 0; k < parts.size(); ++k)
     parts[k] = found[k].share ? std::max(0.0, found[k].share->shapley) : kNaN;
   if (!parts.allFinite() || !(parts.sum() > 0.0)) parts.setOnes();

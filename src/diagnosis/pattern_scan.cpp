@@ -13,15 +13,6 @@
 namespace jaculus::diagnosis {
 namespace {
 
-/// The effects that a model has.
-std::vector<effects::Effect> effects_of(const KnownModel& model) {
-  std::vector<effects::Effect> all;
-  for (const int c : model.candidates)
-    if (const effects::Effect* own = model.problem->hypotheses.candidates[c].effect)
-      all.push_back(*own);
-  return all;
-}
-
 /// Positions q and rates v, one a row.
 UsualMotions motions_of(const Matrix& q, const Matrix& v) {
   return {q.leftCols<1>(), (v.rowwise().squaredNorm() / static_cast<double>(v.cols())).cwiseSqrt(),
@@ -30,8 +21,8 @@ UsualMotions motions_of(const Matrix& q, const Matrix& v) {
 
 /// In the first segment; nothing moves where it can't be simulated.
 UsualMotion usual_motion(const KnownModel& about) {
-  const BuiltProblem alone =
-      builder_of(effects_of(about), about.problem->settings)(about.problem->observations);
+  const BuiltProblem alone = builder_of(about.problem->hypotheses.effects_of(about.candidates),
+                                        about.problem->settings)(about.problem->observations);
   const model::PlanarModel& robot = alone.problem->observations.datasets.front().model;
   const SimulationSetup setup =
       alone.forward->setup(0, 0, carried_over(about, alone.problem->hypotheses));
@@ -58,7 +49,7 @@ effects::Effect effect_of(const PlacePattern& pattern, bool free_shape) {
 /// A model's effects and the patterns, as candidates.
 std::vector<effects::Effect> effects_and_patterns(const KnownModel& about,
                                                   const std::vector<PlacePattern>& patterns) {
-  std::vector<effects::Effect> all = effects_of(about);
+  std::vector<effects::Effect> all = about.problem->hypotheses.effects_of(about.candidates);
   for (const PlacePattern& pattern : patterns) {
     const bool present = std::any_of(all.begin(), all.end(), [&](const effects::Effect& effect) {
       return effect.name == pattern.name;

@@ -71,23 +71,25 @@ std::string per_cent_of(const Dependence& d) {
                      shown(d.ci95.upper), dependence_text(d));
 }
 
-/// "Of the gap that is left, a force on the body along x explains 62 % (40 to 84 %): it ...".
-std::string simulated_sentence(const RemainderPlace& place) {
+/// What a place follows, joined; empty without a pattern.
+std::string follows_text(const RemainderPlace& place) {
   std::vector<std::string> parts;
   for (const Dependence& d : place.follows) parts.push_back(per_cent_of(d));
+  return fmt::format("{}", fmt::join(parts, "; "));
+}
+
+/// "Of the gap that is left, a force on the body along x explains 62 % (40 to 84 %): it ...".
+std::string simulated_sentence(const RemainderPlace& place) {
   const std::string where = place.place == "body"   ? "the body, along " + in_words(place.joint)
                             : place.place == "feet" ? "the foot " + in_words(place.joint)
                                                     : in_words(place.joint);
   return fmt::format("A force at {} would explain what is left of the gap: {}.", where,
-                     fmt::join(parts, "; "));
+                     follows_text(place));
 }
 
 std::string box_sentence(const RemainderPlace& place) {
-  std::vector<std::string> parts;
-  for (const Dependence& d : place.follows) parts.push_back(per_cent_of(d));
-  return fmt::format(
-      "What is left at {} is {:.2g} {} rms; {}.", in_words(place.joint), place.rms, place.unit,
-      parts.empty() ? "no pattern in it" : fmt::format("{}", fmt::join(parts, "; ")));
+  return fmt::format("What is left at {} is {:.2g} {} rms; {}.", in_words(place.joint), place.rms,
+                     place.unit, place.follows.empty() ? "no pattern in it" : follows_text(place));
 }
 
 std::string sentence_of(const RemainderPlace& place) {

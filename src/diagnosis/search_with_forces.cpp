@@ -1,7 +1,7 @@
 #include "diagnosis/search_with_forces.h"
 
 #include <algorithm>
-#include <cmath>
+#include <numeric>
 #include <set>
 
 #include "diagnosis/established_forces.h"
@@ -135,9 +135,7 @@ std::vector<effects::Effect> fitted_effects(const Problem& problem, const Search
   std::set<int> fitted;
   for (const ModelFit& model : search.models)
     fitted.insert(model.candidates.begin(), model.candidates.end());
-  std::vector<effects::Effect> effects;
-  for (const int c : fitted) effects.push_back(*problem.hypotheses.candidates[c].effect);
-  return effects;
+  return problem.hypotheses.effects_of({fitted.begin(), fitted.end()});
 }
 
 /// The same data with these effects as candidates.
@@ -181,10 +179,9 @@ std::vector<PlacePattern> leading_patterns(const SearchedAmong& searched,
 
 /// Every effect that was asked for.
 std::vector<effects::Effect> all_effects(const Problem& problem) {
-  std::vector<effects::Effect> effects;
-  for (const Candidate& candidate : problem.hypotheses.candidates)
-    effects.push_back(*candidate.effect);
-  return effects;
+  std::vector<int> all(problem.hypotheses.candidates.size());
+  std::iota(all.begin(), all.end(), 0);
+  return problem.hypotheses.effects_of(all);
 }
 
 }  // namespace

@@ -68,6 +68,18 @@ bool Hypotheses::beyond_effects(const std::vector<int>& members) const {
                      [&](int c) { return candidates[c].beyond_effects(); });
 }
 
+bool Hypotheses::beyond_effects() const {
+  return std::any_of(candidates.begin(), candidates.end(),
+                     [](const Candidate& candidate) { return candidate.beyond_effects(); });
+}
+
+std::vector<effects::Effect> Hypotheses::effects_of(const std::vector<int>& members) const {
+  std::vector<effects::Effect> effects;
+  for (const int c : members)
+    if (candidates[c].effect != nullptr) effects.push_back(*candidates[c].effect);
+  return effects;
+}
+
 std::vector<int> Hypotheses::nuisances() const {
   std::vector<int> all = gains;
   all.insert(all.end(), tolerances.begin(), tolerances.end());

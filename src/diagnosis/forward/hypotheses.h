@@ -94,8 +94,11 @@ struct Hypotheses {
   [[nodiscard]] Vector without_effects(Vector p, const std::vector<int>& members) const;
   /// Whether one of some candidates is an event.
   [[nodiscard]] bool has_event(const std::vector<int>& members) const;
-  /// Whether some of these are no effects.
+  /// Whether some of these, or of all candidates, are no effects.
   [[nodiscard]] bool beyond_effects(const std::vector<int>& members) const;
+  [[nodiscard]] bool beyond_effects() const;
+  /// Copies of the effects of some candidates, those left out that have none.
+  [[nodiscard]] std::vector<effects::Effect> effects_of(const std::vector<int>& members) const;
   [[nodiscard]] int candidate(const std::string& name) const;  ///< index, -1 where there is none
 };
 

@@ -17,7 +17,6 @@ using model::PlanarModel;
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
 constexpr double kNearFloor = 5e-3;    ///< within which a foot feels the floor [m]
-constexpr double kLostShare = 0.3;     ///< prior deviation, at the limit or a second
 constexpr double kSmallTorque = 0.02;  ///< of the limit, where a dead band's step is
 const std::vector<int> kWaves = {1, 2, 3, 4, 6, 8, 10, 12, 14, 16, 18, 20, 24, 28, 36};  ///< a turn
 const std::vector<double> kHertz = {1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 10.0};
@@ -109,7 +108,9 @@ void add_waves(PatternMaker& maker) {
 void add_losses(PatternMaker& maker) {
   const PatternPlace& place = maker.at();
   const std::string limit = constant_line("limit", place.force, place.limit);
-  const PatternParameter share{"share", "\"-\"", kLostShare};
+  // As a force of the same prior at the limit, or after a second.
+  const double lost = place.large / place.limit;
+  const PatternParameter share{"share", "\"-\"", lost};
   const auto add = [&](const std::string& kind, const std::string& caption,
                        const std::string& cause, const PatternParameter& parameter,
                        const std::string& formula) {
@@ -125,8 +126,8 @@ void add_losses(PatternMaker& maker) {
   add("dead_band", "has the sign of the motor's", "a dead band", maker.parameter("level"),
       fmt::format("-level*tanh(tau/({}*limit))", kSmallTorque));
   maker.made.back().constants = {limit};
-  add("fading", "is a share of the motor's that grows with time", "it fades",
-      {"rate", "1/s", kLostShare}, "-rate*t*tau");
+  add("fading", "is a share of the motor's that grows with time", "it fades", {"rate", "1/s", lost},
+      "-rate*t*tau");
 }
 
 /// What a group's joints may have as well as one alone.

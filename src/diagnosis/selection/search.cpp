@@ -297,8 +297,7 @@ bool beyond_reach(const Problem& problem, const FittedModels& models) {
     if (model.fit.valid && models.value(model) >= least &&
         hypotheses.beyond_effects(model.candidates))
       return false;
-  return std::any_of(hypotheses.candidates.begin(), hypotheses.candidates.end(),
-                     [](const Candidate& candidate) { return candidate.beyond_effects(); });
+  return hypotheses.beyond_effects();
 }
 
 }  // namespace

@@ -34,12 +34,6 @@ std::vector<std::string> told_names(const Problem& problem, const std::vector<in
   return names;
 }
 
-bool has_forces_beside_effects(const Problem& problem) {
-  const std::vector<Candidate>& candidates = problem.hypotheses.candidates;
-  return std::any_of(candidates.begin(), candidates.end(),
-                     [](const Candidate& candidate) { return candidate.beyond_effects(); });
-}
-
 std::string joined(const std::vector<std::string>& names) {
   return names.empty() ? "none" : fmt::format("{}", fmt::join(names, " + "));
 }
@@ -380,7 +374,7 @@ Statement state_verdict(const Problem& problem, const Selection& selection, bool
   }
   if (out.verdict == Verdict::ambiguous) out.rivals = rivals_of(posterior);
   std::vector<Ranked> ranking = ranking_of(gaps, chosen);
-  if (has_forces_beside_effects(problem)) ranking = ranked_by_effects(problem, ranking);
+  if (problem.hypotheses.beyond_effects()) ranking = ranked_by_effects(problem, ranking);
   std::vector<Ranked> others = ranking;
   std::erase_if(others, [&](const Ranked& row) {
     if (told.effects.empty() || row.members.size() != 1) return false;
