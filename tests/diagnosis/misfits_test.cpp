@@ -30,8 +30,8 @@ RandomEffects two_datasets(int rows = kMisfitRows) {
   RandomEffects effects;
   effects.groups = {{"misfit of a"}, {"misfit of b"}};
   const int half = rows / 2;
-  effects.misfits = {{0, kMisfitValues, rows, {{0, half}, {2 * half, half}}},
-                     {1, kMisfitValues, rows, {{half, half}, {3 * half, half}}}};
+  effects.misfits = {{0, kMisfitValues, double(rows), {{0, half}, {2 * half, half}}},
+                     {1, kMisfitValues, double(rows), {{half, half}, {3 * half, half}}}};
   return effects;
 }
 
@@ -131,6 +131,35 @@ TEST(Misfits, MoreSamplesOfTheSameMisfitAddLittleEvidence) {
     };
     EXPECT_NEAR(evidence(30.0) - evidence(300.0), 2.0 * kMisfitValues * std::log(10.0), 0.1);
   }
+}
+
+TEST(Misfits, ACoordinateThatNothingExplainsDoesNotOutvoteTheOthers) {
+  // The first is off by 1,000 noise floors, whatever u, and asks for u = 5 by the way; the second
+  // is explained by u = 1.
+  Matrix X = noise_matrix(2 * kMisfitRows, 2, 9);
+  const RandomEffects own = two_datasets();
+  for (const auto& [first, count] : own.misfits[0].spans) {
+    const Vector slopes = 20.0 * Vector::Unit(count, 0);
+    X.col(1).segment(first, count) = slopes;
+    X.col(0).segment(first, count) = 5.0 * slopes + 1000.0 * Vector::Unit(count, 1);
+  }
+  for (const auto& [first, count] : own.misfits[1].spans) {
+    X.col(1).segment(first, count).setConstant(3.0);
+    X.col(0).segment(first, count).array() += 3.0;
+  }
+  const auto likely = [&](const RandomEffects& effects) {
+    const Products products = products_of(effects, X);
+    const ScaleEstimate estimate =
+        estimated_scales(effects, products, first_scales(effects), 50, 2.3);
+    return linear_evidence(effects, products, estimate.scales).mean[0];
+  };
+  EXPECT_NEAR(likely(own), 1.0, 0.15);
+
+  // One size for both would let it.
+  RandomEffects common;
+  common.groups = {{"misfit"}};
+  common.misfits = {{0, 2.0 * kMisfitValues, 2.0 * kMisfitRows, {{0, 2 * kMisfitRows}}}};
+  EXPECT_GT(std::abs(likely(common) - 1.0), 0.5);
 }
 
 TEST(Misfits, WhatModelsShareIsNotMarginalised) {

@@ -52,7 +52,7 @@ struct Ranked {
 
 /// What the model that is judged lacks along one coordinate.
 struct LackingForce {
-  std::string name;    ///< a coordinate, "elbow", "x"; or "misfit"
+  std::string name;    ///< a coordinate, "elbow", "x"; or "misfit of x"
   double rms = 0.0;    ///< of the force or the misfit [unit]
   std::string unit;    ///< "N m", "N"; of a misfit "noise floors"
   double boxes = 0.0;  ///< boxes of time, or values, of which the data tell it

@@ -137,7 +137,7 @@ FixedPoint fixed_point(const RandomEffects& effects, const Products& products, c
               Vector::Zero(effects.size())};
   for (std::size_t c = 0; c < effects.misfits.size(); ++c) {
     const Misfit& own = effects.misfits[c];
-    if (own.rows == 0) continue;
+    if (own.rows <= 0.0) continue;
     const Matrix& gram = products.misfits[c];
     const Matrix by_u = gram.bottomRightCorner(n, n);
     const double energy = gram(0, 0) - 2.0 * mean.dot(gram.col(0).tail(n)) + mean.dot(by_u * mean) +
@@ -326,7 +326,7 @@ Vector misfits_of(const RandomEffects& effects, const Vector& r, const Vector& s
   for (const Misfit& misfit : effects.misfits) {
     double energy = 0.0;
     for (const auto& [first, count] : misfit.spans) energy += r.segment(first, count).squaredNorm();
-    const double square = misfit.rows > 0 ? std::max(0.0, energy / misfit.rows - 1.0) : 0.0;
+    const double square = misfit.rows > 0.0 ? std::max(0.0, energy / misfit.rows - 1.0) : 0.0;
     const RandomGroup& group = effects.groups[misfit.group];
     out[misfit.group] = std::clamp(std::sqrt(square), group.least, group.largest);
   }

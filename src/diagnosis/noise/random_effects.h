@@ -6,17 +6,20 @@
 //   G  slopes by generalised forces over a window's boxes of time, a group a coordinate and band
 //      (force_bands.h)
 //
-// Under a plan a misfit. All trials have it, and it may have any form: of the N rows of all
-// datasets n values may be off by it, which ones is not known (n: settings.discrepancy_modes of
-// each coordinate that a dataset measures). With E = |r|^2 of these rows, s the misfit's root mean
-// square and 1 + m = 1 + s^2 N/n the variance of these values,
+// Under a plan a misfit in each coordinate that is measured. All trials have it, and it may have any
+// form: of the N rows of a coordinate, of all datasets, n values may be off by it, which ones is not
+// known (n: settings.discrepancy_modes of each dataset that measures it). With E = |r|^2 of these
+// rows, s the misfit's root mean square and 1 + m = 1 + s^2 N/n the variance of these values,
 //   -2 log density = (E - N + n)/(1 + m) + n log(1 + m) + N - n:
 // n values hold the misfit, the others noise alone. At the most likely m this is
 //   n log(1 + (E - N)/n) where E > N, else E,
 // and no misfit is less than settings.least_misfit noise floors, for below that thousands of rows
 // would decide by details of the noise. A model is thus worth the share that it takes off the
-// misfit. One that is wrong in form is thereby fitted by least squares, by which its held-out error
-// is judged as well (L2 calibration: Tuo and Wu 2015). Granted instead as forces that act on the
+// misfit of each coordinate. The most likely parameters are those of least squares whose weights
+// follow from what they leave in each: they minimise the sum of the logarithms of the energies, not
+// of the energies (several responses of unknown variances: Box and Draper 1965; L2 calibration: Tuo
+// and Wu 2015). One size for all would let the coordinate whose sensor is best, a bus voltage good
+// to 2 mV, outvote the others whatever the plant holds of it. Granted instead as forces that act on
 // rows, V = I + G S^2 G^T, a misfit costs nothing along G, and a wrong model is fitted to what is
 // left there: fast details of impacts (Brynjarsdottir and O'Hagan 2014 and Plumlee 2017 on such
 // discrepancies, which make parameters meaningless).
@@ -61,11 +64,11 @@ struct RandomBlock {
   Matrix gram;               ///< G^T G
 };
 
-/// The misfit of the datasets under a plan.
+/// The misfit of a coordinate, of the datasets under a plan.
 struct Misfit {
   int group = 0;
   double values = 0.0;                     ///< n, that it counts as
-  int rows = 0;                            ///< N, of those that take part, less what stands apart
+  double rows = 0.0;                       ///< N, of those that take part, less what stands apart
   std::vector<std::pair<int, int>> spans;  ///< of white rows: first, count
 
   /// 1 + m of a misfit of root mean square s.
@@ -76,7 +79,7 @@ struct Misfit {
 
 /// What shares a deviation.
 struct RandomGroup {
-  std::string name;      ///< "elbow", "misfit"
+  std::string name;      ///< "elbow"; of a misfit "misfit of x"
   int force = -1;        ///< index in Hypotheses::forces; -1: no force
   double share = 1.0;    ///< of the force's mean square that the group's deviation squared is
   int slower = -1;       ///< the group before it, whose deviation its own is not below; -1: none

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
+#include <map>
 #include <string>
 
 #include "diagnosis/noise/force_bands.h"
@@ -106,14 +106,6 @@ std::string coordinate_of(const ObservedDataset& observed, const std::string& ch
   return channel;
 }
 
-/// How many coordinates a dataset measures. Channels of one tell of the same motion.
-int coordinates_of(const ObservedDataset& observed) {
-  std::set<std::string> coordinates;
-  for (const Channel& channel : observed.channels)
-    coordinates.insert(coordinate_of(observed, channel.name));
-  return count_of(coordinates);
-}
-
 /// Takes out of a segment's nuisances those directions that stand apart from a misfit.
 void set_apart(double least, SegmentBlock& block) {
   Vector& shrink = block.nuisances.shrink;
@@ -125,25 +117,46 @@ void set_apart(double least, SegmentBlock& block) {
   shrink(apart).setOnes();
 }
 
-/// The misfit of the datasets under a plan.
-void add_misfit(const Problem& problem, const std::vector<DatasetWhitening>& datasets,
-                RandomEffects& out) {
-  Misfit misfit{out.size(), 0.0, 0, {}};
+/// Of each row of a segment, how much of it the directions that stand apart hold; adds up to their
+/// number.
+Vector held_apart(const SegmentBlock& block) {
+  if (block.apart.shrink.size() == 0) return Vector::Zero(block.count);
+  return block.apart.U.rowwise().squaredNorm();
+}
+
+/// The misfits of the datasets under a plan, one a coordinate that any of them measures.
+void add_misfits(const Problem& problem, const std::vector<DatasetWhitening>& datasets,
+                 RandomEffects& out) {
+  std::map<std::string, Misfit> misfits;
   int first = 0;
   for (int d = 0; d < count_of(datasets); ++d) {
     const ObservedDataset& observed = problem.observations.datasets[d];
-    const int rows = datasets[d].rows;
-    if (!observed.measured_input && rows > 0) {
-      misfit.spans.emplace_back(first, rows);
-      misfit.rows += rows - datasets[d].apart;
-      misfit.values += std::min(
-          double(problem.settings.discrepancy_modes * coordinates_of(observed)), double(rows));
+    const DatasetWhitening& own = datasets[d];
+    Vector held = Vector::Zero(own.rows);
+    for (const SegmentBlock& block : own.blocks)
+      held.segment(block.first, block.count) = held_apart(block);
+
+    std::map<std::string, double> rows;  // of this dataset
+    int at = 0;
+    for (const RowSpan& span : own.spans) {
+      if (observed.measured_input) break;
+      const std::string name = coordinate_of(observed, observed.channels[span.channel].name);
+      misfits[name].spans.emplace_back(first + at, span.count);
+      rows[name] += span.count - held.segment(at, span.count).sum();
+      at += span.count;
     }
-    first += rows;
+    for (const auto& [name, count] : rows) {
+      misfits[name].rows += count;
+      misfits[name].values += std::min(double(problem.settings.discrepancy_modes), count);
+    }
+    first += own.rows;
   }
-  out.misfits = {misfit};
-  out.groups.push_back({"misfit"});
-  out.groups.back().least = problem.settings.least_misfit;
+  for (auto& [name, misfit] : misfits) {
+    misfit.group = out.size();
+    out.misfits.push_back(std::move(misfit));
+    out.groups.push_back({"misfit of " + name});
+    out.groups.back().least = problem.settings.least_misfit;
+  }
 }
 
 RandomEffects random_effects(const Problem& problem, const NoiseModel& noise,
@@ -160,7 +173,7 @@ RandomEffects random_effects(const Problem& problem, const NoiseModel& noise,
                                          noise.random.forces[d], problem.hypotheses.forces, first));
     first += datasets[d].rows;
   }
-  if (!in_windows(problem)) add_misfit(problem, datasets, out);
+  if (!in_windows(problem)) add_misfits(problem, datasets, out);
   int apart = 0;
   for (const DatasetWhitening& own : datasets) apart += own.apart;
   if (apart > 0) out.plain.emplace_back(first, apart);

@@ -114,7 +114,7 @@ Sight sight_of(const SignatureSpace& space, const SignatureCurve& curve,
                const CurvePoint& at_work) {
   const Settings& settings = space.problem->settings;
   const std::size_t candidates = space.problem->hypotheses.candidates.size();
-  const SignatureCurve own{curve.free, curve.bounds, {at_work}, {}, curve.misfit};
+  const SignatureCurve own{curve.free, curve.bounds, {at_work}, {}, curve.misfits};
   Sight sight;
   sight.log_odds = log_prior(1, candidates, settings) + std::log1p(-settings.prior_lacking) +
                    expected_log_evidence(at_work.signature, own) -
@@ -127,7 +127,8 @@ Sight sight_of(const SignatureSpace& space, const SignatureCurve& curve,
   const bool small = gain > settings.worth_small_gap &&
                      1.0 < (1.0 - settings.least_improvement_small_gap) * sight.gap;
   sight.named = sight.log_odds >= settings.worth && (plain || small);
-  const double spread = at_work.signature.norm() / space.misfit.variance(gain + gain);
+  const Vector& g = at_work.signature;
+  const double spread = g.cwiseQuotient(space.misfits.variances(g)).norm();
   if ((plain || small) && spread > 0.0)
     sight.chance =
         0.5 * std::erfc((settings.worth - sight.log_odds) / (spread * std::numbers::sqrt2));

@@ -29,51 +29,51 @@ double share_of_step(const Vector& from, const Vector& step, const SignatureCurv
 struct PointEvidence {
   double expected = -kInfinity;  ///< E log Z at the most probable u
   double achieved = -kInfinity;  ///< the same if it stayed at the point, which is simulated
-  double missed = kInfinity;     ///< |g_A - g_B|^2 there
+  Vector missed;                 ///< g_A - g_B at the most probable u
   Vector u;                      ///< the most probable
 };
 
-/// With the misfit's variance of all rows; r: what is left at the point.
-PointEvidence evidence_by(double variance, const Vector& r, const SignatureCurve& curve,
+/// With the misfits' variances of all rows; r: what is left at the point.
+PointEvidence evidence_by(const Vector& variances, const Vector& r, const SignatureCurve& curve,
                           const CurvePoint& point) {
   const Matrix& Y = point.slopes;
-  Matrix A = Y.transpose() * Y / variance;
+  const Matrix weighed = variances.cwiseInverse().asDiagonal() * Y;
+  Matrix A = Y.transpose() * weighed;
   A.diagonal().array() += 1.0;
   const Eigen::LLT<Matrix> factor(A);
   const Matrix covariance = factor.solve(Matrix::Identity(A.rows(), A.cols()));
-  const Vector step = factor.solve(Y.transpose() * r / variance - point.u);
+  const Vector step = factor.solve(weighed.transpose() * r - point.u);
   const Vector moved = share_of_step(point.u, step, curve) * step;
 
   const double log_det = 2.0 * factor.matrixLLT().diagonal().array().log().sum();
-  const double told = static_cast<double>(A.rows()) - covariance.trace();
-  const auto evidence = [&](const Vector& u, double missed) {
+  const double told = factor.solve(weighed.transpose() * weighed).trace();
+  const auto evidence = [&](const Vector& u, const Vector& missed) {
     const double mass = log_mass_ratio(curve.bounds[0], u[0], std::sqrt(covariance(0, 0)));
-    return -0.5 * (curve.misfit.cost(missed) + u.squaredNorm() + log_det - told / variance) + mass;
+    return -0.5 * (curve.misfits.cost(missed) + u.squaredNorm() + log_det - told) + mass;
   };
   PointEvidence out;
   out.u = point.u + moved;
-  out.missed = (r - Y * moved).squaredNorm();
+  out.missed = r - Y * moved;
   out.expected = evidence(out.u, out.missed);
-  out.achieved = evidence(point.u, r.squaredNorm());
+  out.achieved = evidence(point.u, r);
   return out;
 }
 
 PointEvidence evidence_at(const Vector& signature, const SignatureCurve& curve,
                           const CurvePoint& point) {
   const Vector r = signature - point.signature;
-  const Matrix& Y = point.slopes;
-  if (Y.cols() == 0) {
-    const double value = -0.5 * curve.misfit.cost(r.squaredNorm());
-    return {value, value, r.squaredNorm(), point.u};
+  if (point.slopes.cols() == 0) {
+    const double value = -0.5 * curve.misfits.cost(r);
+    return {value, value, r, point.u};
   }
 
   PointEvidence out;
-  double variance = curve.misfit.variance(r.squaredNorm());
+  Vector variances = curve.misfits.variances(r);
   for (int round = 0; round < kMisfitRounds; ++round) {
-    out = evidence_by(variance, r, curve, point);
-    const double likely = curve.misfit.variance(out.missed);
-    if (likely == variance) break;
-    variance = likely;
+    out = evidence_by(variances, r, curve, point);
+    const Vector likely = curve.misfits.variances(out.missed);
+    if (likely == variances) break;
+    variances = likely;
   }
   return out;
 }
@@ -100,11 +100,12 @@ double expected_log_evidence(const SignatureSpace& space, const Vector& signatur
 
 ExpectedEvidence evidence_along(const SignatureSpace& space, const Vector& signature,
                                 const SignatureCurve& curve) {
+  if (curve.points.empty()) return {};
   const Problem& problem = *space.problem;
   const double energy = signature.squaredNorm();
   PointEvidence best = best_of(signature, curve);
   for (int i = 0; i < problem.settings.relinearisations; ++i) {
-    const bool alike = best.missed < problem.settings.imitation_followed * energy;
+    const bool alike = best.missed.squaredNorm() < problem.settings.imitation_followed * energy;
     if (!alike || energy < problem.settings.indistinguishable_below) break;
     const Vector p = problem.hypotheses.unscaled(curve.free, best.u, problem.hypotheses.nominal());
     const auto point = curve_point(space, curve.free, p);
@@ -116,17 +117,18 @@ ExpectedEvidence evidence_along(const SignatureSpace& space, const Vector& signa
     if (nearer) best = std::move(next);
     if (!nearer || std::abs(gained) < problem.settings.lower_valley) break;
   }
-  return {best.expected, std::sqrt(best.missed) / curve.misfit.variance(best.missed)};
+  const Vector variances = curve.misfits.variances(best.missed);
+  return {best.expected, best.missed.cwiseQuotient(variances).norm()};
 }
 
-double expected_log_evidence_of_none(const Vector& signature, const MisfitShape& misfit) {
-  return -0.5 * misfit.cost(signature.squaredNorm());
+double expected_log_evidence_of_none(const Vector& signature, const MisfitShapes& misfits) {
+  return -0.5 * misfits.cost(signature);
 }
 
 double expected_log_weight_of_none(const SignatureSpace& space, const Vector& signature) {
   const Settings& settings = space.problem->settings;
   const double complete =
-      std::log1p(-settings.prior_lacking) + expected_log_evidence_of_none(signature, space.misfit);
+      std::log1p(-settings.prior_lacking) + expected_log_evidence_of_none(signature, space.misfits);
   if (space.random.size() == 0) return complete;
 
   // Rows of a misfit hold their noise as well, N in the mean; in blocks it adds half of the told.
@@ -145,10 +147,13 @@ double expected_log_weight_of_none(const SignatureSpace& space, const Vector& si
   for (int g = 0; g < space.random.size(); ++g)
     if (space.random.groups[g].force >= 0) of_forces += told[g];
   // as costs are counted from the least misfit on
-  const double v = space.misfit.variance(0.0), n = space.misfit.values;
-  const double least_misfit = n > 0.0 ? n / v + n * std::log(v) - n : 0.0;
+  double least_misfits = 0.0;
+  for (const MisfitShape& misfit : space.misfits.own) {
+    const double v = misfit.variance(0.0), n = misfit.values;
+    least_misfits += n / v + n * std::log(v) - n;
+  }
   const double lacking = linear_evidence(space.random, products, estimate.scales).log_evidence +
-                         estimate.log_cost + 0.5 * (of_forces + noise + least_misfit);
+                         estimate.log_cost + 0.5 * (of_forces + noise + least_misfits);
   return log_of_sum(complete, std::log(settings.prior_lacking) + lacking);
 }
 

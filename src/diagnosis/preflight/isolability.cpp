@@ -71,7 +71,7 @@ Matrix expected_log_bayes_factors(const SignatureSpace& space,
     const CurvePoint* stated = curves[a].stated();
     if (stated == nullptr) continue;
     own[a] = expected_log_evidence(stated->signature, curves[a]);
-    factors(a, n) = own[a] - expected_log_evidence_of_none(stated->signature, curves[a].misfit);
+    factors(a, n) = own[a] - expected_log_evidence_of_none(stated->signature, curves[a].misfits);
   }
 
   tbb::parallel_for(0, n * n, [&](int i) {

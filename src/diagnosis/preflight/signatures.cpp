@@ -79,6 +79,29 @@ double MisfitShape::cost(double missed) const {
   return own(missed, variance(missed)) - own(0.0, variance(0.0));
 }
 
+double MisfitShape::missed(const Vector& r) const {
+  double energy = 0.0;
+  for (const auto& [first, count] : spans) energy += r.segment(first, count).squaredNorm();
+  return energy;
+}
+
+double MisfitShapes::cost(const Vector& r) const {
+  double sum = r.squaredNorm();
+  for (const MisfitShape& misfit : own) {
+    const double missed = misfit.missed(r);
+    sum += misfit.cost(missed) - missed;
+  }
+  return sum;
+}
+
+Vector MisfitShapes::variances(const Vector& r) const {
+  Vector out = Vector::Ones(r.size());
+  for (const MisfitShape& misfit : own)
+    for (const auto& [first, count] : misfit.spans)
+      out.segment(first, count).setConstant(misfit.variance(misfit.missed(r)));
+  return out;
+}
+
 PlannedSpace space_of_data(const std::vector<trajectory::Dataset>& datasets,
                            const DiagnoseOptions& options, MissingForces forces) {
   PlannedSpace out;
@@ -107,11 +130,9 @@ PlannedSpace space_of_data(const std::vector<trajectory::Dataset>& datasets,
   if (forces == MissingForces::granted)
     space.random =
         without_tolerances(space.whitening.random, space.tolerances, space.whitening.rows);
-  for (const Misfit& misfit : space.whitening.random.misfits) {
-    space.misfit.values += misfit.values;
-    space.misfit.rows += misfit.rows;
-    space.misfit.least = problem.settings.least_misfit;
-  }
+  for (const Misfit& misfit : space.whitening.random.misfits)
+    space.misfits.own.push_back(
+        {misfit.values, misfit.rows, problem.settings.least_misfit, misfit.spans});
   number_channels(space);
   out.space = std::move(space);
   return out;
@@ -176,7 +197,7 @@ SignatureCurve signature_curve(const SignatureSpace& space, const std::vector<in
   const Vector nominal = hypotheses.nominal();
   SignatureCurve curve;
   curve.free = hypotheses.parameters_of(candidates);
-  curve.misfit = space.misfit;
+  curve.misfits = space.misfits;
   for (const int i : curve.free) curve.bounds.push_back(hypotheses.parameters[i].scaled_bounds());
   if (curve.free.empty()) {
     curve.points.push_back(

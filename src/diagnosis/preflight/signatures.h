@@ -14,6 +14,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "diagnosis/forward/problem.h"
@@ -23,19 +24,32 @@
 
 namespace jaculus::diagnosis {
 
-/// The misfit that a diagnosis grants every model under a plan (noise/random_effects.h): n of N
-/// rows.
-/// Of a model that misses L = |g_A - g_B|^2 on data of the mean energy L + N, at the most likely
-/// variance v = 1 + m, max(1 + L/n, that of the least misfit v_0),
+/// The misfit that a diagnosis grants every model under a plan in a coordinate
+/// (noise/random_effects.h): n of its N rows.
+/// Of a model that misses L = |g_A - g_B|^2 there, on data of the mean energy L + N, at the most
+/// likely variance v = 1 + m, max(1 + L/n, that of the least misfit v_0),
 ///   -2 log density = c(L) + what all models share,
 ///   c = (L + n)/v + n log v - (n/v_0 + n log v_0),
 /// so that differences count by n values and not by rows. n = 0: c(L) = L.
 struct MisfitShape {
-  double values = 0.0, rows = 0.0;  ///< n, N
-  double least = 0.0;               ///< least misfit [noise floors]
+  double values = 0.0, rows = 0.0;           ///< n, N
+  double least = 0.0;                        ///< least misfit [noise floors]
+  std::vector<std::pair<int, int>> spans{};  ///< of its rows: first, count
 
   [[nodiscard]] double variance(double missed) const;
   [[nodiscard]] double cost(double missed) const;
+  /// L of what is missed in all rows.
+  [[nodiscard]] double missed(const Vector& r) const;
+};
+
+/// Those of all coordinates; rows of none hold noise alone.
+struct MisfitShapes {
+  std::vector<MisfitShape> own;
+
+  /// Sum of c, rows of none as they are.
+  [[nodiscard]] double cost(const Vector& r) const;
+  /// v of every row.
+  [[nodiscard]] Vector variances(const Vector& r) const;
 };
 
 struct SignatureSpace {
@@ -44,7 +58,7 @@ struct SignatureSpace {
   std::vector<Vector> rows;  ///< predicted for the nominal robot, a dataset each [unit]
   Shrinkage tolerances;      ///< of white rows
   RandomEffects random;      ///< on rows without tolerances, one block; no groups: not asked for
-  MisfitShape misfit;
+  MisfitShapes misfits;
   std::vector<int> channel;  ///< of every row of the datasets, counted through all
   int channels = 0;
 };
@@ -86,7 +100,7 @@ struct SignatureCurve {
   std::vector<Bounds> bounds;      ///< of u
   std::vector<CurvePoint> points;  ///< empty: no point could be simulated
   Matrix plain;                    ///< T df/du at the least share, tolerances not marginalised
-  MisfitShape misfit{};            ///< of the space
+  MisfitShapes misfits{};          ///< of the space
 
   /// The point at the departure itself; null where it could not be simulated.
   [[nodiscard]] const CurvePoint* stated() const;
