@@ -175,6 +175,36 @@ TEST(Proposal, LeavesToDatasetsThatNoFitSawWhatEvidenceSetsApartUnclearly) {
   EXPECT_EQ(chosen(one, 9.0), other);
 }
 
+/// What is proposed of the first effect and of the twin, which is made to do what it does and more,
+/// by the parameter `more`, and to lead it by 0.3 nats at least.
+std::vector<int> named_beside_a_wider_one(const Vector& truth, int more) {
+  static const effects::Effect wider = [] {
+    effects::Effect effect;
+    effect.special_case = "first";
+    return effect;
+  }();
+  Fitted toy(truth);
+  toy.problem->hypotheses.candidates[2].parameters = {2, more};
+  toy.problem->hypotheses.candidates[2].effect = &wider;
+  std::erase_if(toy.search.models, [](const ModelFit& m) { return m.candidates.size() > 1; });
+  ModelFit& twin = toy.search.models[2];
+  twin.candidates = {2};
+  twin.fit = fit_model(*toy.problem, toy.comparison.whitening, {2, more}, {Vector::Zero(4)});
+  const double lead = toy.search.models[1].log_weight() + 0.3 - twin.log_weight();
+  twin.log_prior += std::max(0.0, lead);
+
+  const Posterior posterior = posterior_of(toy.search, {});
+  HeldOutGaps gaps = toy.gaps(posterior);
+  const Proposal proposal = propose(gaps);
+  EXPECT_TRUE(proposal.effects.front().others.empty());
+  return proposal.chosen.candidates;
+}
+
+TEST(Proposal, NamesTheSimplerEffectWhereNothingTellsWhatTheOtherHasMore) {
+  EXPECT_EQ(named_beside_a_wider_one(toy_truth(0.5, 0.0), 1), std::vector<int>{0});
+  EXPECT_EQ(named_beside_a_wider_one(toy_truth(0.5, 0.3), 1), std::vector<int>{2});
+}
+
 TEST(Proposal, NamesNothingWhereNoneIsProbable) {
   const Fitted toy(toy_truth(0.0, 0.0));
   const Posterior posterior = posterior_of(toy.search, {});

@@ -96,6 +96,27 @@ bool says_no_more(const HeldOutGaps& gaps, const ModelFit& model, int member, in
   return true;
 }
 
+/// The model with the simpler effect in place of each of which the data tell no more, where it is
+/// about as probable and held-out data are predicted as well: evidence hardly sets the two apart,
+/// for what nothing tells costs nothing, so that noise would choose the name.
+const ModelFit* with_simpler_members(HeldOutGaps& gaps, const ModelFit* model) {
+  const Settings& settings = gaps.settings();
+  for (const ModelFit* simpler = model; simpler != nullptr;) {
+    model = simpler;
+    simpler = nullptr;
+    for (const int member : model->candidates)
+      for (const Exchange& exchange : exchanges_of(gaps.posterior(), *model, member, settings)) {
+        const bool first =
+            simpler == nullptr || exchange.other->probability() > simpler->probability();
+        if (exchange.with == model && first &&
+            says_no_more(gaps, *exchange.other, exchange.by, member) &&
+            no_worse(gaps.of(*exchange.other).after, gaps.of(*model).after, settings))
+          simpler = exchange.other;
+      }
+  }
+  return model;
+}
+
 /// Everything that reaches a share of what effects explain, most probable first, as one place.
 Established any_listed(const Posterior& posterior, const Settings& settings) {
   const double by_effects = 1.0 - posterior.nothing_told() - posterior.unexplained;
@@ -171,7 +192,7 @@ Proposal propose(HeldOutGaps& gaps) {
     return {Naming::nothing, {}, *posterior.find({}), {}};
   if (posterior.unexplained > settings.likely) return {Naming::nothing, {}, *leading, {}};
 
-  leading = best_predicting(gaps);
+  leading = with_simpler_members(gaps, best_predicting(gaps));
   Proposal proposal = name_effects(posterior, *leading, settings);
   const ModelFit harmless = without_harmful_members(gaps, *leading);
   ModelFit kept = without_members_of_no_share(gaps, without_idle_members(gaps, harmless));
