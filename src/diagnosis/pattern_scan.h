@@ -5,7 +5,7 @@
 // About a model p, white residuals of the measured rows are
 //   r = sum_k Y_k b_k + e,   Y_k = M^-1/2 T df/db_k,   b_k ~ N(0, 1) prior scales,
 // f simulated with the force of a pattern k at work, tolerances and gains marginalised by M as in
-// preflight/signatures.h, e with the misfit of noise/random_effects.h of most likely size.
+// preflight/signatures.h, e with the misfits of noise/random_effects.h of most likely size.
 // Contacts, closures and free flight are the simulation's: a force at a foot acts where the foot
 // touches, and no coordinate has to be measured.
 //   gain of a set S:  G(S) = log Z(S) - log Z(nothing),  Z by linear algebra

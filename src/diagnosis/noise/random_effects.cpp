@@ -142,7 +142,9 @@ FixedPoint fixed_point(const RandomEffects& effects, const Products& products, c
     const Matrix by_u = gram.bottomRightCorner(n, n);
     const double energy = gram(0, 0) - 2.0 * mean.dot(gram.col(0).tail(n)) + mean.dot(by_u * mean) +
                           factor.solve(by_u).trace();
-    const double share = 1.0 - 1.0 / own.variance(scales[own.group]);
+    // At its least nothing was chosen.
+    const double least = own.variance(effects.groups[own.group].least);
+    const double share = 1.0 - least / own.variance(scales[own.group]);
     out.sums.told[own.group] = own.values * share * share;
     out.sums.squares[own.group] = std::max(0.0, energy / own.rows - 1.0);
   }

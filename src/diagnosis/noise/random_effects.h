@@ -6,10 +6,10 @@
 //   G  slopes by generalised forces over a window's boxes of time, a group a coordinate and band
 //      (force_bands.h)
 //
-// Under a plan a misfit in each coordinate that is measured. All trials have it, and it may have any
-// form: of the N rows of a coordinate, of all datasets, n values may be off by it, which ones is not
-// known (n: settings.discrepancy_modes of each dataset that measures it). With E = |r|^2 of these
-// rows, s the misfit's root mean square and 1 + m = 1 + s^2 N/n the variance of these values,
+// Under a plan a misfit in each coordinate that is measured. All trials have it, and it may have
+// any form: of the N rows of a coordinate, of all datasets, n values may be off by it, which ones
+// is not known (n: settings.discrepancy_modes of each dataset that measures it). With E = |r|^2 of
+// these rows, s the misfit's root mean square and 1 + m = 1 + s^2 N/n the variance of these values,
 //   -2 log density = (E - N + n)/(1 + m) + n log(1 + m) + N - n:
 // n values hold the misfit, the others noise alone. At the most likely m this is
 //   n log(1 + (E - N)/n) where E > N, else E,
@@ -19,10 +19,12 @@
 // follow from what they leave in each: they minimise the sum of the logarithms of the energies, not
 // of the energies (several responses of unknown variances: Box and Draper 1965; L2 calibration: Tuo
 // and Wu 2015). One size for all would let the coordinate whose sensor is best, a bus voltage good
-// to 2 mV, outvote the others whatever the plant holds of it. Granted instead as forces that act on
-// rows, V = I + G S^2 G^T, a misfit costs nothing along G, and a wrong model is fitted to what is
-// left there: fast details of impacts (Brynjarsdottir and O'Hagan 2014 and Plumlee 2017 on such
-// discrepancies, which make parameters meaningless).
+// to 2 mV, outvote the others whatever the plant holds of it. Limits of validity: such a sum may
+// have a valley for each coordinate that parameters can nearly explain, and a fit under a plan ends
+// in the one below plain least squares, where it sets out; channels of one coordinate share a size.
+// Granted instead as forces that act on rows, V = I + G S^2 G^T, a misfit costs nothing along G,
+// and a wrong model is fitted to what is left there: fast details of impacts (Brynjarsdottir and
+// O'Hagan 2014 and Plumlee 2017 on such discrepancies, which make parameters meaningless).
 //
 // The deviations s are unknown and belong to a model: a wrong model needs larger ones. They are
 // estimated for each by maximising its evidence (variance components; MacKay 1992, section 2;
@@ -156,8 +158,8 @@ Vector misfits_of(const RandomEffects& effects, const Vector& r, const Vector& s
 /// log det V of the misfits alone.
 double misfits_log_det(const RandomEffects& effects, const Vector& scales);
 
-/// Of each group, of how many of its w the data tell, X = [r Y]; of a misfit's values n
-/// (m/(1 + m))^2.
+/// Of each group, of how many of its w the data tell, X = [r Y]; of a misfit's values
+/// n (1 - v_0/v)^2, v = 1 + m and v_0 that of the least.
 Vector told_by(const RandomEffects& effects, const Products& products, const Vector& scales);
 
 }  // namespace jaculus::diagnosis

@@ -7,6 +7,7 @@
 
 #include "diagnosis/noise/force_bands.h"
 #include "diagnosis/noise/row_deviations.h"
+#include "jaculus/trajectory/quantity.h"
 
 namespace jaculus::diagnosis {
 namespace {
@@ -99,13 +100,6 @@ RandomBlock force_block(const DatasetWhitening& whitening, const SegmentBlock& s
   return block;
 }
 
-/// What a channel measures the motion of: "front_a" of the joint's angle, rate and current.
-std::string coordinate_of(const ObservedDataset& observed, const std::string& channel) {
-  for (const model::PlanarMotor& motor : observed.model.motors)
-    if (channel == motor.joint || channel.starts_with(motor.joint + "_")) return motor.joint;
-  return channel;
-}
-
 /// Takes out of a segment's nuisances those directions that stand apart from a misfit.
 void set_apart(double least, SegmentBlock& block) {
   Vector& shrink = block.nuisances.shrink;
@@ -124,32 +118,47 @@ Vector held_apart(const SegmentBlock& block) {
   return block.apart.U.rowwise().squaredNorm();
 }
 
-/// The misfits of the datasets under a plan, one a coordinate that any of them measures.
+/// Of each coordinate that datasets under a plan measure, a misfit without rows: whatever segments
+/// take part, their groups are the same. Channels of one coordinate tell of the same motion, its
+/// rate and its current too; an IMU's pitch is a sensor beside motion capture's, and counts apart.
+std::map<std::string, Misfit> measured_coordinates(const Problem& problem) {
+  std::map<std::string, Misfit> misfits;
+  for (const ObservedDataset& observed : problem.observations.datasets)
+    for (const Channel& channel : observed.channels)
+      if (!observed.measured_input) misfits[trajectory::parse_channel(channel.name).of];
+  return misfits;
+}
+
+/// The rows of a dataset, behind `first` white ones, in the misfits of their coordinates.
+void add_rows(const Problem& problem, const ObservedDataset& observed, const DatasetWhitening& own,
+              int first, std::map<std::string, Misfit>& misfits) {
+  Vector held = Vector::Zero(own.rows);
+  for (const SegmentBlock& block : own.blocks)
+    held.segment(block.first, block.count) = held_apart(block);
+
+  std::map<std::string, double> rows;
+  int at = 0;
+  for (const RowSpan& span : own.spans) {
+    const std::string name = trajectory::parse_channel(observed.channels[span.channel].name).of;
+    misfits.at(name).spans.emplace_back(first + at, span.count);
+    rows[name] += span.count - held.segment(at, span.count).sum();
+    at += span.count;
+  }
+  for (const auto& [name, count] : rows) {
+    misfits.at(name).rows += count;
+    misfits.at(name).values += std::min(double(problem.settings.discrepancy_modes), count);
+  }
+}
+
+/// The misfits of the datasets under a plan, one a coordinate.
 void add_misfits(const Problem& problem, const std::vector<DatasetWhitening>& datasets,
                  RandomEffects& out) {
-  std::map<std::string, Misfit> misfits;
+  std::map<std::string, Misfit> misfits = measured_coordinates(problem);
   int first = 0;
   for (int d = 0; d < count_of(datasets); ++d) {
     const ObservedDataset& observed = problem.observations.datasets[d];
-    const DatasetWhitening& own = datasets[d];
-    Vector held = Vector::Zero(own.rows);
-    for (const SegmentBlock& block : own.blocks)
-      held.segment(block.first, block.count) = held_apart(block);
-
-    std::map<std::string, double> rows;  // of this dataset
-    int at = 0;
-    for (const RowSpan& span : own.spans) {
-      if (observed.measured_input) break;
-      const std::string name = coordinate_of(observed, observed.channels[span.channel].name);
-      misfits[name].spans.emplace_back(first + at, span.count);
-      rows[name] += span.count - held.segment(at, span.count).sum();
-      at += span.count;
-    }
-    for (const auto& [name, count] : rows) {
-      misfits[name].rows += count;
-      misfits[name].values += std::min(double(problem.settings.discrepancy_modes), count);
-    }
-    first += own.rows;
+    if (!observed.measured_input) add_rows(problem, observed, datasets[d], first, misfits);
+    first += datasets[d].rows;
   }
   for (auto& [name, misfit] : misfits) {
     misfit.group = out.size();

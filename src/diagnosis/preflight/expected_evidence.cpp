@@ -9,7 +9,9 @@
 namespace jaculus::diagnosis {
 namespace {
 
-constexpr int kMisfitRounds = 4;  ///< of the misfit that a model's best point leaves
+/// Of weights by the misfits that a model's best point leaves, and by what they still change then.
+constexpr int kMisfitRounds = 20;
+constexpr double kStays = 1e-3;
 
 /// How much of a step from `from` keeps every parameter within its bounds and its reach: from
 /// nominal to twice as far, or a prior scale where that is more.
@@ -72,7 +74,7 @@ PointEvidence evidence_at(const Vector& signature, const SignatureCurve& curve,
   for (int round = 0; round < kMisfitRounds; ++round) {
     out = evidence_by(variances, r, curve, point);
     const Vector likely = curve.misfits.variances(out.missed);
-    if (likely == variances) break;
+    if ((likely - variances).cwiseAbs().maxCoeff() <= kStays * variances.minCoeff()) break;
     variances = likely;
   }
   return out;
@@ -100,10 +102,10 @@ double expected_log_evidence(const SignatureSpace& space, const Vector& signatur
 
 ExpectedEvidence evidence_along(const SignatureSpace& space, const Vector& signature,
                                 const SignatureCurve& curve) {
-  if (curve.points.empty()) return {};
   const Problem& problem = *space.problem;
   const double energy = signature.squaredNorm();
   PointEvidence best = best_of(signature, curve);
+  if (!std::isfinite(best.expected)) return {};
   for (int i = 0; i < problem.settings.relinearisations; ++i) {
     const bool alike = best.missed.squaredNorm() < problem.settings.imitation_followed * energy;
     if (!alike || energy < problem.settings.indistinguishable_below) break;

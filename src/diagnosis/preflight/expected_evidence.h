@@ -7,8 +7,8 @@
 // the point's reach and the bounds,
 //   E log Z = -(c(g - g_k - Y (u - u_k)) + |u|^2 + log det A - tr(A^-1 Y^T W^2 Y))/2
 //             + log of the posterior's mass within bounds of the first parameter over the prior's,
-//   A = I + Y^T W Y,   c and W = diag(1/v): of the misfits (signatures.h); without any c(r) = |r|^2,
-//   W = I,
+//   A = I + Y^T W Y,   c and W = diag(1/v): of the misfits (signatures.h); without any
+//   c(r) = |r|^2 and W = I,
 // up to a constant of the rows: E|e|^2 and what a fit takes of it are the same for all models but
 // for the trace, without misfits the number of parameters that data tell. The best point counts. So
 //   expected log Bayes factor of A against B = E log Z_A - E log Z_B,   data with A at work,

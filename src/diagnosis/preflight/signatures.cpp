@@ -96,9 +96,10 @@ double MisfitShapes::cost(const Vector& r) const {
 
 Vector MisfitShapes::variances(const Vector& r) const {
   Vector out = Vector::Ones(r.size());
-  for (const MisfitShape& misfit : own)
-    for (const auto& [first, count] : misfit.spans)
-      out.segment(first, count).setConstant(misfit.variance(misfit.missed(r)));
+  for (const MisfitShape& misfit : own) {
+    const double variance = misfit.variance(misfit.missed(r));
+    for (const auto& [first, count] : misfit.spans) out.segment(first, count).setConstant(variance);
+  }
   return out;
 }
 
