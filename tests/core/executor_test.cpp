@@ -80,6 +80,24 @@ std::uintmax_t times_called(const fs::path& folder) {
   return fs::file_size(folder / "calls");
 }
 
+/// Whether the fake cluster is about to kill this task's worker: it does so once the first element
+/// of the first job has begun two tasks.
+bool about_to_be_killed(const fs::path& folder) {
+  const auto environment = [](const char* name) {
+    const char* value = std::getenv(name);
+    return std::string(value != nullptr ? value : "");
+  };
+  const std::string own =
+      environment("SLURM_ARRAY_JOB_ID") + "." + environment("SLURM_ARRAY_TASK_ID");
+  if (environment("SLURM_RESTART_COUNT") != "0" ||
+      (own != environment("FAKE_SLURM_KILL") && own != environment("FAKE_SLURM_REQUEUE")))
+    return false;
+  std::ifstream begun(folder / "jobs/list/begun" / (own + ".0"));
+  int tasks = 0;
+  for (std::string line; std::getline(begun, line);) ++tasks;
+  return tasks >= 2;
+}
+
 /// The list of tasks that the test submits, and the worker runs.
 std::vector<TaskResult> run_list(const fs::path& folder, const std::string& fingerprint,
                                  std::string* notices, std::optional<int> limit = {}) {
@@ -102,6 +120,10 @@ std::vector<TaskResult> run_list(const fs::path& folder, const std::string& fing
 
   const auto task = [&](int i) {
     usleep(30'000);
+    // However slow the machine, the second task is in flight when its worker is killed.
+    const pid_t worker = getppid();
+    for (int k = 0; k < 1000 && getppid() == worker && about_to_be_killed(folder); ++k)
+      usleep(30'000);
     if (wrong == "throws" && i % 20 == 7) throw std::runtime_error("no such thing");
     if (wrong == "kills" && i == 9) kill(getppid(), SIGKILL);  // its worker: memory ran out, say
     if (wrong == "kills_four_times" && i == 9 && times_called(folder) <= 4)
