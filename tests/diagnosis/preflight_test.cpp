@@ -123,7 +123,7 @@ TEST(MisfitShape, CountsWhatIsMissedByValuesAndNotByRows) {
   EXPECT_EQ(none.cost(170.0), 170.0);
   EXPECT_EQ(none.variance(170.0), 1.0);
 
-  const diagnosis::MisfitShape misfit{6.0, 3000.0, 0.3};
+  const diagnosis::MisfitShape misfit{{0, 6.0, 3000.0, {}}, 0.3};
   const double least = 1.0 + 0.09 * 3000.0 / 6.0;
   EXPECT_NEAR(misfit.variance(0.0), least, 1e-12);
   EXPECT_EQ(misfit.cost(0.0), 0.0);

@@ -198,6 +198,12 @@ Vector next_squares(const RandomEffects& effects, const GroupSums& sums, const V
 
 double Misfit::variance(double s) const { return values > 0.0 ? 1.0 + s * s * rows / values : 1.0; }
 
+double Misfit::energy(const Vector& r) const {
+  double sum = 0.0;
+  for (const auto& [first, count] : spans) sum += r.segment(first, count).squaredNorm();
+  return sum;
+}
+
 double Misfit::log_det(double s) const {
   const double own = variance(s);
   return values * std::log(own) + (rows - values) * (1.0 - 1.0 / own);
@@ -326,9 +332,8 @@ ScaleEstimate estimated_scales(const RandomEffects& effects, const Products& pro
 Vector misfits_of(const RandomEffects& effects, const Vector& r, const Vector& scales) {
   Vector out = scales;
   for (const Misfit& misfit : effects.misfits) {
-    double energy = 0.0;
-    for (const auto& [first, count] : misfit.spans) energy += r.segment(first, count).squaredNorm();
-    const double square = misfit.rows > 0.0 ? std::max(0.0, energy / misfit.rows - 1.0) : 0.0;
+    const double square =
+        misfit.rows > 0.0 ? std::max(0.0, misfit.energy(r) / misfit.rows - 1.0) : 0.0;
     const RandomGroup& group = effects.groups[misfit.group];
     out[misfit.group] = std::clamp(std::sqrt(square), group.least, group.largest);
   }

@@ -75,6 +75,8 @@ struct Misfit {
 
   /// 1 + m of a misfit of root mean square s.
   [[nodiscard]] double variance(double s) const;
+  /// E, |r|^2 of its rows, of all white rows r.
+  [[nodiscard]] double energy(const Vector& r) const;
   /// Its part of log det V, n log(1 + m) + (N - n) m/(1 + m).
   [[nodiscard]] double log_det(double s) const;
 };

@@ -9,9 +9,10 @@
 namespace jaculus::diagnosis {
 namespace {
 
-/// Of weights by the misfits that a model's best point leaves, and by what they still change then.
+// Of a method, not of a diagnosis: weights by the misfits that a model's best point leaves are
+// taken anew so often at most, or until none changes by this share. Chosen.
 constexpr int kMisfitRounds = 20;
-constexpr double kStays = 1e-3;
+constexpr double kWeightsStay = 1e-3;
 
 /// How much of a step from `from` keeps every parameter within its bounds and its reach: from
 /// nominal to twice as far, or a prior scale where that is more.
@@ -74,7 +75,7 @@ PointEvidence evidence_at(const Vector& signature, const SignatureCurve& curve,
   for (int round = 0; round < kMisfitRounds; ++round) {
     out = evidence_by(variances, r, curve, point);
     const Vector likely = curve.misfits.variances(out.missed);
-    if ((likely - variances).cwiseAbs().maxCoeff() <= kStays * variances.minCoeff()) break;
+    if ((likely - variances).cwiseAbs().maxCoeff() <= kWeightsStay * variances.minCoeff()) break;
     variances = likely;
   }
   return out;
@@ -151,7 +152,7 @@ double expected_log_weight_of_none(const SignatureSpace& space, const Vector& si
   // as costs are counted from the least misfit on
   double least_misfits = 0.0;
   for (const MisfitShape& misfit : space.misfits.own) {
-    const double v = misfit.variance(0.0), n = misfit.values;
+    const double v = misfit.variance(0.0), n = misfit.of.values;
     least_misfits += n / v + n * std::log(v) - n;
   }
   const double lacking = linear_evidence(space.random, products, estimate.scales).log_evidence +

@@ -67,28 +67,21 @@ std::optional<std::vector<std::vector<Vector>>> raw_slopes(const SignatureSpace&
 }  // namespace
 
 double MisfitShape::variance(double missed) const {
-  if (values <= 0.0) return 1.0;
-  return 1.0 + std::max(least * least * rows, missed) / values;
+  if (of.values <= 0.0) return 1.0;
+  return std::max(of.variance(least), 1.0 + missed / of.values);
 }
 
 double MisfitShape::cost(double missed) const {
-  if (values <= 0.0) return missed;
-  const auto own = [this](double energy, double v) {
-    return (energy + values) / v + values * std::log(v);
-  };
+  const double n = of.values;
+  if (n <= 0.0) return missed;
+  const auto own = [n](double energy, double v) { return (energy + n) / v + n * std::log(v); };
   return own(missed, variance(missed)) - own(0.0, variance(0.0));
-}
-
-double MisfitShape::missed(const Vector& r) const {
-  double energy = 0.0;
-  for (const auto& [first, count] : spans) energy += r.segment(first, count).squaredNorm();
-  return energy;
 }
 
 double MisfitShapes::cost(const Vector& r) const {
   double sum = r.squaredNorm();
   for (const MisfitShape& misfit : own) {
-    const double missed = misfit.missed(r);
+    const double missed = misfit.of.energy(r);
     sum += misfit.cost(missed) - missed;
   }
   return sum;
@@ -97,8 +90,9 @@ double MisfitShapes::cost(const Vector& r) const {
 Vector MisfitShapes::variances(const Vector& r) const {
   Vector out = Vector::Ones(r.size());
   for (const MisfitShape& misfit : own) {
-    const double variance = misfit.variance(misfit.missed(r));
-    for (const auto& [first, count] : misfit.spans) out.segment(first, count).setConstant(variance);
+    const double variance = misfit.variance(misfit.of.energy(r));
+    for (const auto& [first, count] : misfit.of.spans)
+      out.segment(first, count).setConstant(variance);
   }
   return out;
 }
@@ -132,8 +126,7 @@ PlannedSpace space_of_data(const std::vector<trajectory::Dataset>& datasets,
     space.random =
         without_tolerances(space.whitening.random, space.tolerances, space.whitening.rows);
   for (const Misfit& misfit : space.whitening.random.misfits)
-    space.misfits.own.push_back(
-        {misfit.values, misfit.rows, problem.settings.least_misfit, misfit.spans});
+    space.misfits.own.push_back({misfit, problem.settings.least_misfit});
   number_channels(space);
   out.space = std::move(space);
   return out;

@@ -14,7 +14,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "diagnosis/forward/problem.h"
@@ -32,14 +31,11 @@ namespace jaculus::diagnosis {
 ///   c = (L + n)/v + n log v - (n/v_0 + n log v_0),
 /// so that differences count by n values and not by rows. n = 0: c(L) = L.
 struct MisfitShape {
-  double values = 0.0, rows = 0.0;           ///< n, N
-  double least = 0.0;                        ///< least misfit [noise floors]
-  std::vector<std::pair<int, int>> spans{};  ///< of its rows: first, count
+  Misfit of{};         ///< n, N and its rows
+  double least = 0.0;  ///< least misfit [noise floors]
 
   [[nodiscard]] double variance(double missed) const;
   [[nodiscard]] double cost(double missed) const;
-  /// L of what is missed in all rows.
-  [[nodiscard]] double missed(const Vector& r) const;
 };
 
 /// Those of all coordinates; rows of none hold noise alone.
