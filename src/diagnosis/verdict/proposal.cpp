@@ -77,43 +77,53 @@ std::vector<int> predicting(HeldOutGaps& gaps, const ModelFit& model, const Esta
   return kept;
 }
 
-/// Whether a stand-in is the member itself with parameters more, of which the data tell none: dry
-/// friction that may differ by direction, and doesn't.
-bool says_no_more(const HeldOutGaps& gaps, const ModelFit& model, int member, int other) {
-  const Hypotheses& hypotheses = gaps.problem().hypotheses;
-  if (!extends(hypotheses, other, member)) return false;
-  const Candidate& more = hypotheses.candidates[other];
-  const ModelFit* with = gaps.posterior().find(exchanged(model.candidates, member, other));
-  if (with == nullptr) return false;
-  for (std::size_t k = 1; k < more.parameters.size(); ++k) {
-    const FreeParameter& own = hypotheses.parameters[more.parameters[k]];
-    const int place = index_of(with->fit.free, more.parameters[k]);
-    const double deviation = own.scale * std::sqrt(with->fit.covariance(place, place));
-    if (std::abs(with->fit.p[more.parameters[k]] - own.nominal) >
+/// Whether the data tell none of the parameters that a candidate has beside its first.
+bool tells_first_alone(const Hypotheses& hypotheses, const ModelFit& model, int candidate) {
+  const Candidate& own = hypotheses.candidates[candidate];
+  for (std::size_t k = 1; k < own.parameters.size(); ++k) {
+    const FreeParameter& more = hypotheses.parameters[own.parameters[k]];
+    const int place = index_of(model.fit.free, own.parameters[k]);
+    const double deviation = more.scale * std::sqrt(model.fit.covariance(place, place));
+    if (std::abs(model.fit.p[own.parameters[k]] - more.nominal) >
         quantiles::kTwoSided95 * deviation)
       return false;
   }
   return true;
 }
 
-/// The model with the simpler effect in place of each of which the data tell no more, where it is
-/// about as probable and held-out data are predicted as well: evidence hardly sets the two apart,
-/// for what nothing tells costs nothing, so that noise would choose the name.
-const ModelFit* with_simpler_members(HeldOutGaps& gaps, const ModelFit* model) {
+/// Whether a stand-in is the member itself with parameters more, of which the data tell none: dry
+/// friction that may differ by direction, and doesn't.
+bool says_no_more(const HeldOutGaps& gaps, const ModelFit& model, int member, int other) {
+  const Hypotheses& hypotheses = gaps.problem().hypotheses;
+  if (!extends(hypotheses, other, member)) return false;
+  const ModelFit* with = gaps.posterior().find(exchanged(model.candidates, member, other));
+  return with != nullptr && tells_first_alone(hypotheses, *with, other);
+}
+
+/// The most probable model with the simpler effect in place of one of which the data tell no more,
+/// where it is about as probable and held-out data are predicted as well; null where there is none.
+const ModelFit* simpler_model(HeldOutGaps& gaps, const ModelFit& model) {
   const Settings& settings = gaps.settings();
-  for (const ModelFit* simpler = model; simpler != nullptr;) {
-    model = simpler;
-    simpler = nullptr;
-    for (const int member : model->candidates)
-      for (const Exchange& exchange : exchanges_of(gaps.posterior(), *model, member, settings)) {
-        const bool first =
-            simpler == nullptr || exchange.other->probability() > simpler->probability();
-        if (exchange.with == model && first &&
-            says_no_more(gaps, *exchange.other, exchange.by, member) &&
-            no_worse(gaps.of(*exchange.other).after, gaps.of(*model).after, settings))
-          simpler = exchange.other;
-      }
+  const Hypotheses& hypotheses = gaps.problem().hypotheses;
+  const ModelFit* best = nullptr;
+  for (const Members& members : plainer_sets(hypotheses, model.candidates)) {
+    const ModelFit* other = gaps.posterior().find(members);
+    if (other == nullptr || other->probability() < settings.listed * model.probability()) continue;
+    if (best != nullptr && other->probability() <= best->probability()) continue;
+    const int richer = *std::find_if(model.candidates.begin(), model.candidates.end(),
+                                     [&](int c) { return !contains(members, c); });
+    if (tells_first_alone(hypotheses, model, richer) &&
+        no_worse(gaps.of(*other).after, gaps.of(model).after, settings))
+      best = other;
   }
+  return best;
+}
+
+/// The model with the simpler effect in place of each of which the data tell no more: evidence
+/// hardly sets the two apart, for what nothing tells costs nothing, so that noise would choose the
+/// name.
+const ModelFit* with_simpler_members(HeldOutGaps& gaps, const ModelFit* model) {
+  while (const ModelFit* simpler = simpler_model(gaps, *model)) model = simpler;
   return model;
 }
 
