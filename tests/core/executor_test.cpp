@@ -80,13 +80,14 @@ std::uintmax_t times_called(const fs::path& folder) {
   return fs::file_size(folder / "calls");
 }
 
+std::string environment(const char* name) {
+  const char* value = std::getenv(name);
+  return value != nullptr ? value : "";
+}
+
 /// Whether the fake cluster is about to kill this task's worker: it does so once the first element
 /// of the first job has begun two tasks.
 bool about_to_be_killed(const fs::path& folder) {
-  const auto environment = [](const char* name) {
-    const char* value = std::getenv(name);
-    return std::string(value != nullptr ? value : "");
-  };
   const std::string own =
       environment("SLURM_ARRAY_JOB_ID") + "." + environment("SLURM_ARRAY_TASK_ID");
   if (environment("SLURM_RESTART_COUNT") != "0" ||
@@ -101,8 +102,7 @@ bool about_to_be_killed(const fs::path& folder) {
 /// The list of tasks that the test submits, and the worker runs.
 std::vector<TaskResult> run_list(const fs::path& folder, const std::string& fingerprint,
                                  std::string* notices, std::optional<int> limit = {}) {
-  const char* fault = std::getenv("JACULUS_TEST_FAULT");
-  const std::string wrong = fault != nullptr ? fault : "";
+  const std::string wrong = environment("JACULUS_TEST_FAULT");
   Executor executor{folder / "jobs",
                     {"/proc/self/exe", "--gtest_also_run_disabled_tests",
                      "--gtest_filter=ExecutorHelper.DISABLED_Worker"}};
