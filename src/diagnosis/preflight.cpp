@@ -166,15 +166,19 @@ void try_motions(const Plan& plan, Preflight& out) {
                    [](const auto& a, const auto& b) { return a.information > b.information; });
 }
 
-PlannedPair planned_pair(const CandidatePair& pair, const std::vector<Candidate>& candidates,
-                         const std::vector<double>& seen, const Settings& settings) {
-  PlannedPair out{candidates[pair.a].name, candidates[pair.b].name, pair.told_a, pair.told_b};
-  out.with_a = telling_of(pair.told_a, pair.spread_a, seen[pair.a], settings);
-  out.with_b = telling_of(pair.told_b, pair.spread_b, seen[pair.b], settings);
-  if (out.with_a != Telling::not_judged)
-    out.chance_a = telling_chances(pair.told_a, pair.spread_a, seen[pair.a], settings).told;
-  if (out.with_b != Telling::not_judged)
-    out.chance_b = telling_chances(pair.told_b, pair.spread_b, seen[pair.b], settings).told;
+PlannedPair planned_pair(const CandidatePair& pair, const Plan& plan) {
+  const Settings& settings = plan.settings();
+  const Hypotheses& hypotheses = plan.hypotheses();
+  const TellingWay a{pair.told_a, pair.spread_a, plan.chance[pair.a],
+                     rival_of(hypotheses, pair.a, pair.b)};
+  const TellingWay b{pair.told_b, pair.spread_b, plan.chance[pair.b],
+                     rival_of(hypotheses, pair.b, pair.a)};
+  PlannedPair out{hypotheses.candidates[pair.a].name, hypotheses.candidates[pair.b].name,
+                  pair.told_a, pair.told_b};
+  out.with_a = telling_of(a, settings);
+  out.with_b = telling_of(b, settings);
+  if (out.with_a != Telling::not_judged) out.chance_a = telling_chances(a, settings).told;
+  if (out.with_b != Telling::not_judged) out.chance_b = telling_chances(b, settings).told;
   out.structural = pair.structural(settings);
   const auto told = [](Telling way) { return way == Telling::told || way == Telling::not_judged; };
   out.tellable = told(out.with_a) && told(out.with_b);
@@ -182,10 +186,8 @@ PlannedPair planned_pair(const CandidatePair& pair, const std::vector<Candidate>
 }
 
 void add_pairs(const Plan& plan, Preflight& out) {
-  const Settings& settings = plan.settings();
   const std::vector<Candidate>& candidates = plan.hypotheses().candidates;
-  for (const CandidatePair& pair : plan.pairs)
-    out.pairs.push_back(planned_pair(pair, candidates, plan.chance, settings));
+  for (const CandidatePair& pair : plan.pairs) out.pairs.push_back(planned_pair(pair, plan));
   for (const std::vector<int>& set : connected_sets(not_told(plan), count_of(candidates))) {
     out.sets.emplace_back();
     for (const int c : set) out.sets.back().push_back(candidates[c].name);

@@ -141,15 +141,26 @@ TEST(Telling, IsOpenWhereNoiseDecides) {
   const diagnosis::Settings settings;
   using diagnosis::Telling;
   // P(N(2.5, sqrt 5) >= 3) = 0.41: neither told nor ambiguous for sure.
-  const auto chances = diagnosis::telling_chances(2.5, std::sqrt(5.0), 1.0, settings);
+  const auto chances = diagnosis::telling_chances({2.5, std::sqrt(5.0), 1.0}, settings);
   EXPECT_NEAR(chances.told, 0.4115, 1e-3);
   EXPECT_NEAR(chances.told + chances.ambiguous + chances.taken, 1.0, 1e-12);
-  EXPECT_EQ(telling_of(2.5, std::sqrt(5.0), 1.0, settings), Telling::open);
-  EXPECT_EQ(telling_of(2.5, 0.1, 1.0, settings), Telling::ambiguous);
-  EXPECT_EQ(telling_of(40.0, 9.0, 1.0, settings), Telling::told);
-  EXPECT_EQ(telling_of(-9.0, 1.0, 1.0, settings), Telling::taken);
-  EXPECT_EQ(telling_of(40.0, 9.0, 0.6, settings), Telling::open) << "not named in four of ten";
-  EXPECT_EQ(telling_of(kNaN, 1.0, 1.0, settings), Telling::not_judged);
+  EXPECT_EQ(telling_of({2.5, std::sqrt(5.0), 1.0}, settings), Telling::open);
+  EXPECT_EQ(telling_of({2.5, 0.1, 1.0}, settings), Telling::ambiguous);
+  EXPECT_EQ(telling_of({40.0, 9.0, 1.0}, settings), Telling::told);
+  EXPECT_EQ(telling_of({-9.0, 1.0, 1.0}, settings), Telling::taken);
+  EXPECT_EQ(telling_of({40.0, 9.0, 0.6}, settings), Telling::open) << "not named in four of ten";
+  EXPECT_EQ(telling_of({kNaN, 1.0, 1.0}, settings), Telling::not_judged);
+}
+
+TEST(Telling, NamesTheSimplerOfTwoWhereNothingTellsMore) {
+  const diagnosis::Settings settings;
+  using diagnosis::Rival;
+  using diagnosis::Telling;
+  EXPECT_EQ(telling_of({2.0, 0.1, 1.0, Rival::richer}, settings), Telling::told);
+  EXPECT_EQ(telling_of({-4.0, 0.1, 1.0, Rival::richer}, settings), Telling::taken);
+  EXPECT_EQ(telling_of({-2.0, 0.1, 1.0, Rival::simpler}, settings), Telling::taken);
+  EXPECT_EQ(telling_of({2.0, 0.1, 1.0, Rival::simpler}, settings), Telling::ambiguous);
+  EXPECT_EQ(telling_of({9.0, 0.1, 1.0, Rival::simpler}, settings), Telling::told);
 }
 
 TEST(SineToSpan, IsZeroWithinAndOneAcross) {

@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "diagnosis/noise/log_probability.h"
+#include "diagnosis/selection/neighbouring_sets.h"
 
 namespace jaculus::diagnosis {
 namespace {
@@ -22,20 +23,25 @@ Vector single_priors(int singles, const Settings& settings) {
 
 }  // namespace
 
-TellingChances telling_chances(double expected, double spread, double seen,
-                               const Settings& settings) {
-  const double least = settings.indistinguishable_below;
-  const auto below = [&](double level) {
-    if (!(spread > 0.0)) return expected < level ? 1.0 : 0.0;
-    return 0.5 * std::erfc((expected - level) / (spread * std::numbers::sqrt2));
-  };
-  const double under = below(least), taken = below(-least);
-  return {seen * (1.0 - under), seen * (under - taken), taken};
+Rival rival_of(const Hypotheses& hypotheses, int at_work, int rival) {
+  if (extends(hypotheses, rival, at_work)) return Rival::richer;
+  return extends(hypotheses, at_work, rival) ? Rival::simpler : Rival::unlike;
 }
 
-Telling telling_of(double expected, double spread, double seen, const Settings& settings) {
-  if (std::isnan(expected)) return Telling::not_judged;
-  const TellingChances chances = telling_chances(expected, spread, seen, settings);
+TellingChances telling_chances(const TellingWay& way, const Settings& settings) {
+  const double least = settings.indistinguishable_below;
+  const auto below = [&](double level) {
+    if (!(way.spread > 0.0)) return way.expected < level ? 1.0 : 0.0;
+    return 0.5 * std::erfc((way.expected - level) / (way.spread * std::numbers::sqrt2));
+  };
+  const double under = below(way.rival == Rival::richer ? -least : least);
+  const double taken = below(way.rival == Rival::simpler ? 0.0 : -least);
+  return {way.seen * (1.0 - under), way.seen * (under - taken), taken};
+}
+
+Telling telling_of(const TellingWay& way, const Settings& settings) {
+  if (std::isnan(way.expected)) return Telling::not_judged;
+  const TellingChances chances = telling_chances(way, settings);
   if (chances.told >= settings.telling_chance) return Telling::told;
   if (chances.ambiguous >= settings.telling_chance) return Telling::ambiguous;
   return chances.taken >= settings.telling_chance ? Telling::taken : Telling::open;

@@ -9,25 +9,43 @@
 // Statistically: A is told from B if the expected log Bayes factor, data with A at work and B at
 // what imitates it best, reaches settings.indistinguishable_below, by which a diagnosis lists
 // rivals; below that either is named, and where it is as much below zero B alone. Both ways, for B
-// may imitate A and A not B.
+// may imitate A and A not B. Of an effect and another that is it with parameters more, these being
+// nominal here, a diagnosis names the simpler one where data tell none of them.
 
 #include "diagnosis/preflight/expected_evidence.h"
 #include "jaculus/diagnosis/preflight.h"
 
 namespace jaculus::diagnosis {
 
-/// What a diagnosis would make of data with an effect at work beside another. Its log Bayes factor
-/// L is normal, of mean `expected` and deviation `spread` (expected_evidence.h), and the effect is
-/// named at all in a share `seen` of the data:
-///   told seen P(L >= 3), ambiguous seen P(-3 < L < 3), taken P(L <= -3).
-/// The mean alone does not decide: of L = 2.5 +- 2.2 four in ten are told.
+/// How a rival goes with the effect at work.
+enum class Rival {
+  unlike,  ///< neither is the other with parameters more
+  richer,  ///< the rival is
+  simpler  ///< the effect at work is
+};
+Rival rival_of(const Hypotheses& hypotheses, int at_work, int rival);
+
+/// A pair one way round: its log Bayes factor L is normal (expected_evidence.h), and the effect at
+/// work is named at all in a share `seen` of the data.
+struct TellingWay {
+  double expected = kNaN;  ///< mean of L; NaN: not judged
+  double spread = 0.0;     ///< deviation of L by noise
+  double seen = 0.0;
+  Rival rival = Rival::unlike;
+};
+
+/// What a diagnosis would make of data with an effect at work beside another:
+///   told seen P(L >= 3), ambiguous seen P(-3 < L < 3), taken P(L <= -3);
+/// of a richer rival told seen P(L > -3), beside a simpler one taken P(L <= 0), ambiguous from
+/// there on. That zero stands for the L from which the richer one's other parameters, nominal here,
+/// would by noise lie outside of their 95 % intervals: 1.92, for what they gain then, less what
+/// their priors cost. The mean alone does not decide: of L = 2.5 +- 2.2 four in ten are told.
 struct TellingChances {
   double told = 0.0, ambiguous = 0.0, taken = 0.0;
 };
-TellingChances telling_chances(double expected, double spread, double seen,
-                               const Settings& settings);
-/// The one whose chance is settings.telling_chance or more, else open; NaN: not judged.
-Telling telling_of(double expected, double spread, double seen, const Settings& settings);
+TellingChances telling_chances(const TellingWay& way, const Settings& settings);
+/// The one whose chance is settings.telling_chance or more, else open.
+Telling telling_of(const TellingWay& way, const Settings& settings);
 
 /// Two candidates. What is of `a` is with a at work and b as rival.
 struct CandidatePair {
