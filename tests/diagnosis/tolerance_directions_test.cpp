@@ -86,6 +86,8 @@ TEST(TolerancePart, TakesFrictionsOfOneQuantityTogether) {
   leaning << 0.1, -0.2;
   const Matrix by_way = part_of(robot, "joint_directional_friction", leaning, directions);
   EXPECT_NEAR(by_way(0, elbow), 0.5 * deviation, 1e-9);
+  // The same difference between both ways is a smaller share of more friction.
+  EXPECT_NEAR(by_way(1, elbow), 0.2 * 0.5 * deviation / 0.1, 1e-6);
 }
 
 TEST(ToleranceDirections, ALoggedInputHasNoLoopToBeOff) {

@@ -21,20 +21,24 @@ constexpr Bounds kNotNegative{0.0, 2.0};
 using Move = std::function<void(double, Plant&)>;
 using Read = std::function<double(const Plant&)>;
 
-Read in_deviations(Read read, double deviation) {
-  if (!read) return {};
-  return
-      [read = std::move(read), deviation](const Plant& plant) { return read(plant) / deviation; };
+using Reads = std::vector<Read>;
+
+Reads in_deviations(Reads reads, double deviation) {
+  for (Read& read : reads)
+    read = [inner = std::move(read), deviation](const Plant& plant) {
+      return inner(plant) / deviation;
+    };
+  return reads;
 }
 
-void add(Directions& directions, double deviation, const std::string& name, Move move, Read read,
+void add(Directions& directions, double deviation, const std::string& name, Move move, Reads reads,
          bool geometry = false) {
   if (deviation == 0.0) return;
   directions.push_back({name, kWithin, geometry,
                         [deviation, move = std::move(move)](double e, Plant& plant, Controller&) {
                           move(deviation * e, plant);
                         },
-                        in_deviations(std::move(read), deviation)});
+                        in_deviations(std::move(reads), deviation)});
 }
 
 /// Everything that is fixed to a body at a distance from its joint.
@@ -67,23 +71,19 @@ void add_link(Directions& directions, const PlanarModel& model, int b, const mod
       b == 0 && !model.base_free[0] && !model.base_free[1] && !model.base_free[2];
   if (body.mass > 0.0 && !base_held) {
     const double mass = body.mass, inertia = body.inertia;
-    add(
-        directions, t.mass, "mass of " + body.name,
+    add(directions, t.mass, "mass of " + body.name,
         [b](double d, Plant& plant) { plant.model.bodies[b].mass *= 1.0 + d; },
-        [b, mass](const Plant& plant) { return plant.model.bodies[b].mass / mass; });
+        {[b, mass](const Plant& plant) { return plant.model.bodies[b].mass / mass; }});
     if (inertia > 0.0)
-      add(
-          directions, t.inertia, "inertia of " + body.name,
+      add(directions, t.inertia, "inertia of " + body.name,
           [b](double d, Plant& plant) { plant.model.bodies[b].inertia *= 1.0 + d; },
-          [b, inertia](const Plant& plant) { return plant.model.bodies[b].inertia / inertia; });
-    add(
-        directions, t.com, "com x of " + body.name,
+          {[b, inertia](const Plant& plant) { return plant.model.bodies[b].inertia / inertia; }});
+    add(directions, t.com, "com x of " + body.name,
         [b](double d, Plant& plant) { plant.model.bodies[b].com.x() += d; },
-        [b](const Plant& plant) { return plant.model.bodies[b].com.x(); });
-    add(
-        directions, t.com, "com z of " + body.name,
+        {[b](const Plant& plant) { return plant.model.bodies[b].com.x(); }});
+    add(directions, t.com, "com z of " + body.name,
         [b](double d, Plant& plant) { plant.model.bodies[b].com.y() += d; },
-        [b](const Plant& plant) { return plant.model.bodies[b].com.y(); });
+        {[b](const Plant& plant) { return plant.model.bodies[b].com.y(); }});
   }
   if (!base_held && has_length(model, b))
     add(
@@ -91,46 +91,46 @@ void add_link(Directions& directions, const PlanarModel& model, int b, const mod
         [b](double d, Plant& plant) { stretch(d, b, plant.model); }, {}, true);
 }
 
-/// Dry friction at a joint, the mean of both ways [N m, N where it slides].
-double dry_friction(const Plant& plant, const std::string& joint) {
-  double sum = 0.0;
-  for (const simulation::JointFriction& f : plant.friction)
-    if (f.joint == joint) sum += f.coulomb + 0.5 * (f.positive + f.negative);
-  return sum;
+/// Dry friction at a joint, one way or the other [N m, N where it slides].
+Read dry_friction(const std::string& joint, double simulation::JointFriction::*way) {
+  return [joint, way](const Plant& plant) {
+    double sum = 0.0;
+    for (const simulation::JointFriction& f : plant.friction)
+      if (f.joint == joint) sum += f.coulomb + f.*way;
+    return sum;
+  };
 }
 
 void add_motor(Directions& directions, const PlanarModel& model, int m, const model::Tolerances& t,
                double lever) {
   const PlanarMotor& motor = model.motors[m];
   const std::string& joint = motor.joint;
-  add(
-      directions, t.torque_constant, "torque constant of " + joint,
+  add(directions, t.torque_constant, "torque constant of " + joint,
       [m, joint](double d, Plant& plant) {
         plant.model.motors[m].torque_constant *= 1.0 + d;
         plant.actuation.torque_scale.try_emplace(joint, 1.0).first->second *= 1.0 + d;
       },
-      [joint](const Plant& plant) {
+      {[joint](const Plant& plant) {
         const auto scale = plant.actuation.torque_scale.find(joint);
         return scale == plant.actuation.torque_scale.end() ? 1.0 : scale->second;
-      });
+      }});
   if (!motor.ideal()) {
     const double resistance = motor.resistance;
-    add(
-        directions, t.resistance, "resistance of " + joint,
+    add(directions, t.resistance, "resistance of " + joint,
         [m](double d, Plant& plant) { plant.model.motors[m].resistance *= 1.0 + d; },
-        [m, resistance](const Plant& plant) {
+        {[m, resistance](const Plant& plant) {
           return plant.model.motors[m].resistance / resistance;
-        });
+        }});
   }
   const double friction = t.joint_friction * large_force(model, motor, lever);
   if (friction == 0.0) return;
-  add(
-      directions, friction, "friction of " + joint,
+  add(directions, friction, "friction of " + joint,
       [joint](double d, Plant& plant) {
         plant.friction.push_back({joint});
         plant.friction.back().coulomb = d;
       },
-      [joint](const Plant& plant) { return dry_friction(plant, joint); });
+      {dry_friction(joint, &simulation::JointFriction::positive),
+       dry_friction(joint, &simulation::JointFriction::negative)});
   directions.back().range = kNotNegative;
 }
 
@@ -143,10 +143,10 @@ void add_encoders(Directions& directions, const PlanarModel& model, const model:
         [joint](double d, Plant& plant) {
           plant.sensing.offset.try_emplace(joint, 0.0).first->second += d;
         },
-        [joint](const Plant& plant) {
+        {[joint](const Plant& plant) {
           const auto offset = plant.sensing.offset.find(joint);
           return offset == plant.sensing.offset.end() ? 0.0 : offset->second;
-        },
+        }},
         true);
   }
 }
@@ -214,12 +214,11 @@ std::vector<ToleranceDirection> tolerance_directions(const PlanarModel& model,
   add_encoders(directions, model, tolerances);
   if (!measured_input) add_loop(directions, model, tolerances);
   if (!model.feet.empty() && model.base_free[1] && model.friction > 0.0)
-    add(
-        directions, tolerances.floor_friction, "friction of the floor",
+    add(directions, tolerances.floor_friction, "friction of the floor",
         [](double d, Plant& plant) { plant.ground.friction *= 1.0 + d; },
-        [friction = model.friction](const Plant& plant) {
+        {[friction = model.friction](const Plant& plant) {
           return plant.ground.friction / friction;
-        });
+        }});
   return directions;
 }
 
@@ -235,9 +234,11 @@ std::vector<ToleranceDirection> tolerances_of(const ObservedDataset& observed,
 
 ToleranceDirection input_clock(double deviation) {
   return {
-      "clock of the input", kWithin, false,
+      "clock of the input",
+      kWithin,
+      false,
       [deviation](double e, Plant& plant, Controller&) { plant.actuation.delay += deviation * e; },
-      [deviation](const Plant& plant) { return plant.actuation.delay / deviation; }};
+      {[deviation](const Plant& plant) { return plant.actuation.delay / deviation; }}};
 }
 
 }  // namespace jaculus::diagnosis

@@ -23,9 +23,9 @@ struct ToleranceDirection {
   Bounds range{};         ///< of e
   bool geometry = false;  ///< whether the robot stands otherwise
   std::function<void(double e, simulation::Plant& plant, simulation::Controller& controller)> move;
-  /// The quantity that it moves, as a plant has it [deviations]; null where effects move no such
-  /// one.
-  std::function<double(const simulation::Plant& plant)> read;
+  /// The quantities that it moves, as a plant has them [deviations]: one, or one for each direction
+  /// of motion where an effect may part these; none where effects move no such one.
+  std::vector<std::function<double(const simulation::Plant& plant)>> reads;
 };
 
 /// Those that can matter for a robot; gains only where a loop has them.

@@ -13,10 +13,10 @@ constexpr double kMove = 1e-3;
 constexpr double kLeastPivot = 1e-6;
 
 Vector quantities(const Plant& plant, const std::vector<ToleranceDirection>& directions) {
-  Vector n = Vector::Zero(count_of(directions));
-  for (int j = 0; j < count_of(directions); ++j)
-    if (directions[j].read) n[j] = directions[j].read(plant);
-  return n;
+  std::vector<double> n;
+  for (const ToleranceDirection& own : directions)
+    for (const auto& read : own.reads) n.push_back(read(plant));
+  return Eigen::Map<const Vector>(n.data(), count_of(n));
 }
 
 }  // namespace
@@ -39,9 +39,9 @@ Matrix tolerance_part(const Plant& nominal, const effects::Effect& effect, const
     G.col(k) = quantities(plant, directions) - at;
   }
 
-  Matrix T = Matrix::Zero(at.size(), at.size());
-  for (int j = 0; j < at.size(); ++j) {
-    if (!directions[j].read) continue;
+  Matrix T = Matrix::Zero(at.size(), count_of(directions));
+  for (int j = 0; j < count_of(directions); ++j) {
+    if (directions[j].reads.empty()) continue;
     Plant plant = there;
     simulation::Controller controller;
     directions[j].move(1.0, plant, controller);

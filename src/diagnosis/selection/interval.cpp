@@ -99,12 +99,27 @@ struct Sum {
   Vector along;        ///< d(value)/du of the free parameters
 };
 
+/// What a candidate's parameters add for each tolerance, halfway to their sum with all of them: the
+/// midpoint rule, for a share (friction that differs by direction) falls as what it is of grows.
+Matrix part_halfway(const Problem& problem, const Fit& fit, int candidate) {
+  const Hypotheses& hypotheses = problem.hypotheses;
+  const std::vector<int>& parameters = hypotheses.candidates[candidate].parameters;
+  const Vector t = fit.p(hypotheses.tolerances);
+  const Vector half = 0.5 * (problem.tolerance_part(candidate, fit.p) * t);
+  Vector p = fit.p;
+  for (int k = 0; k < count_of(parameters); ++k) {
+    const Bounds& bounds = hypotheses.parameters[parameters[k]].bounds;
+    p[parameters[k]] = std::clamp(p[parameters[k]] + half[k], bounds.lower, bounds.upper);
+  }
+  return problem.tolerance_part(candidate, p);
+}
+
 /// Of each parameter of a candidate that the fit frees.
 std::vector<Sum> sums_with_tolerances(const Problem& problem, const Fit& fit, int candidate) {
   const Hypotheses& hypotheses = problem.hypotheses;
   const std::vector<int>& parameters = hypotheses.candidates[candidate].parameters;
   const bool tolerated = problem.tolerance_part && !hypotheses.tolerances.empty();
-  const Matrix part = tolerated ? problem.tolerance_part(candidate, fit.p) : Matrix();
+  const Matrix part = tolerated ? part_halfway(problem, fit, candidate) : Matrix();
 
   std::vector<Sum> sums;
   for (int k = 0; k < count_of(parameters); ++k) {
