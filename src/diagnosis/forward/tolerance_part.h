@@ -3,7 +3,7 @@
 //
 // A joint may rub by its builder's tolerance and by an effect: data tell the sum, priors share it
 // out, and a user who is told one part is told too little. With n(theta, t) the quantities that
-// tolerances move (ToleranceDirection::read), G = dn/dtheta and T = dn/dt at (theta, 0), the
+// tolerances move (ToleranceDirection::reads), G = dn/dtheta and T = dn/dt at (theta, 0), the
 // tolerances t are as good as a change of the effect's parameters by
 //   D t,   D = argmin |G D - T|^2 = G^+ T,
 // so that theta + D t is by how much the robot's quantities are off their files, an effect of
