@@ -26,8 +26,7 @@ bool names_truth(const CaseTruth& truth, const NamedEffect& effect) {
 bool is_several(const CaseTruth& truth) { return truth.kind == "several" || truth.kind == "pair"; }
 
 bool is_alarm(const Prediction& prediction) {
-  return prediction.verdict == Verdict::effect || prediction.verdict == Verdict::several ||
-         prediction.verdict == Verdict::ambiguous;
+  return prediction.verdict && diagnosis::names_effects(*prediction.verdict);
 }
 
 bool is_parted(const CaseTruth& truth) {
@@ -51,6 +50,11 @@ namespace {
 
 constexpr double kLeastProbability = 1e-3;
 
+/// Whether the effects that are named are said to act together, each with a probability of its own.
+bool names_together(const Prediction& prediction) {
+  return prediction.verdict == Verdict::several || prediction.verdict == Verdict::partial;
+}
+
 /// Of the true effect and its equivalents: as stated where named, brought to a sum of one where
 /// more is claimed, else as ranked. What is named at another joint isn't ranked for this one.
 double class_probability(const CaseTruth& truth, const Prediction& prediction) {
@@ -60,7 +64,7 @@ double class_probability(const CaseTruth& truth, const Prediction& prediction) {
   std::set<std::string> settled;
   for (const NamedEffect& e : prediction.effects) {
     const bool right = names_truth(truth, e);
-    if (prediction.verdict == Verdict::several && right) continue;
+    if (names_together(prediction) && right) continue;
     settled.insert(e.name);
     if (right) sum += e.probability / std::max(1.0, claimed);
   }
@@ -171,6 +175,14 @@ const NamedEffect* most_probable(const Prediction& prediction) {
   return top == prediction.effects.end() ? nullptr : &*top;
 }
 
+/// Whether all that is named acts, and more does where that is said, else nothing more.
+bool holds(const CaseTruth& truth, const Prediction& prediction, int named) {
+  const int said = count_of(prediction.effects), acting = count_of(truth.effects);
+  if (named != said) return false;
+  if (prediction.verdict == Verdict::several) return is_several(truth) && said == acting;
+  return has_remainder(truth) || said < acting;
+}
+
 void state(const CaseTruth& truth, const Prediction& prediction, CaseScore& score) {
   score.stated = prediction.verdict ? to_text(*prediction.verdict) : "failed";
   if (!is_alarm(prediction)) {
@@ -189,15 +201,15 @@ void state(const CaseTruth& truth, const Prediction& prediction, CaseScore& scor
   score.stated = top->name;
   score.top1 = names_truth(truth, *top);
   score.right = named > 0;
-  if (prediction.verdict == Verdict::several) {
+  if (names_together(prediction)) {
     score.stated.clear();
     score.confidence = 1.0;
     for (const NamedEffect& e : prediction.effects) {
       score.stated += (score.stated.empty() ? "" : " + ") + e.name;
       score.confidence *= e.probability;
     }
-    const int members = count_of(truth.effects);
-    score.right = is_several(truth) && named == members && count_of(prediction.effects) == members;
+    if (prediction.verdict == Verdict::partial) score.stated += " + more";
+    score.right = holds(truth, prediction, named);
     return;
   }
 

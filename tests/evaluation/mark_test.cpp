@@ -154,6 +154,32 @@ TEST(Mark, SeveralAreTwoOrThree) {
   EXPECT_NEAR(score_case(three, ranked).log_score, std::log(0.5), 1e-12);
 }
 
+TEST(Mark, NamedAndMoreIsNamed) {
+  const auto named = [](CaseTruth truth, std::vector<std::string> effects) {
+    truth.effects = std::move(effects);
+    return score_case(truth, says(Verdict::partial, {{"wind", 0.9}}));
+  };
+  const CaseScore mixed = named(of_kind("mixed"), {"wind"});
+  EXPECT_EQ(mixed.credit, 1.0);
+  EXPECT_TRUE(mixed.right);
+  EXPECT_NEAR(mixed.confidence, 0.9, 1e-12);
+  EXPECT_EQ(mixed.stated, "wind + more");
+  EXPECT_FALSE(named(of_kind("mixed"), {"payload"}).right);
+  EXPECT_EQ(named(of_kind("mixed"), {"payload"}).credit, 0.0);
+
+  // Nothing more acts beside a single; one of a pair is named and more does.
+  EXPECT_EQ(named(of_kind("single"), {"wind"}).credit, 1.0);
+  EXPECT_FALSE(named(of_kind("single"), {"wind"}).right);
+  EXPECT_EQ(named(of_kind("several"), {"wind", "payload"}).credit, 0.5);
+  EXPECT_TRUE(named(of_kind("several"), {"wind", "payload"}).right);
+  // Where nothing acts it is a false alarm, and a push or an outside cause is no effect.
+  for (const char* kind : {"none", "outside", "event"}) {
+    EXPECT_EQ(named(of_kind(kind), {}).credit, 0.0) << kind;
+    EXPECT_FALSE(named(of_kind(kind), {}).right) << kind;
+    EXPECT_NEAR(named(of_kind(kind), {}).confidence, 0.9, 1e-12) << kind;
+  }
+}
+
 TEST(Mark, AnEffectAtOneJointIsNamedThereOrWithoutJoints) {
   CaseTruth truth = single("joint_coulomb_friction@elbow");
   truth.parameters = {{0.2}};
