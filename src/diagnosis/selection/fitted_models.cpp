@@ -175,7 +175,7 @@ void FittedModels::fit_sets(const ModelFit& about, const std::vector<LinearSet>&
     job.starts = starts_of(about, set, probes);
     job.enough = job.base.log_evidence + problem_.settings.member_gain;
     // Deviations near none are those of its whole misfit: plain least squares first.
-    if (!about.candidates.empty()) {
+    if (!about.candidates.empty() && in_windows(problem_)) {
       job.scales = set.scales;
       job.effect_slopes = slopes_about(about, set.members, probes);
     }

@@ -322,6 +322,8 @@ SearchResult search_models(const Problem& problem, const Comparison& comparison,
     if (options.earlier != nullptr) models.fit_again(rivals_that_led(*options.earlier, problem));
     fit_indistinguishable(problem.settings, random, out.probes, probed, models);
     search_about_leaders(problem, options, models);
+    if (options.largest > 1)
+      search_from_leader(problem, comparison.whitening, out.probes, options, models);
   }
 
   if (options.earlier != nullptr && !beyond_reach(problem, models)) models.refine(options.none);
