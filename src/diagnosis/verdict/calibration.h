@@ -39,7 +39,7 @@ const std::vector<Reliability>& reliabilities();
 
 /// What speaks against the one effect that is reported: another predicts held-out data nearly as
 /// well, the gap was small from the start, or not all of it went. Empty for other verdicts. With
-/// such reasons 7 of 8 counted verdicts were right, without 4 of 5: too few to lower the
+/// such reasons 12 of 15 counted verdicts were right, without 21 of 23: too few to part the
 /// probability, so they are only said.
 std::vector<std::string> doubts(Verdict verdict, const HeldOut& gap,
                                 const std::vector<FoundEffect>& effects,
