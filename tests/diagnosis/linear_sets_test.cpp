@@ -66,9 +66,10 @@ TEST(LogPrior, SharesASizesProbabilityAmongItsSets) {
   EXPECT_NEAR(std::exp(diagnosis::log_prior(2, 10, settings)) * 45.0, settings.prior_pair, 1e-12);
   EXPECT_NEAR(std::exp(diagnosis::log_prior(3, 10, settings)) * 120.0, settings.prior_triple,
               1e-12);
-  // Beyond three each effect more must lead by what fits of one set differ by.
-  const double of_five = settings.prior_triple * settings.prior_more * settings.prior_more;
-  EXPECT_NEAR(std::exp(diagnosis::log_prior(5, 10, settings)) * 252.0 / of_five, 1.0, 1e-9);
+  // Each effect more costs what the third did.
+  const double step = settings.prior_triple / settings.prior_pair;
+  EXPECT_NEAR(std::exp(diagnosis::log_prior(5, 10, settings)) * 252.0,
+              settings.prior_triple * step * step, 1e-12);
 }
 
 }  // namespace

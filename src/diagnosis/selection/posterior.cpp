@@ -55,8 +55,9 @@ double log_prior(std::size_t members, std::size_t candidates, const Settings& se
                            settings.prior_triple};
   const auto n = static_cast<double>(candidates), k = static_cast<double>(members);
   const std::size_t known = std::min<std::size_t>(members, 3);
+  // Each effect beyond three costs what the third did.
   const double size = std::log(shared[known]) +
-                      static_cast<double>(members - known) * std::log(settings.prior_more);
+                      static_cast<double>(members - known) * std::log(shared[3] / shared[2]);
   const double sets = std::lgamma(n + 1.0) - std::lgamma(k + 1.0) - std::lgamma(n - k + 1.0);
   return size - std::max(0.0, sets);
 }
