@@ -174,7 +174,8 @@ void FittedModels::fit_sets(const ModelFit& about, const std::vector<LinearSet>&
     Job job{set.members, {}, contained_in(set.members)};
     job.starts = starts_of(about, set, probes);
     job.enough = job.base.log_evidence + problem_.settings.member_gain;
-    // Deviations near none are those of its whole misfit: plain least squares first.
+    // Deviations near none are those of its whole misfit, and under a plan slopes reach no farther
+    // than to a start: plain least squares first.
     if (!about.candidates.empty() && in_windows(problem_)) {
       job.scales = set.scales;
       job.effect_slopes = slopes_about(about, set.members, probes);
