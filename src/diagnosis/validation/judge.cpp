@@ -40,6 +40,20 @@ Vector rows_between(const ObservedDataset& observed, const SegmentNuisances& own
   return chosen;
 }
 
+/// Of the channels' mean squares; NaN where none was judged.
+double mean_over_channels(const Errors& errors, bool motion_alone) {
+  double sum = 0.0, channels = 0.0;
+  for (std::size_t d = 0; d < errors.squares.size(); ++d) {
+    for (Eigen::Index c = 0; c < errors.squares[d].size(); ++c) {
+      const double count = errors.counts[d][c];
+      if (count == 0.0 || (motion_alone && !errors.of_motion[d][c])) continue;
+      sum += errors.squares[d][c] / count;
+      channels += 1.0;
+    }
+  }
+  return channels > 0.0 ? sum / channels : kNaN;
+}
+
 }  // namespace
 
 std::vector<double> horizons_of(const Settings& settings) { return {kInfinity, settings.horizon}; }
@@ -57,6 +71,9 @@ Errors::Errors(const Problem& problem) {
     squares.push_back(Vector::Zero(count_of(observed.channels)));
     counts.push_back(squares.back());
     none.emplace_back(observed.channels.size());
+    of_motion.emplace_back();
+    for (const Channel& channel : observed.channels)
+      of_motion.back().push_back(!channel.zero_order_hold);
   }
   units.assign(horizons_of(problem.settings).size(), none);
 }
@@ -72,15 +89,8 @@ void Errors::add(const Errors& other) {
 }
 
 double Errors::overall() const {
-  double sum = 0.0, channels = 0.0;
-  for (std::size_t d = 0; d < squares.size(); ++d) {
-    for (Eigen::Index c = 0; c < squares[d].size(); ++c) {
-      if (counts[d][c] == 0.0) continue;
-      sum += squares[d][c] / counts[d][c];
-      channels += 1.0;
-    }
-  }
-  return channels > 0.0 ? std::sqrt(sum / channels) : kNaN;
+  const double motion = mean_over_channels(*this, true);
+  return std::sqrt(std::isfinite(motion) ? motion : mean_over_channels(*this, false));
 }
 
 Judge::Estimated Judge::estimated(int segment, int block, const Vector& about_mean,

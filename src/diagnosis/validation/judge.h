@@ -42,10 +42,13 @@ struct Errors {
   /// A horizon each, then a dataset each, then a channel each.
   std::vector<std::vector<std::vector<UnitSums>>> units;
   double log_density = 0.0;  ///< of all judged rows together, less what no model changes
+  /// A dataset each, a channel each: a position or a rate, not what the drives read.
+  std::vector<std::vector<bool>> of_motion;
 
   explicit Errors(const Problem& problem);
   void add(const Errors& other);
-  /// Root of the mean over channels of their mean squares [noise floors].
+  /// Root of the mean over channels of their mean squares [noise floors]: channels of the motion,
+  /// where any was judged. A bus voltage good to 2 mV would else be the whole gap.
   [[nodiscard]] double overall() const;
 };
 
