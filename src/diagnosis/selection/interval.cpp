@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "diagnosis/noise/quantiles.h"
 #include "diagnosis/noise/random_weights.h"
 #include "diagnosis/selection/fit.h"
+#include "diagnosis/selection/interval_basis.h"
 #include "diagnosis/selection/known_slopes.h"
 
 namespace jaculus::diagnosis {
@@ -16,12 +16,13 @@ constexpr double kFailed = 1e100;  // cost where the simulation fails
 /// The costs along one free parameter of a fit, the others refitted.
 class Profile {
  public:
-  Profile(const Problem& problem, const Whitening& whitening, const Fit& fit, Eigen::Index place)
+  Profile(const Problem& problem, const Whitening& whitening, const Fit& fit,
+          const IntervalBasis& basis, Eigen::Index place)
       : problem_(problem),
         whitening_(whitening),
         fit_(fit),
         place_(place),
-        weights_(whitening.random, fit.scales) {
+        weights_(whitening.random, basis.scales) {
     std::vector<Eigen::Index> columns;
     for (Eigen::Index k = 0; k < fit.jacobian.cols(); ++k) {
       if (k == place) continue;
@@ -29,8 +30,8 @@ class Profile {
       columns.push_back(k);
     }
     slopes_ = fit.jacobian(Eigen::all, columns);
-    along_ = fit.covariance.col(place)(columns) / fit.covariance(place, place);
-    cost_ = fit.by_slopes() ? reached(value()) : fit.cost;
+    along_ = basis.covariance.col(place)(columns) / basis.covariance(place, place);
+    cost_ = fit.by_slopes() || basis.scales != fit.scales ? reached(value()) : fit.cost;
   }
 
   [[nodiscard]] const FreeParameter& own() const {
@@ -67,15 +68,14 @@ class Profile {
   double cost_ = 0.0;
 };
 
-/// End of the interval on one side.
+/// End of the interval on one side, `quantile` deviations away where the cost is quadratic.
 double interval_end(const Profile& profile, const Settings& settings, double deviation,
-                    double side) {
+                    double quantile, double side) {
   const Bounds& bounds = profile.own().bounds;
-  const double from = profile.value(), rise = 0.5 * quantiles::kTwoSided95 * quantiles::kTwoSided95;
-  const double end =
-      std::clamp(from + side * quantiles::kTwoSided95 * deviation, bounds.lower, bounds.upper);
+  const double from = profile.value(), rise = 0.5 * quantile * quantile;
+  const double end = std::clamp(from + side * quantile * deviation, bounds.lower, bounds.upper);
   if (end == from) return end;
-  const double share = (end - from) / (side * quantiles::kTwoSided95 * deviation);
+  const double share = (end - from) / (side * quantile * deviation);
   const double expected = rise * share * share;
   if (std::abs(profile.risen(end) - expected) < settings.profile_tolerance * rise) return end;
   double inside = from, outside = end;
@@ -164,13 +164,15 @@ double widening(const Whitening& whitening, const Fit& fit, const Vector& along)
 Bounds interval95(const Problem& problem, const Whitening& whitening, const Fit& fit,
                   int parameter) {
   const auto place = std::find(fit.free.begin(), fit.free.end(), parameter) - fit.free.begin();
-  const Profile profile(problem, whitening, fit, place);
+  const IntervalBasis basis = interval_basis(whitening, fit);
+  const Profile profile(problem, whitening, fit, basis, place);
   const FreeParameter& own = profile.own();
-  const double deviation = own.scale * std::sqrt(fit.covariance(place, place));
   const Vector own_alone = Vector::Unit(fit.jacobian.cols(), place);
+  const double deviation = own.scale * basis.deviation(own_alone);
+  const double quantile = basis.quantile(own_alone);
   const double wider = widening(whitening, fit, own_alone), value = profile.value();
   const auto end = [&](double side) {
-    const double told = interval_end(profile, problem.settings, deviation, side) - value;
+    const double told = interval_end(profile, problem.settings, deviation, quantile, side) - value;
     return std::clamp(value + wider * told, own.bounds.lower, own.bounds.upper);
   };
   return {end(-1.0), end(1.0)};
@@ -179,6 +181,7 @@ Bounds interval95(const Problem& problem, const Whitening& whitening, const Fit&
 std::vector<Estimate> with_tolerances(const Problem& problem, const Whitening& whitening,
                                       const Fit& fit, int candidate) {
   const std::vector<Sum> sums = sums_with_tolerances(problem, fit, candidate);
+  const IntervalBasis basis = interval_basis(whitening, fit);
   std::vector<Estimate> estimates;
   for (int k = 0; k < count_of(sums); ++k) {
     const Sum& sum = sums[k];
@@ -189,8 +192,8 @@ std::vector<Estimate> with_tolerances(const Problem& problem, const Whitening& w
     }
 
     const Bounds& bounds = problem.hypotheses.parameters[i].bounds;
-    const double half = quantiles::kTwoSided95 * widening(whitening, fit, sum.along) *
-                        std::sqrt(sum.along.dot(fit.covariance * sum.along));
+    const double half = basis.quantile(sum.along) * widening(whitening, fit, sum.along) *
+                        basis.deviation(sum.along);
     estimates.push_back({sum.value,
                          {std::clamp(sum.value - half, bounds.lower, bounds.upper),
                           std::clamp(sum.value + half, bounds.lower, bounds.upper)}});
