@@ -1,6 +1,6 @@
 #pragma once
 // The parameters that a diagnosis may move, as a flat vector, and the candidates that free some of
-// them. The statistics know nothing of robots: they see this list and a forward model (forward.h).
+// them. The statistics know nothing of robots: they see this list and a forward model (problem.h).
 //
 //   p = [effects' parameters | unknown gains and feed-forward scales | start offsets |
 //        builder's tolerances | forces that the plant lacks]

@@ -15,10 +15,12 @@ namespace {
 constexpr double kAround[] = {0.75, 0.85, 0.92, 0.96, 1.04, 1.08, 1.17, 1.33};
 
 /// By how much bounds change the evidence of a Gaussian posterior: the posterior's mass within
-/// them, less the prior's.
-double log_within_bounds(const Residual& residual, const LinearEvidence& linear) {
+/// them, less the prior's. Of what is at its most probable there is no mass.
+double log_within_bounds(const Residual& residual, const LinearEvidence& linear,
+                         const std::vector<Eigen::Index>& most_probable) {
   double sum = 0.0;
   for (Eigen::Index i = 0; i < linear.mean.size(); ++i) {
+    if (std::find(most_probable.begin(), most_probable.end(), i) != most_probable.end()) continue;
     const double deviation = std::sqrt(linear.covariance(i, i));
     sum += log_mass_ratio(residual.range(i), linear.mean[i], deviation);
   }
@@ -33,8 +35,11 @@ void complete(const RandomEffects& random, const Residual& residual, const Produ
   const LinearEvidence linear = linear_evidence(random, products, fit.scales, at);
   const LinearEvidence without = linear_evidence(random, products, complete_scales(random), at);
   fit.chi2 = fit.residual.squaredNorm();
-  fit.log_evidence = linear.log_evidence + estimate.log_cost + log_within_bounds(residual, linear);
-  fit.log_complete = without.log_evidence + log_within_bounds(residual, without);
+  const auto within = [&](const LinearEvidence& own) {
+    return log_within_bounds(residual, own, products.shared);
+  };
+  fit.log_evidence = linear.log_evidence + estimate.log_cost + within(linear);
+  fit.log_complete = without.log_evidence + within(without);
 
   // The residual is X [1; -u] of the linear model's columns X.
   fit.covariance = linear.covariance;

@@ -11,6 +11,8 @@
 //   log Z = log N(r0; 0, V + J J^T), r0 = r - J u,
 //           + sum over bounded parameters [log of the posterior's mass within bounds, less the
 //             prior's]
+// J of what is integrated over: under a plan what all models share (shared_columns) is at its most
+// probable, with the density of its prior there and no mass, and the method is applied at the fit.
 // so that a parameter which starts at its boundary carries half a prior and the part of its
 // posterior that the boundary leaves. Limits of validity: one mode, nearly Gaussian in u; intervals
 // are checked by profile.
@@ -116,10 +118,10 @@ Fit fit_around(const Problem& problem, const Whitening& whitening, Fit fit,
 /// Of the sum a^T u of the free parameters, a: `along`.
 double widening(const Whitening& whitening, const Fit& fit, const Vector& along);
 
-/// 95 % interval of one free parameter: +-1.96 standard deviations, cut at the bounds, where the
-/// cost there rises as the curvature says within `profile_tolerance`; else ends where the profile
-/// (others refitted by known slopes) has risen by 1.92. Widened by what windows contradict one
-/// another.
+/// 95 % interval of one free parameter: q standard deviations to both sides (interval_basis.h has
+/// both; 1.96 where no misfit was estimated), cut at the bounds, where the cost there rises as the
+/// curvature says within `profile_tolerance`; else ends where the profile (others refitted by known
+/// slopes) has risen by q^2/2. Widened by what windows contradict one another.
 Bounds interval95(const Problem& problem, const Whitening& whitening, const Fit& fit,
                   int parameter);
 
