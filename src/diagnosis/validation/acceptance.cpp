@@ -55,8 +55,9 @@ double largest_share(const EffectShare& share) {
 }  // namespace
 
 ModelFit without_idle_members(HeldOutGaps& gaps, ModelFit model) {
-  // What is left out together must be idle together, so each smaller set is set beside the first.
-  const HeldOut all = gaps.of(model);
+  // What is left out together must be idle together, so each smaller set is set beside the first:
+  // with its tolerances where they are, as theirs stay.
+  const HeldOut all = gaps.of(gaps.held(model, model.candidates));
   while (model.candidates.size() > 1 && gaps.of(model).valid) {
     std::optional<ModelFit> best;
     for (const int dropped : model.candidates) {

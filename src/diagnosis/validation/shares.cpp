@@ -11,7 +11,7 @@
 namespace jaculus::diagnosis {
 namespace {
 
-constexpr int kMostOrdered = 3;  // the search's largest set
+constexpr int kMostOrdered = 3;  // subsets double with each member
 
 /// v, of all folds together and by fold; NaN where it can't be told.
 struct Explained {
@@ -76,7 +76,7 @@ std::vector<std::optional<EffectShare>> shares_of(HeldOutGaps& gaps, const Model
     std::vector<int> members;
     for (int i = 0; i < n; ++i)
       if ((set >> i & 1u) != 0) members.push_back(model.candidates[i]);
-    const ModelFit& fitted = gaps.subset(model, members);
+    const ModelFit& fitted = gaps.held(model, members);
     v[set] = {kNaN, std::vector<double>(whole.by_fold.size(), kNaN)};
     if (fitted.fit.valid) v[set] = explained_by(gaps.of(fitted), gaps.settings());
   }

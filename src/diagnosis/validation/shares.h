@@ -25,7 +25,7 @@
 namespace jaculus::diagnosis {
 
 /// Shares of a model's effects, in the order of its candidates; nothing for an effect of which a
-/// subset can't be judged. Shapley's is stated of sets of at most three, the search's largest.
+/// subset can't be judged. Shapley's is stated of sets of at most three.
 std::vector<std::optional<EffectShare>> shares_of(HeldOutGaps& gaps, const ModelFit& model);
 
 }  // namespace jaculus::diagnosis
