@@ -7,6 +7,7 @@
 
 #include "diagnosis/forward/sensitivities.h"
 #include "diagnosis/remainder/pattern_file.h"
+#include "diagnosis/selection/line_search.h"
 #include "diagnosis/selection/residual.h"
 #include "jaculus/effects/user_effect.h"
 
@@ -59,8 +60,8 @@ std::vector<effects::Effect> effects_and_patterns(const KnownModel& about,
   return all;
 }
 
-/// White columns of a pattern, one a parameter; none where it changes nothing or is lost.
-Matrix pattern_columns(const PatternProblem& own, const Shrinkage& tolerances, int candidate) {
+/// Y_k of a pattern, a column a parameter; none where it changes nothing or is lost.
+Matrix pattern_columns(const PatternProblem& own, int candidate) {
   const Problem& problem = *own.built.problem;
   const Whitening& whitening = own.comparison.whitening;
   const std::vector<int>& parameters = problem.hypotheses.candidates[candidate].parameters;
@@ -70,11 +71,9 @@ Matrix pattern_columns(const PatternProblem& own, const Shrinkage& tolerances, i
     const auto moved = difference(problem, whitening.alignments, own.p, own.rows, parameters[k],
                                   problem.settings.pattern_step * scale);
     if (!moved) return {};
-    Vector white = whitening.apply(moved->rows) * (scale / moved->step);
-    tolerances.apply(white);
-    columns.col(k) = white;
+    columns.col(k) = whitening.apply(moved->rows) * (scale / moved->step);
   }
-  return columns.squaredNorm() > 1.0 ? columns : Matrix();
+  return columns;
 }
 
 /// Whether two patterns are of one kind at one place, so that the better one stands for both.
@@ -116,14 +115,30 @@ std::optional<PatternProblem> pattern_problem(const KnownModel& about,
 LinearPatterns linear_patterns(const PatternProblem& own) {
   const Problem& problem = *own.built.problem;
   const Whitening& whitening = own.comparison.whitening;
-  const Shrinkage tolerances = shrinkage(linear_nuisances(problem, whitening, own.p).slopes);
+  const std::vector<int> nuisances = problem.hypotheses.nuisances();
+  const Matrix J = linear_nuisances(problem, whitening, own.p).slopes;
   LinearPatterns out;
   out.residual = whitening.residual(own.rows);
+  if (J.cols() > 0) out.residual -= J * problem.hypotheses.scaled(nuisances, own.p);
+  Matrix X(out.residual.size(), 1 + J.cols());
+  X << out.residual, -J;
+  out.model = columns_of(whitening.random, X);
+  if (whitening.random.blocks.empty())
+    for (Eigen::Index k = 1; k < X.cols(); ++k) out.model.products.shared.push_back(k - 1);
+
+  const Shrinkage tolerances = shrinkage(J);
   tolerances.apply(out.residual);
   out.columns.resize(own.patterns.size());
+  out.acting.resize(own.patterns.size());
   tbb::parallel_for(0, count_of(own.patterns), [&](int k) {
     const int c = problem.hypotheses.candidate(own.patterns[k].name);
-    if (c >= 0) out.columns[k] = pattern_columns(own, tolerances, c);
+    if (c < 0) return;
+    const Matrix acting = pattern_columns(own, c);
+    Matrix left = acting;
+    for (Eigen::Index i = 0; i < left.cols(); ++i) tolerances.apply(left.col(i));
+    if (!(left.squaredNorm() > 1.0)) return;
+    out.acting[k] = columns_of(whitening.random, acting);
+    out.columns[k] = std::move(left);
   });
   for (const Matrix& columns : out.columns) out.tried += columns.cols() > 0 ? 1 : 0;
   return out;
@@ -142,14 +157,12 @@ Matrix columns_of(const LinearPatterns& linear, const std::vector<int>& members)
 double log_evidence(const PatternProblem& own, const LinearPatterns& linear,
                     const std::vector<int>& members) {
   const RandomEffects& random = own.comparison.whitening.random;
-  const Settings& settings = own.built.problem->settings;
-  const Matrix Y = columns_of(linear, members);
-  Matrix X(linear.residual.size(), 1 + Y.cols());
-  X << linear.residual, Y;
-  const Products products = products_of(random, X);
-  const ScaleEstimate estimate = estimated_scales(random, products, first_scales(random),
-                                                  settings.scale_steps, settings.scale_spread);
-  return linear_evidence(random, products, estimate.scales).log_evidence + estimate.log_cost;
+  const Problem& problem = *own.built.problem;
+  Columns all = linear.model;
+  for (const int k : members) all = side_by_side(random, all, linear.acting[k]);
+  return followed_by(problem, random, all.products, first_scales(random),
+                     problem.settings.scale_steps)
+      .linear.log_evidence;
 }
 
 PatternScan likely_patterns(const KnownModel& about, const std::vector<Alignment>& alignments) {

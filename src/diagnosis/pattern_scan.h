@@ -2,19 +2,22 @@
 // Forces of a stated form (place_patterns.h) as candidates beside the catalogue, and what each
 // would explain about a fitted model, by simulation of whole motions and linear algebra.
 //
-// About a model p, white residuals of the measured rows are
-//   r = sum_k Y_k b_k + e,   Y_k = M^-1/2 T df/db_k,   b_k ~ N(0, 1) prior scales,
-// f simulated with the force of a pattern k at work, tolerances and gains marginalised by M as in
-// preflight/signatures.h, e with the misfits of noise/random_effects.h of most likely size.
-// Contacts, closures and free flight are the simulation's: a force at a foot acts where the foot
-// touches, and no coordinate has to be measured.
+// About a model p, with tolerances and gains at t (prior scales), white residuals are
+//   r_0 = r - J_t t = J_t t' + sum_k Y_k b_k + e,   Y_k = T df/db_k,   b_k ~ N(0, 1) prior scales,
+// f simulated with the force of a pattern k at work; t' ~ N(0, 1) again, for a pattern that explains
+// what they were strained for lets them go back; e with the misfits of noise/random_effects.h of
+// most likely size. Contacts, closures and free flight are the simulation's: a force at a foot acts
+// where the foot touches, and no coordinate has to be measured.
 //   gain of a set S:  G(S) = log Z(S) - log Z(nothing),  Z by linear algebra
+// What is set beside data held out is both without what t' can do, M = I + J_t J_t^T:
+//   M^-1/2 r_0,  M^-1/2 Y_k
 
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "diagnosis/build_problem.h"
+#include "diagnosis/noise/columns.h"
 #include "diagnosis/remainder/place_patterns.h"
 
 namespace jaculus::diagnosis {
@@ -46,13 +49,15 @@ std::optional<PatternProblem> pattern_problem(const KnownModel& about,
 
 /// The linear problem of the patterns.
 struct LinearPatterns {
-  Vector residual;
-  std::vector<Matrix> columns;  ///< a pattern each; empty where it can't act
+  Columns model;                ///< [r_0 J_t]
+  std::vector<Columns> acting;  ///< Y_k, a pattern each; empty where it can't act
+  Vector residual;              ///< M^-1/2 r_0
+  std::vector<Matrix> columns;  ///< M^-1/2 Y_k, likewise
   int tried = 0;
 };
 LinearPatterns linear_patterns(const PatternProblem& own);
 
-/// White columns of some patterns, side by side.
+/// M^-1/2 Y_k of some patterns, side by side.
 Matrix columns_of(const LinearPatterns& linear, const std::vector<int>& members);
 
 /// log Z of some patterns at work.
