@@ -24,7 +24,11 @@ void FittedModels::refine(const std::optional<Vector>& none_in_own) {
       if (model.fit.valid && !refined.contains(model.candidates) &&
           (next == nullptr || value(model) > value(*next)))
         next = &model;
-    if (next == nullptr || value(*next) < best - problem_.settings.indistinguishable_below) break;
+    // Slopes misjudge a model by more than what tells two apart.
+    const double behind = count < problem_.settings.refined
+                              ? problem_.settings.clear_lead
+                              : problem_.settings.indistinguishable_below;
+    if (next == nullptr || value(*next) < best - behind) break;
     refine(*next);
     refined.insert(next->candidates);
   }
