@@ -156,17 +156,27 @@ double left_to_held_out(HeldOutGaps& gaps, const ModelFit& best) {
   return gaps.of(best).over == "conditions" ? std::exp(-settings.clear_lead) : settings.listed;
 }
 
+/// Held-out gap of what would be stated of a set: where datasets judge one another, of those of its
+/// members that harm none, for a set may predict well by a member that is dropped later.
+HeldOut gap_as_stated(HeldOutGaps& gaps, const ModelFit& model) {
+  const ModelFit harmless = without_harmful_members(gaps, model);
+  return gaps.of(harmless.candidates == model.candidates ? model : gaps.fitted(harmless));
+}
+
 /// The most probable set, or one that evidence hardly sets apart from it and that predicts held-out
 /// data better by settings.least_improvement.
 const ModelFit* best_predicting(HeldOutGaps& gaps) {
   const ModelFit* best = gaps.posterior().leading();
   const double least = left_to_held_out(gaps, *best) * best->probability();
+  HeldOut present = gap_as_stated(gaps, *best);
   for (const ModelFit& model : gaps.posterior().models) {
     if (model.candidates.empty() || !model.fit.valid || model.probability() < least) continue;
-    const HeldOut own = gaps.of(model), present = gaps.of(*best);
-    if (own.valid && present.valid &&
-        own.after < (1.0 - gaps.settings().least_improvement) * present.after)
-      best = &model;
+    const HeldOut own = gap_as_stated(gaps, model);
+    if (!own.valid || !present.valid ||
+        own.after >= (1.0 - gaps.settings().least_improvement) * present.after)
+      continue;
+    best = &model;
+    present = own;
   }
   return best;
 }
