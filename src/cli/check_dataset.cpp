@@ -11,6 +11,7 @@
 #include "jaculus/core/json.h"
 #include "jaculus/simulation/experiment.h"
 #include "jaculus/trajectory/leap_accelerations.h"
+#include "jaculus/trajectory/log_checks.h"
 #include "report/document/text_table.h"
 
 namespace jaculus::cli {
@@ -37,14 +38,25 @@ std::string shown(double value) {
   return std::isfinite(value) ? fmt::format("{:.3f}", value) : "-";
 }
 
-/// Whether a channel is of a drive, and that at no joint of this robot.
+const std::vector<std::string> kOfNoJoint = {"x",     "y",         "z",   "roll", "yaw",
+                                             "pitch", "imu_pitch", "bus", "time", "temperature"};
+
+/// Whether a channel is of no joint, coordinate or foot of this robot.
 bool is_strange(const std::string& channel, const model::PlanarModel& model) {
-  static const std::set<Quantity> of_drives = {Quantity::torque, Quantity::motor_torque,
-                                               Quantity::current, Quantity::voltage,
-                                               Quantity::duty};
-  const trajectory::ChannelName parts = trajectory::parse_channel(channel);
-  return channel != "bus_voltage" && of_drives.contains(parts.quantity) &&
-         model.body_of_joint(parts.of) < 0;
+  const std::string of = trajectory::parse_channel(channel).of;
+  const auto foot = [&](const model::PlanarPoint& own) { return own.name == of; };
+  return model.body_of_joint(of) < 0 && model.coordinate_index(of) < 0 &&
+         std::find(kOfNoJoint.begin(), kOfNoJoint.end(), of) == kOfNoJoint.end() &&
+         std::none_of(model.feet.begin(), model.feet.end(), foot);
+}
+
+/// "pendlum, did you mean 'pendulum'?".
+std::string with_nearest(const std::string& channel, const model::PlanarModel& model) {
+  std::vector<std::string> joints;
+  for (const model::PlanarBody& body : model.bodies)
+    if (!body.joint.empty()) joints.push_back(body.joint);
+  const auto near = yaml::nearest_name(trajectory::parse_channel(channel).of, joints);
+  return near ? fmt::format("{}, did you mean '{}'?", channel, *near) : channel;
 }
 
 /// Channels that this robot can't have: the plan or the log is of another robot.
@@ -137,6 +149,7 @@ std::string head_text(const trajectory::Dataset& dataset, const model::Robot& ro
 void check_command(const trajectory::Dataset& dataset, const model::PlanarModel& model) {
   if (dataset.plan || dataset.script) (void)simulation::stated_controller(dataset, model, {});
   (void)simulation::dataset_plant(dataset, model);
+  simulation::require_units(dataset, model);
 }
 
 Json check_experiment(const fs::path& path, std::string& text) {
@@ -188,9 +201,14 @@ Json check_dataset(const fs::path& path, std::string& text) {
       name_of(dataset.experiment), dataset.trials.size());
   text += head_text(dataset, robot);
   const std::vector<std::string> strange = strange_channels(dataset, robot.planar);
-  if (!strange.empty())
+  for (const std::string& channel : strange)
     text +=
-        fmt::format("  note: channels of no joint of this robot: {}\n", fmt::join(strange, ", "));
+        fmt::format("  note: channel of no joint or sensor of this robot, which nothing uses: {}\n",
+                    with_nearest(channel, robot.planar));
+  std::vector<std::string> contradictions = trajectory::rate_notes(dataset);
+  for (const trajectory::RateContradiction& found : trajectory::rate_contradictions(dataset))
+    contradictions.push_back(to_text(found));
+  for (const std::string& found : contradictions) text += "  contradiction: " + found + "\n";
   Json json = {{"dataset", name_of(dataset.experiment)},
                {"robot", robot.name},
                {"trials", dataset.trials.size()}};
@@ -199,6 +217,7 @@ Json check_dataset(const fs::path& path, std::string& text) {
   json["notes"] = dataset.notes;
   json["robot_notes"] = robot.notes;
   json["strange_channels"] = strange;
+  json["contradictions"] = contradictions;
 
   return json;
 }

@@ -181,6 +181,11 @@ Prepared prepare(BuiltProblem built, const ProblemBuilder& rebuild) {
     return out;
   }
   out.reasons = contradictions(*out.built.problem, out.noise);
+  if (auto inverted = with_inputs_inverted(out.built.problem->observations)) {
+    const std::string reason =
+        inverted_inputs(*out.built.problem, out.noise, *rebuild(std::move(*inverted)).problem);
+    if (!reason.empty()) out.reasons.push_back(reason);
+  }
   if (!out.reasons.empty()) return out;
 
   const auto silent = silent_channels(*out.built.problem, out.noise, out.notes);

@@ -105,6 +105,8 @@ double command_duration(const trajectory::Dataset& dataset);
 /// nominal_plant() with the dataset's stops and bus voltage. InputError where the robot has no such
 /// joint.
 Plant dataset_plant(const trajectory::Dataset& dataset, const model::PlanarModel& model);
+/// InputError where a joint that turns is logged in metres, or one that slides in radians.
+void require_units(const trajectory::Dataset& dataset, const model::PlanarModel& model);
 /// stated_controller() with known gains and the end that is stated. InputError where a gain is a
 /// range or unknown.
 Controller experiment_controller(const Experiment& experiment, const model::PlanarModel& model);

@@ -17,6 +17,7 @@
 #include "diagnosis/data/partings.h"
 #include "diagnosis/data/scatter.h"
 #include "jaculus/simulation/experiment.h"
+#include "jaculus/trajectory/log_checks.h"
 
 namespace jaculus::diagnosis {
 namespace {
@@ -292,6 +293,7 @@ ObservedDataset cut_dataset(const Dataset& dataset, const PlanarModel& model,
   observed.model = model;
   observed.measured_input = dataset.controller.kind == trajectory::ControllerKind::measured;
   const std::string label = observed.name();
+  simulation::require_units(dataset, model);
   select_channels(observed, label, out.notes);
   set_window(observed, settings);
 
@@ -320,6 +322,10 @@ ObservedDataset cut_dataset(const Dataset& dataset, const PlanarModel& model,
   }
 
   find_copies(observed, label, out.insufficient);
+  for (const trajectory::RateContradiction& found : trajectory::rate_contradictions(dataset))
+    if (model.body_of_joint(found.channel) >= 0 || model.coordinate_index(found.channel) >= 0)
+      out.insufficient.push_back(
+          fmt::format("{}: {}; mend the log's units or signs first", label, to_text(found)));
   return observed;
 }
 

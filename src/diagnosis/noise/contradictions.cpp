@@ -59,7 +59,54 @@ std::string contradiction(const Channel& channel, double noise_floor, const Pair
   return {};
 }
 
+/// Squares of what windows under a logged input leave of the motion [noise floors^2].
+double misfit_in_windows(const Problem& problem, const NoiseModel& noise,
+                         const std::vector<Vector>& predicted) {
+  double sum = 0.0;
+  for (int d = 0; d < count_of(problem.observations.datasets); ++d) {
+    const ObservedDataset& observed = problem.observations.datasets[d];
+    if (!observed.measured_input) continue;
+    for (int c = 0; c < count_of(observed.channels); ++c) {
+      if (observed.channels[c].zero_order_hold) continue;
+      const double floor = noise.datasets[d].channels[c].noise_floor;
+      if (floor > 0.0)
+        sum += sums(observed, noise.alignments[d], c, predicted[d]).misfit / (floor * floor);
+    }
+  }
+  return sum;
+}
+
 }  // namespace
+
+std::optional<Observations> with_inputs_inverted(const Observations& observations) {
+  Observations out = observations;
+  bool any = false;
+  for (ObservedDataset& observed : out.datasets) {
+    if (!observed.measured_input) continue;
+    const trajectory::Quantity input = observed.dataset.controller.input;
+    for (trajectory::Trial& trial : observed.dataset.trials)
+      for (trajectory::Stream& stream : trial.streams)
+        for (std::size_t c = 0; c < stream.channels.size(); ++c) {
+          if (trajectory::parse_channel(stream.channels[c]).quantity != input) continue;
+          stream.values.row(static_cast<Eigen::Index>(c)) *= -1.0;
+          any = true;
+        }
+  }
+  return any ? std::optional(std::move(out)) : std::nullopt;
+}
+
+std::string inverted_inputs(const Problem& problem, const NoiseModel& noise,
+                            const Problem& inverted) {
+  const PredictionSet other = predict_all(inverted, inverted.hypotheses.nominal());
+  if (!other.valid) return {};
+  const double as_logged = misfit_in_windows(problem, noise, rows_of(problem, noise, noise.at_p));
+  const double by_inverted = misfit_in_windows(problem, noise, rows_of(problem, noise, other));
+  if (!(as_logged > problem.settings.inverted_gain * by_inverted)) return {};
+  return fmt::format(
+      "what drives the model looks inverted: with the other sign of it the motion is {:.2g} times "
+      "nearer to the prediction",
+      std::sqrt(as_logged / by_inverted));
+}
 
 std::vector<std::string> contradictions(const Problem& problem, const NoiseModel& noise) {
   std::vector<std::string> found;

@@ -79,6 +79,24 @@ Plant dataset_plant(const trajectory::Dataset& dataset, const model::PlanarModel
   return plant;
 }
 
+void require_units(const trajectory::Dataset& dataset, const model::PlanarModel& model) {
+  for (const trajectory::Trial& trial : dataset.trials)
+    for (const trajectory::Stream& stream : trial.streams)
+      for (std::size_t c = 0; c < stream.channels.size(); ++c) {
+        const trajectory::ChannelName parts = trajectory::parse_channel(stream.channels[c]);
+        const int body = model.body_of_joint(parts.of);
+        if (body < 0) continue;
+        const bool slides = model.bodies[body].kind == model::JointKind::prismatic;
+        const std::string usual = trajectory::unit_of(parts.quantity, slides);
+        if (stream.units[c] != trajectory::unit_of(parts.quantity, !slides) ||
+            stream.units[c] == usual)
+          continue;
+        throw InputError(fmt::format("{}: channel '{}' is in {}, but the joint {}; allowed: {}",
+                                     stream.name, stream.channels[c], stream.units[c],
+                                     slides ? "slides" : "turns", usual));
+      }
+}
+
 void put_gains_at_motors(const model::PlanarModel& model,
                          trajectory::StatedController& controller) {
   if (!controller.gains_at_joint) return;

@@ -1,0 +1,119 @@
+#include "jaculus/trajectory/log_checks.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <set>
+#include <utility>
+
+#include "jaculus/trajectory/quantity.h"
+
+namespace jaculus::trajectory {
+namespace {
+
+constexpr double kSpan = 0.05;  // [s]
+constexpr int kSpanSamples = 4;
+constexpr double kCorrelated = 0.95, kLargestFactor = 2.0;
+constexpr double kRateOff = 0.1;
+constexpr double kUnitWithin = 0.1;  // of a slope, where it is named
+
+/// Sums over spans.
+struct WayAndRate {
+  double dd = 0.0, ii = 0.0, di = 0.0;
+};
+
+/// Spans of a position and a rate, gaps left out.
+void add_spans(const Stream& stream, int position, int rate, WayAndRate& sums) {
+  std::vector<Eigen::Index> kept;
+  for (Eigen::Index k = 0; k < stream.time.size(); ++k)
+    if (std::isfinite(stream.values(position, k)) && std::isfinite(stream.values(rate, k)))
+      kept.push_back(k);
+
+  double integral = 0.0;
+  std::size_t first = 0;
+  for (std::size_t n = 1; n < kept.size(); ++n) {
+    const Eigen::Index a = kept[n - 1], b = kept[n];
+    integral +=
+        0.5 * (stream.values(rate, a) + stream.values(rate, b)) * (stream.time[b] - stream.time[a]);
+    const Eigen::Index from = kept[first];
+    if (n - first < kSpanSamples || stream.time[b] - stream.time[from] < kSpan) continue;
+    const double way = stream.values(position, b) - stream.values(position, from);
+    sums.dd += way * way;
+    sums.ii += integral * integral;
+    sums.di += way * integral;
+    integral = 0.0;
+    first = n;
+  }
+}
+
+/// What a factor may mean, after a comma; empty where nothing is known.
+std::string meaning_of(double slope) {
+  constexpr double kDegrees = 180.0 / std::numbers::pi;
+  const std::pair<double, const char*> known[] = {
+      {-1.0, ", so that one has the other sign"},
+      {kDegrees, ", as degrees beside rad/s would"},
+      {1.0 / kDegrees, ", as radians beside deg/s would"},
+      {1000.0, ", as mm beside m/s would"},
+      {0.001, ", as m beside mm/s would"}};
+  for (const auto& [factor, text] : known)
+    if (std::abs(slope / factor - 1.0) < kUnitWithin) return text;
+  return "";
+}
+
+double median_spacing(const Stream& stream) {
+  std::vector<double> steps;
+  for (Eigen::Index k = 1; k < stream.time.size(); ++k)
+    steps.push_back(stream.time[k] - stream.time[k - 1]);
+  if (steps.empty()) return kNaN;
+  std::nth_element(steps.begin(), steps.begin() + std::ssize(steps) / 2, steps.end());
+  return steps[steps.size() / 2];
+}
+
+}  // namespace
+
+std::vector<RateContradiction> rate_contradictions(const Dataset& dataset) {
+  std::map<std::pair<std::string, std::string>, WayAndRate> all;
+  for (const Trial& trial : dataset.trials)
+    for (const Stream& stream : trial.streams)
+      for (const std::string& channel : stream.channels) {
+        const int rate = stream.channel(channel_name(channel, Quantity::velocity));
+        if (rate >= 0)
+          add_spans(stream, stream.channel(channel), rate, all[{stream.name, channel}]);
+      }
+
+  std::vector<RateContradiction> found;
+  for (const auto& [names, sums] : all) {
+    if (!(sums.dd > 0.0) || !(sums.ii > 0.0)) continue;
+    const double slope = sums.di / sums.ii, correlation = sums.di / std::sqrt(sums.dd * sums.ii);
+    const bool agrees = slope > 1.0 / kLargestFactor && slope < kLargestFactor;
+    if (std::abs(correlation) > kCorrelated && !agrees)
+      found.push_back({names.first, names.second, slope, correlation});
+  }
+  return found;
+}
+
+std::string to_text(const RateContradiction& found) {
+  return fmt::format(
+      "{0}.{1} moves {2:.3g} times as far as {1}_velocity says (correlation {3:.2f}){4}",
+      found.stream, found.channel, found.slope, found.correlation, meaning_of(found.slope));
+}
+
+std::vector<std::string> rate_notes(const Dataset& dataset) {
+  std::vector<std::string> notes;
+  std::set<std::string> said;
+  for (const Trial& trial : dataset.trials)
+    for (const Stream& stream : trial.streams) {
+      const double rate = 1.0 / median_spacing(stream);
+      if (!std::isfinite(stream.rate_hz) || !std::isfinite(rate) ||
+          std::abs(rate / stream.rate_hz - 1.0) < kRateOff || !said.insert(stream.name).second)
+        continue;
+      notes.push_back(fmt::format("{}: stated at {:.4g} Hz, its stamps are at {:.4g} Hz ({})",
+                                  stream.name, stream.rate_hz, rate, trial.name));
+    }
+  return notes;
+}
+
+}  // namespace jaculus::trajectory
