@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <numeric>
 
 #include "diagnosis/build_problem.h"
@@ -71,6 +72,32 @@ Diagnosis answered(const Prepared& prepared, const Selection& selection,
   return out;
 }
 
+/// A note on each effect of a user's file that is not named: what one wrote down is not to vanish.
+std::vector<std::string> notes_of_own(const Problem& problem, const SearchResult& search,
+                                      const std::vector<FoundEffect>& named) {
+  std::vector<std::string> notes;
+  for (int c = 0; c < count_of(problem.hypotheses.candidates); ++c) {
+    const Candidate& own = problem.hypotheses.candidates[c];
+    const auto is_own = [&](const FoundEffect& found) { return found.name == own.name; };
+    if (own.effect == nullptr || own.effect->file.empty() || own.is_pattern() ||
+        own.effect->event || std::any_of(named.begin(), named.end(), is_own))
+      continue;
+    const std::string file = std::filesystem::path(own.effect->file).filename().string();
+    double gain = search.probes[c].valid ? search.probes[c].score : kNaN;
+    for (const ModelFit& model : search.models)
+      if (model.candidates == std::vector<int>{c} && model.fit.valid)
+        gain = model.fit.log_evidence - search.models.front().fit.log_evidence;
+    notes.push_back(
+        std::isfinite(gain)
+            ? fmt::format("{} ({}): tried and not named; alone its log evidence is {:+.1f} against "
+                          "no effect",
+                          own.name, file, gain)
+            : fmt::format("{} ({}): tried and not named; it moves nothing that was measured",
+                          own.name, file));
+  }
+  return notes;
+}
+
 /// The two leading rivals, for what to do next about them.
 Explanation rival_of(const Problem& problem, const FittedModel& model) {
   Explanation rival;
@@ -104,6 +131,8 @@ Diagnosis run_pipeline(BuiltProblem built, const ProblemBuilder& rebuild,
   const Statement statement =
       state_verdict(problem, selection, one_trial(problem.observations, problem.settings));
   Diagnosis out = answered(prepared, selection, statement);
+  for (std::string& note : notes_of_own(problem, selection.search, out.effects))
+    out.notes.push_back(std::move(note));
   out.remainder.places =
       places_of(searched.patterns, statement.patterns,
                 share_taken(statement.gap, statement.gap_with, problem.settings));

@@ -102,6 +102,21 @@ TEST(UserEffect, OfABadFileIsRefusedByEveryCommand) {
   expect_refusal(run_program({"simulate", kExperiment, "--augmented", file}));
 }
 
+TEST(UserEffect, ThatIsNotNamedIsSaidToHaveBeenTried) {
+  const test::TemporaryFolder folder;
+  const std::string file = folder.write("own.yaml", kCogging), data = folder / "trials";
+  const std::string few = folder.write("s.yaml", "largest_model: 1\nkept_singles: 3\n");
+  ASSERT_EQ(run_program({"simulate", kExperiment, "--effect",
+                         "joint_viscous_friction:coefficient=0.1", "--out", data})
+                .exit_code,
+            0);
+  const Outcome outcome = run_program(
+      {"diagnose", data, "--settings", few, "--effects", file, "--out", folder / "out"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_TRUE(holds(outcome.out, "note: my_cogging (own.yaml): tried and not named"))
+      << outcome.out;
+}
+
 TEST(UserEffect, ThatNobodyAsksForIsRefused) {
   const test::TemporaryFolder folder;
   const std::string file = folder.write("own.yaml", kCogging);
