@@ -132,6 +132,17 @@ Effect viscous_friction(const JointScope& scope) {
       friction_size("coefficient", "N m s/rad", scope.usual.torque / scope.usual.rate)};
   effect.apply = on_friction(
       scope, [](const Vector& theta, JointFriction& friction) { friction.viscous = theta[0]; });
+  effect.overrides = [select = scope.select](const Vector& theta, const PlanarModel& model) {
+    std::vector<ModelOverride> values;
+    if (theta[0] == 0.0) return values;
+    for (const std::string& joint : select(model).joints) {
+      const int m = model.motor_index(joint);
+      if (m < 0) return std::vector<ModelOverride>{};  // a joint without motor has no such value
+      values.emplace_back("motors." + joint + ".viscous_friction",
+                          text_of(model.motors[m].viscous_friction + theta[0]));
+    }
+    return values;
+  };
   return effect;
 }
 
