@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cctype>
 #include <charconv>
@@ -196,9 +197,22 @@ class UnitParser {
         known.push_back(unit.symbol);
       }
     }
-    const std::optional<std::string> near = yaml::nearest_name(name, known);
+    std::optional<std::string> near = parted(name, known);
+    if (!near) near = yaml::nearest_name(name, known);
     fail(fmt::format("unknown unit '{}'{}", name,
                      near ? fmt::format(", did you mean '{}'?", *near) : ""));
+  }
+
+  /// "N m" of "Nm": two units that were written as one; nothing where a name is none.
+  static std::optional<std::string> parted(std::string_view name,
+                                           const std::vector<std::string>& known) {
+    const auto is_known = [&](std::string_view part) {
+      return std::find(known.begin(), known.end(), part) != known.end();
+    };
+    for (std::size_t at = 1; at < name.size(); ++at)
+      if (is_known(name.substr(0, at)) && is_known(name.substr(at)))
+        return fmt::format("{} {}", name.substr(0, at), name.substr(at));
+    return {};
   }
 
   /// Letters, _, and the bytes of UTF-8 symbols other than superscript digits and the middle dot.

@@ -77,7 +77,7 @@ TEST(Units, RefusesWithTheReason) {
       {"3 V s", dimension::angle, "allowed: a number in rad"},
       {"3 volts", dimension::voltage, "unknown unit 'volts'"},
       {"3 Ohm", dimension::resistance, "did you mean 'ohm'?"},
-      {"3 Nm", dimension::torque, "unknown unit 'Nm'"},
+      {"3 Nm", dimension::torque, "unknown unit 'Nm', did you mean 'N m'?"},
       {"V", dimension::voltage, "'V' is not a number"},
       {"", dimension::voltage, "'' is not a number"},
       {"nan V", dimension::voltage, "not a finite number"},
