@@ -57,7 +57,13 @@ double largest_share(const EffectShare& share) {
 ModelFit without_idle_members(HeldOutGaps& gaps, ModelFit model) {
   // What is left out together must be idle together, so each smaller set is set beside the first:
   // with its tolerances where they are, as theirs stay.
-  const HeldOut all = gaps.of(gaps.held(model, model.candidates));
+  const HeldOut all = gaps.of(gaps.held(model, model.candidates)), stated = gaps.of(model);
+  // Where datasets judge one another, a smaller set must predict them by tolerances of its own too:
+  // with those of the larger one it has a part of what that one explains.
+  const auto needed_as_stated = [&](const ModelFit& less) {
+    return stated.over == "conditions" &&
+           needed(stated, gaps.of(gaps.fitted(less)), gaps.settings());
+  };
   while (model.candidates.size() > 1 && gaps.of(model).valid) {
     std::optional<ModelFit> best;
     for (const int dropped : model.candidates) {
@@ -67,7 +73,7 @@ ModelFit without_idle_members(HeldOutGaps& gaps, ModelFit model) {
     }
 
     if (!best || needed(all, gaps.of(*best), gaps.settings()) ||
-        more_probable(gaps, model, best->candidates))
+        more_probable(gaps, model, best->candidates) || needed_as_stated(*best))
       break;
     model = std::move(*best);
   }

@@ -11,7 +11,9 @@ namespace jaculus::diagnosis {
 /// as large as with all members. Evidence alone may ask for an effect (a few milliseconds of delay
 /// under a noisy input) that changes no motion that anybody would notice; but under a plan a member
 /// without which a fitted set is settings.strong_odds less probable stays, if held-out data are
-/// predicted no worse with it. Smaller sets that the search did not fit are fitted here.
+/// predicted no worse with it. Smaller sets that the search did not fit are fitted here; tolerances
+/// stay where the model has them, and where datasets judge one another a set must do as well by its
+/// own.
 ModelFit without_idle_members(HeldOutGaps& gaps, ModelFit model);
 
 /// The model without those members that make the error of a dataset larger by

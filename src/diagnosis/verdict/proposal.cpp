@@ -156,25 +156,30 @@ double left_to_held_out(HeldOutGaps& gaps, const ModelFit& best) {
   return gaps.of(best).over == "conditions" ? std::exp(-settings.clear_lead) : settings.listed;
 }
 
-/// Held-out gap of what would be stated of a set: where datasets judge one another, of those of its
-/// members that harm none, for a set may predict well by a member that is dropped later.
-HeldOut gap_as_stated(HeldOutGaps& gaps, const ModelFit& model) {
+/// What held-out data leave of a set's members, with tolerances of its own.
+ModelFit kept_of(HeldOutGaps& gaps, const ModelFit& model) {
   const ModelFit harmless = without_harmful_members(gaps, model);
-  return gaps.of(harmless.candidates == model.candidates ? model : gaps.fitted(harmless));
+  const ModelFit kept = without_members_of_no_share(gaps, without_idle_members(gaps, harmless));
+  return kept.candidates == model.candidates ? kept : gaps.fitted(kept);
 }
 
 /// The most probable set, or one that evidence hardly sets apart from it and that predicts held-out
-/// data better by settings.least_improvement.
+/// data better by settings.least_improvement. Where datasets judge one another they alone decide
+/// between these, by what would be stated of each: a set may predict well by a member that is
+/// dropped later.
 const ModelFit* best_predicting(HeldOutGaps& gaps) {
   const ModelFit* best = gaps.posterior().leading();
+  const bool conditions = gaps.of(*best).over == "conditions";
   const double least = left_to_held_out(gaps, *best) * best->probability();
-  HeldOut present = gap_as_stated(gaps, *best);
+  const double better = conditions ? 1.0 : 1.0 - gaps.settings().least_improvement;
+  const auto gap_of = [&](const ModelFit& model) {
+    return gaps.of(conditions ? kept_of(gaps, model) : model);
+  };
+  HeldOut present = gap_of(*best);
   for (const ModelFit& model : gaps.posterior().models) {
     if (model.candidates.empty() || !model.fit.valid || model.probability() < least) continue;
-    const HeldOut own = gap_as_stated(gaps, model);
-    if (!own.valid || !present.valid ||
-        own.after >= (1.0 - gaps.settings().least_improvement) * present.after)
-      continue;
+    const HeldOut own = gap_of(model);
+    if (!own.valid || !present.valid || !(own.after < better * present.after)) continue;
     best = &model;
     present = own;
   }
@@ -215,8 +220,7 @@ Proposal propose(HeldOutGaps& gaps) {
   leading = with_simpler_members(gaps, best_predicting(gaps));
   Proposal proposal = name_effects(posterior, *leading, settings);
   const ModelFit harmless = without_harmful_members(gaps, *leading);
-  ModelFit kept = without_members_of_no_share(gaps, without_idle_members(gaps, harmless));
-  if (kept.candidates != leading->candidates) kept = gaps.fitted(kept);
+  const ModelFit kept = kept_of(gaps, *leading);
   for (const int c : leading->candidates) {
     if (contains(kept.candidates, c)) continue;
     const char* why = contains(harmless.candidates, c)
