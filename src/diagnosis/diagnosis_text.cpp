@@ -146,13 +146,13 @@ std::string diagnosis_text(const Diagnosis& d) {
   text += agreement_text(d.agreement);
 
   if (!d.ranking.empty())
-    text += fmt::format("\n{:<44} {:>12} {:>9} {:>11}\n", "ranking", "log evidence", "held out",
-                        "probability");
+    text += fmt::format("\n{:<44} {:>12} {:>9}\n", "ranking, most probable first", "log evidence",
+                        "held out");
   std::size_t rows = 0;
   for (const Ranked& r : d.ranking) {
     if (++rows > 10) break;
-    text += fmt::format("{:<44} {:>12} {:>9} {:>11.3f}\n", r.effect, shown_number(r.log_evidence),
-                        shown_number(r.held_out_error), r.probability);
+    text += fmt::format("{:<44} {:>12} {:>9}\n", r.effect, shown_number(r.log_evidence),
+                        shown_number(r.held_out_error));
   }
 
   if (d.next)

@@ -18,11 +18,14 @@ constexpr double kWorthASentence = 0.005;  // share of the gap's energy
 constexpr std::size_t kMostBars = 10;      // effects that weren't worth a fit have rows too
 
 Bars ranking(const diagnosis::Diagnosis& d) {
-  Bars bars{"ranking",
-            "Which effect, by probability",
-            "-",
-            {},
-            "Log evidence is relative to no effect at all; the error is that on held-out data."};
+  Bars bars{
+      "ranking",
+      "Which effect, by probability",
+      "-",
+      {},
+      "Log evidence is relative to no effect at all; the error is that on held-out data. What "
+      "the verdict says has the share of such verdicts that were right in full; of the rest "
+      "only the order means something."};
   for (const diagnosis::Ranked& r : d.ranking) {
     if (bars.items.size() == kMostBars) break;
     bars.items.push_back({plain(r.effect), r.probability, kNaN, kNaN,
