@@ -12,6 +12,21 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+/// Which of the recipe's starts lie before the command's, by more than clocks are off: noise was
+/// taken for motion, and what follows from it means nothing.
+std::string mistaken_starts(const Json& trials) {
+  constexpr double kBefore = -0.02;  // [s]
+  std::string names;
+  for (const Json& trial : trials) {
+    const Json& recipe = trial["leap"]["recipe"];
+    if (!recipe.is_object() || !recipe["start_s"].is_number() ||
+        recipe["start_s"].get<double>() > kBefore)
+      continue;
+    names += (names.empty() ? "" : ", ") + trial["name"].get<std::string>();
+  }
+  return names.empty() ? "" : "the recipe took noise for the start of " + names + "\n";
+}
+
 std::string leap_text(const Json& trials) {
   TextTable table({"trial", "start [s]", "recipe v/T", "bias", "without noise", "bias",
                    "v/T at plan end", "lift-off [s]", "v at lift-off", "landing pitch"});
@@ -35,7 +50,8 @@ std::string leap_text(const Json& trials) {
   return table.text() +
          "recipe: the authors' way from motion capture to v/T [m/s^2], with its bias against the "
          "simulated state at "
-         "the plan's end\n";
+         "the plan's end\n" +
+         mistaken_starts(trials);
 }
 
 bool any_left_the_ground(const Json& trials) {

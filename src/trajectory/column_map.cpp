@@ -36,6 +36,10 @@ class ColumnMapReader {
         throw InputError(fmt::format("{}: there is no header line", reader_.name()));
       split(line);
       names_ = cells_;
+      if (names_.size() == 1 && map_.separator == ',' && names_[0].find(';') != std::string::npos)
+        throw reader_.error(
+            "the header has semicolons but no comma; if they part the cells, the map needs "
+            "separator: \";\"");
     }
 
     while (reader_.next(line)) row(line);

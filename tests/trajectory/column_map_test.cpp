@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "jaculus/core/error.h"
 #include "support/input_error.h"
 
 namespace jaculus::trajectory {
@@ -102,6 +103,21 @@ TEST(ColumnMap, BadFilesAndMapsNameThePlace) {
     std::string text = kMap;
     text.replace(text.find(f.what), f.what.size(), f.by);
     EXPECT_TRUE(holds(input_error_of([&] { (void)map_of(text); }), f.message));
+  }
+}
+
+TEST(ColumnMap, NamesTheSeparatorThatAFileHasInPlaceOfAComma) {
+  std::vector<std::string> notes;
+  const std::string map =
+      "format: jaculus-columns/1\nchannels:\n  time: {column: t, unit: s}\n"
+      "  front_a: {column: q, unit: rad}\n";
+  try {
+    (void)log_of("t;q\n0;1\n", notes, map);
+    FAIL() << "accepted";
+  } catch (const InputError& error) {
+    EXPECT_EQ(std::string(error.what()),
+              "log.txt:1: the header has semicolons but no comma; if they part the cells, the map "
+              "needs separator: \";\"");
   }
 }
 
