@@ -6,10 +6,10 @@
 #include <cmath>
 #include <limits>
 
-#include "diagnosis/noise/quantiles.h"
 #include "diagnosis/selection/neighbouring_sets.h"
 #include "diagnosis/validation/shares.h"
 #include "diagnosis/verdict/calibration.h"
+#include "diagnosis/verdict/found_effect.h"
 #include "diagnosis/verdict/lacking_forces.h"
 #include "diagnosis/verdict/rules.h"
 #include "diagnosis/verdict/told_events.h"
@@ -19,7 +19,6 @@ namespace jaculus::diagnosis {
 namespace {
 
 constexpr int kRivals = 2;
-constexpr double kBoundRounding = 1e-9;  // of a prior scale
 
 std::vector<std::string> names_of(const Problem& problem, const std::vector<int>& candidates) {
   std::vector<std::string> names;
@@ -36,135 +35,6 @@ std::vector<std::string> told_names(const Problem& problem, const std::vector<in
 
 std::string joined(const std::vector<std::string>& names) {
   return names.empty() ? "none" : fmt::format("{}", fmt::join(names, " + "));
-}
-
-/// Most probable model that frees a candidate; null where none does.
-const ModelFit* best_with(const Posterior& posterior, int candidate) {
-  const ModelFit* best = nullptr;
-  for (const ModelFit& m : posterior.models) {
-    const bool has = std::binary_search(m.candidates.begin(), m.candidates.end(), candidate);
-    if (has && m.fit.valid && (best == nullptr || m.probability() > best->probability())) best = &m;
-  }
-  return best;
-}
-
-/// A parameter in the terms in which users read it.
-FoundParameter shown(const Candidate& candidate, int k, double value, const Bounds& ci) {
-  if (candidate.effect == nullptr) return {"parameter", "-", value, ci};
-  const effects::EffectParameter& p = candidate.effect->parameters[k];
-  if (!p.reciprocal) return {p.name, p.unit, value, ci};
-  const double a = shown_value(p, ci.lower), b = shown_value(p, ci.upper);
-  return {p.shown_name(), p.shown_unit(), shown_value(p, value), {std::min(a, b), std::max(a, b)}};
-}
-
-/// An interval by noise, widened by what an effect's form on hardware may differ from the plant's:
-/// a share of the parameter's departure from nominal.
-Bounds with_form_error(const FreeParameter& parameter, double value, const Bounds& ci,
-                       double share) {
-  const double form = quantiles::kTwoSided95Rounded * share * std::abs(value - parameter.nominal);
-  return {std::max(parameter.bounds.lower, value - std::hypot(value - ci.lower, form)),
-          std::min(parameter.bounds.upper, value + std::hypot(ci.upper - value, form))};
-}
-
-/// Whether a fit stopped where a parameter's range ends, short of what the data ask for. Nominal
-/// is no such end: there the effect does nothing.
-bool at_bound(const FreeParameter& parameter, double value) {
-  const double rounding = kBoundRounding * parameter.scale;
-  if (std::abs(value - parameter.nominal) <= rounding) return false;
-  return value <= parameter.bounds.lower + rounding || value >= parameter.bounds.upper - rounding;
-}
-
-/// An effect as `model` fitted it, or the most probable model that has it.
-FoundEffect found_effect(const Problem& problem, const Whitening& whitening,
-                         const Posterior& posterior, int c, const ModelFit* model,
-                         const std::vector<int>& others) {
-  const Candidate& candidate = problem.hypotheses.candidates[c];
-  FoundEffect found;
-  found.name = candidate.name;
-  if (candidate.effect != nullptr) found.caption = candidate.effect->caption;
-  found.probability = posterior.inclusion[c];
-  std::vector<int> like = others;
-  // What a single effect does about none says nothing of its place beside others.
-  if (model->candidates.size() == 1) {
-    const std::vector<int>& alone = posterior.indistinguishable[c];
-    like.insert(like.end(), alone.begin(), alone.end());
-  }
-  for (const int other : like) {
-    const std::string& name = problem.hypotheses.candidates[other].name;
-    const bool effect = !problem.hypotheses.candidates[other].beyond_effects();
-    if (other == c || !effect || extends(problem.hypotheses, other, c)) continue;
-    if (index_of(found.indistinguishable, name) < 0) found.indistinguishable.push_back(name);
-  }
-
-  if (!std::binary_search(model->candidates.begin(), model->candidates.end(), c))
-    model = best_with(posterior, c);
-  if (model == nullptr) return found;
-
-  const std::vector<Estimate> own = with_tolerances(problem, whitening, model->fit, c);
-  for (int k = 0; k < count_of(own); ++k) {
-    const FreeParameter& parameter = problem.hypotheses.parameters[candidate.parameters[k]];
-    const Bounds ci =
-        with_form_error(parameter, own[k].value, own[k].ci95, problem.settings.form_error);
-    found.parameters.push_back(shown(candidate, k, own[k].value, ci));
-    found.parameters.back().at_bound = at_bound(parameter, model->fit.p[candidate.parameters[k]]);
-  }
-  return found;
-}
-
-/// Widens the intervals of an effect by those it has where a rival stands in another member's
-/// place: which of the two it is can't be told, so that either value may be right.
-void widen_by_rivals(const Problem& problem, const Whitening& whitening, const Posterior& posterior,
-                     const ModelFit& chosen, const std::vector<Established>& named, int c,
-                     FoundEffect& effect) {
-  if (index_of(chosen.candidates, c) < 0) return;
-  for (const Established& other : named) {
-    if (other.effect == c) continue;
-    for (const int rival : other.others) {
-      const ModelFit* model = posterior.find(exchanged(chosen.candidates, other.effect, rival));
-      if (model == nullptr || !model->fit.valid) continue;
-      const FoundEffect there = found_effect(problem, whitening, posterior, c, model, {});
-      for (std::size_t k = 0; k < effect.parameters.size(); ++k) {
-        Bounds& own = effect.parameters[k].ci95;
-        const Bounds& more = there.parameters[k].ci95;
-        own = {std::min(own.lower, more.lower), std::max(own.upper, more.upper)};
-      }
-    }
-  }
-}
-
-/// Values of a model's effects, as users read them.
-std::vector<FoundParameter> values_of(const Problem& problem, const ModelFit& model) {
-  std::vector<FoundParameter> values;
-  for (const int c : model.candidates) {
-    const Candidate& candidate = problem.hypotheses.candidates[c];
-    const Vector theta = theta_with_tolerances(problem, model.fit, c);
-    for (int k = 0; k < theta.size(); ++k) {
-      FoundParameter value = shown(candidate, k, theta[k], {kNaN, kNaN});
-      value.name = candidate.name + "." + value.name;
-      values.push_back(value);
-    }
-  }
-  return values;
-}
-
-/// Tolerances by which a fit is a deviation off its files or more, and surely off them.
-std::vector<Tolerated> tolerated_by(const Problem& problem, const Fit& fit) {
-  std::vector<Tolerated> found;
-  for (const int i : problem.hypotheses.tolerances) {
-    const int place = index_of(fit.free, i);
-    if (place < 0) continue;
-    const FreeParameter& own = problem.hypotheses.parameters[i];
-    const double half = quantiles::kTwoSided95 * std::sqrt(fit.covariance(place, place));
-    if (std::abs(fit.p[i]) < std::max(1.0, half)) continue;
-    found.push_back({own.name,
-                     fit.p[i],
-                     {std::max(own.bounds.lower, fit.p[i] - half),
-                      std::min(own.bounds.upper, fit.p[i] + half)}});
-  }
-  std::stable_sort(found.begin(), found.end(), [](const Tolerated& a, const Tolerated& b) {
-    return std::abs(a.value) > std::abs(b.value);
-  });
-  return found;
 }
 
 /// Of effects against none, complete or lacking.
@@ -311,82 +181,128 @@ void append(const std::vector<std::string>& more, std::vector<std::string>& reas
     if (!reason.empty()) reasons.push_back(reason);
 }
 
+/// What a statement is made of.
+struct Judged {
+  const Problem& problem;
+  const Whitening& whitening;
+  const Posterior& posterior;
+  HeldOutGaps& gaps;
+  const Proposal& proposal;
+  const PartedProposal& told;
+
+  [[nodiscard]] const ModelFit& chosen() const { return proposal.chosen; }
+  /// An effect of the chosen model, or one that may stand in for another.
+  [[nodiscard]] FoundEffect found(int c, const std::vector<int>& others) const {
+    FoundEffect effect = found_effect(problem, whitening, posterior, c, &chosen(), others);
+    widen_by_rivals(problem, whitening, posterior, chosen(), told.effects, c, effect);
+    return effect;
+  }
+};
+
+std::vector<ForceEvent> found_events(const Judged& judged) {
+  std::vector<ForceEvent> events;
+  for (const Established& e : judged.told.events)
+    events.push_back(event_of(judged.problem, e.effect, judged.found(e.effect, {})));
+  return events;
+}
+
+std::vector<FoundEffect> found_patterns(const Judged& judged) {
+  std::vector<FoundEffect> patterns;
+  for (const Established& e : judged.told.patterns) patterns.push_back(judged.found(e.effect, {}));
+  add_shares(judged.gaps, judged.chosen(), patterns);
+  return patterns;
+}
+
+/// Rivals have a row each.
+std::vector<FoundEffect> found_effects(const Judged& judged, Verdict verdict) {
+  std::vector<FoundEffect> effects;
+  for (const Established& e : judged.told.effects)
+    effects.push_back(judged.found(e.effect, e.others));
+  if (verdict == Verdict::ambiguous)
+    for (const int other : judged.told.effects.front().others)
+      effects.push_back(judged.found(other, {}));
+  add_shares(judged.gaps, judged.chosen(), effects);
+  return effects;
+}
+
+std::vector<Ranked> ranking_of_effects(const Judged& judged) {
+  std::vector<Ranked> ranking = ranking_of(judged.gaps, judged.chosen());
+  return judged.problem.hypotheses.beyond_effects() ? ranked_by_effects(judged.problem, ranking)
+                                                    : ranking;
+}
+
+/// What speaks against an effect, but for what is itself with parameters more.
+std::vector<std::string> doubts_of(const Judged& judged, const Statement& statement,
+                                   const std::vector<FoundEffect>& effects,
+                                   std::vector<Ranked> ranking) {
+  const Hypotheses& hypotheses = judged.problem.hypotheses;
+  std::erase_if(ranking, [&](const Ranked& row) {
+    if (judged.told.effects.empty() || row.members.size() != 1) return false;
+    const int c = hypotheses.candidate(row.members.front());
+    return c >= 0 && extends(hypotheses, c, judged.told.effects.front().effect);
+  });
+  return doubts(statement.verdict, statement.gap, effects, ranking, judged.problem.settings);
+}
+
+/// The models that a statement is about.
+void add_models(const Judged& judged, const VerdictRule& rule, const Fit& stated, const Fit& none,
+                Statement& out) {
+  const ModelFit& chosen = judged.chosen();
+  out.stated = {{}, stated.p};
+  const bool once = names_effects(rule.verdict) && judged.told.effects.empty();
+  out.none = once ? FittedModel{chosen.candidates, chosen.fit.p} : FittedModel{{}, none.p};
+  out.model = {chosen.candidates, chosen.fit.p};
+  for (const int c : chosen.candidates)
+    out.theta.push_back(theta_with_tolerances(judged.problem, chosen.fit, c));
+  out.tolerated = tolerated_by(judged.problem, chosen.fit);
+}
+
 }  // namespace
 
 Statement state_verdict(const Problem& problem, const Selection& selection, bool one_trial) {
   const Settings& settings = problem.settings;
+  const Whitening& whitening = selection.comparison.whitening;
   const Fit& none = selection.search.models.front().fit;
   const Posterior posterior = posterior_of(selection.search, settings);
-  const Fit stated = as_stated(problem, selection.comparison.whitening);
+  const Fit stated = as_stated(problem, whitening);
   HeldOutGaps gaps(problem, selection.comparison, posterior, stated, none);
   const Proposal proposal = propose(gaps);
   const ModelFit& chosen = proposal.chosen;
   const PartedProposal told = parted(problem, proposal);
+  const Judged judged{problem, whitening, posterior, gaps, proposal, told};
 
   Statement out;
-  out.gap = gaps.of(chosen);
-  const double lacking = lacking_probability(chosen, settings);
-  out.lacking_probability = lacking;
-  out.lacking = lacking_forces(problem, selection.comparison.whitening, chosen.fit);
-  const VerdictRule& rule = decide({one_trial, posterior.nothing_told(), posterior.unexplained,
-                                    told.naming, count_of(proposal.effects), lacking, out.gap,
-                                    in_windows(problem) ? 0.0 : log_odds_of_effects(posterior)},
-                                   settings);
+  out.posterior = posterior;
+  out.gap = out.gap_with = gaps.of(chosen);
+  out.lacking_probability = lacking_probability(chosen, settings);
+  out.lacking = lacking_forces(problem, whitening, chosen.fit);
+  const VerdictRule& rule =
+      decide({one_trial, posterior.nothing_told(), posterior.unexplained, told.naming,
+              count_of(proposal.effects), out.lacking_probability, out.gap,
+              in_windows(problem) ? 0.0 : log_odds_of_effects(posterior)},
+             settings);
   out.verdict = about_effects(rule.verdict, told);
   out.rule = rule.name;
-  const bool patterns = names_effects(rule.verdict) && !told.patterns.empty();
-  out.gap_with = out.gap;
-  if (patterns) {
-    out.gap = gaps.of(by_effects(gaps, chosen));
-    out.lacking_probability = std::max(lacking, most_probable(told.patterns));
-  }
-  out.stated = {{}, stated.p};
-  const bool once = names_effects(rule.verdict) && told.effects.empty();
-  out.none = once ? FittedModel{chosen.candidates, chosen.fit.p} : FittedModel{{}, none.p};
-  out.model = {chosen.candidates, chosen.fit.p};
-  for (const int c : chosen.candidates)
-    out.theta.push_back(theta_with_tolerances(problem, chosen.fit, c));
-  out.tolerated = tolerated_by(problem, chosen.fit);
+  add_models(judged, rule, stated, none, out);
 
+  if (names_effects(rule.verdict)) out.events = found_events(judged);
+  if (names_effects(rule.verdict) && !told.patterns.empty()) {
+    out.gap = gaps.of(by_effects(gaps, chosen));
+    out.lacking_probability = std::max(out.lacking_probability, most_probable(told.patterns));
+    out.patterns = found_patterns(judged);
+  }
+  std::vector<FoundEffect> effects;
+  if (names_effects(out.verdict)) effects = found_effects(judged, out.verdict);
+  if (out.verdict == Verdict::ambiguous) out.rivals = rivals_of(posterior);
+
+  std::vector<Ranked> ranking = ranking_of_effects(judged);
   append(proposal.reasons, out.reasons);
   append(rule_reasons(problem, rule, out.verdict, told, chosen), out.reasons);
-
-  const Whitening& whitening = selection.comparison.whitening;
-  const auto found = [&](int c, const std::vector<int>& others) {
-    FoundEffect effect = found_effect(problem, whitening, posterior, c, &chosen, others);
-    widen_by_rivals(problem, whitening, posterior, chosen, told.effects, c, effect);
-    return effect;
-  };
-  std::vector<FoundEffect> effects;
-  if (names_effects(rule.verdict))
-    for (const Established& e : told.events)
-      out.events.push_back(event_of(problem, e.effect, found(e.effect, {})));
-  if (patterns) {
-    for (const Established& e : told.patterns) out.patterns.push_back(found(e.effect, {}));
-    add_shares(gaps, chosen, out.patterns);
-  }
-  if (names_effects(out.verdict)) {
-    for (const Established& e : told.effects) effects.push_back(found(e.effect, e.others));
-    // Rivals have a row each.
-    if (out.verdict == Verdict::ambiguous)
-      for (const int other : told.effects.front().others) effects.push_back(found(other, {}));
-    add_shares(gaps, chosen, effects);
-  }
-  if (out.verdict == Verdict::ambiguous) out.rivals = rivals_of(posterior);
-  std::vector<Ranked> ranking = ranking_of(gaps, chosen);
-  if (problem.hypotheses.beyond_effects()) ranking = ranked_by_effects(problem, ranking);
-  std::vector<Ranked> others = ranking;
-  std::erase_if(others, [&](const Ranked& row) {
-    if (told.effects.empty() || row.members.size() != 1) return false;
-    const int c = problem.hypotheses.candidate(row.members.front());
-    return c >= 0 && extends(problem.hypotheses, c, told.effects.front().effect);
-  });
-  append(doubts(out.verdict, out.gap, effects, others, settings), out.reasons);
+  append(doubts_of(judged, out, effects, ranking), out.reasons);
   Calibrated calibrated =
       calibrate(out.verdict, !out.events.empty(), std::move(effects), std::move(ranking));
   out.effects = std::move(calibrated.effects);
   out.ranking = std::move(calibrated.ranking);
-  out.posterior = posterior;
   return out;
 }
 
