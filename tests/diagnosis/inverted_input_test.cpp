@@ -9,7 +9,7 @@
 namespace jaculus::diagnosis {
 namespace {
 
-/// A few trials of a pendulum, heavier than its file says and with friction, so that a gap is there.
+/// A few trials of a pendulum, heavier than its file says and with friction.
 trajectory::Dataset pendulum() {
   return test::logged("pendulum_trials.yaml", {},
                       {"joint_coulomb_friction:torque=0.05", "link_mass:scale=1.1"}, 3, 4);

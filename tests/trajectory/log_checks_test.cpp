@@ -10,7 +10,7 @@
 namespace jaculus::trajectory {
 namespace {
 
-/// A swing of 1 Hz at 200 Hz, angle and rate times a factor each, with an encoder's noise and a gap.
+/// A swing of 1 Hz at 200 Hz, angle and rate times a factor each, with noise and a gap.
 Dataset swing(double by_angle, double by_rate, double noise = 1e-3) {
   constexpr int kSamples = 400;
   Stream stream{"joints",

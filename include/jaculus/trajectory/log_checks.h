@@ -1,11 +1,13 @@
 #pragma once
 // What of a log contradicts itself, told without any model.
 //
-// Of a channel A and its rate A_velocity in one stream: over spans of 0.05 s or 4 samples, whichever
-// is longer, the way D = A(t1) - A(t0) and the integral I of the rate by the trapezoidal rule,
+// Of a channel A and its rate A_velocity in one stream: over spans of 0.05 s or 4 samples,
+// whichever is longer, the way D = A(t1) - A(t0) and the integral I of the rate by the trapezoidal
+// rule,
 //   slope b = sum D I/sum I^2,   correlation c = sum D I/sqrt(sum D^2 sum I^2),
 // over all trials. They contradict one another where |c| is above 0.95 and b is outside [1/2, 2]: a
-// sign, degrees beside radians, a rate before the gear. Differences of noise have no such correlation.
+// sign, degrees beside radians, a rate before the gear. Differences of noise have no such
+// correlation.
 
 #include <string>
 #include <vector>
@@ -24,8 +26,8 @@ std::vector<RateContradiction> rate_contradictions(const Dataset& dataset);
 /// "joints.swing moves -1.00 times ...".
 std::string to_text(const RateContradiction& found);
 
-/// One sentence for each stream whose stamps have another rate than is stated, by a tenth or more in
-/// the median of their spacing.
+/// One sentence for each stream whose stamps have another rate than is stated, by a tenth or more
+/// in the median of their spacing.
 std::vector<std::string> rate_notes(const Dataset& dataset);
 
 }  // namespace jaculus::trajectory

@@ -147,9 +147,9 @@ struct ScaleEstimate {
   double log_cost = 0.0;  ///< to be added to a log evidence by these scales; not positive
 };
 /// Of X = [r Y], from `scales` on: s^2 <- |w|^2/told, MacKay's fixed point, and of a misfit
-/// s^2 N <- E - N with E expected over u; of at most `steps` the best by the evidence, in which what
-/// is shared is not integrated over. With no step: the cost of `scales`. A group that would fall
-/// below its slower one has its deviation in common with it, by pooled |w|^2 and told.
+/// s^2 N <- E - N with E expected over u; of at most `steps` the best by the evidence, in which
+/// what is shared is not integrated over. With no step: the cost of `scales`. A group that would
+/// fall below its slower one has its deviation in common with it, by pooled |w|^2 and told.
 ScaleEstimate estimated_scales(const RandomEffects& effects, const Products& products,
                                Vector scales, int steps, double spread, const Vector* at = nullptr);
 

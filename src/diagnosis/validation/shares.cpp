@@ -76,7 +76,7 @@ std::vector<std::optional<EffectShare>> shares_of(HeldOutGaps& gaps, const Model
     std::vector<int> members;
     for (int i = 0; i < n; ++i)
       if ((set >> i & 1u) != 0) members.push_back(model.candidates[i]);
-    const ModelFit& fitted = gaps.held(model, members);
+    const ModelFit& fitted = gaps.subset(model, members);
     v[set] = {kNaN, std::vector<double>(whole.by_fold.size(), kNaN)};
     if (fitted.fit.valid) v[set] = explained_by(gaps.of(fitted), gaps.settings());
   }
