@@ -6,8 +6,9 @@
 //   r_0 = r - J_t t = J_t t' + sum_k Y_k b_k + e,   Y_k = T df/db_k,   b_k ~ N(0, 1) prior scales,
 // f simulated with the force of a pattern k at work; t' ~ N(0, 1) again, for a pattern that
 // explains what they were strained for lets them go back; e with the misfits of
-// noise/random_effects.h of most likely size. Contacts, closures and free flight are the simulation's: a force at a foot acts
-// where the foot touches, and no coordinate has to be measured.
+// noise/random_effects.h of most likely size. Contacts, closures and free flight are the
+// simulation's: a force at a foot acts where the foot touches, and no coordinate has to be
+// measured.
 //   gain of a set S:  G(S) = log Z(S) - log Z(nothing),  Z by linear algebra
 // What is set beside data held out is both without what t' can do, M = I + J_t J_t^T:
 //   M^-1/2 r_0,  M^-1/2 Y_k

@@ -24,8 +24,8 @@ void widen_by_rivals(const Problem& problem, const Whitening& whitening, const P
 /// Values of a model's effects, without intervals.
 std::vector<FoundParameter> values_of(const Problem& problem, const ModelFit& model);
 
-/// Tolerances by which a fit is a deviation off its files or more, and surely off them, the farthest
-/// first.
+/// Tolerances by which a fit is a deviation off its files or more, and surely off them, the
+/// farthest first.
 std::vector<Tolerated> tolerated_by(const Problem& problem, const Fit& fit);
 
 }  // namespace jaculus::diagnosis
