@@ -68,9 +68,8 @@ TEST(PhysicalGap, AHorizonIsJudgedAsIfDataEndedThere) {
 
   // The same data without what comes after 0.3 s, nominal model: the same error.
   auto ended = toy_problem(toy_truth(0.0, 0.02));
-  ObservedDataset& observed = ended->observations.datasets[0];
-  for (int s = 0; s < count_of(observed.segments); ++s) {
-    observed.segments[s].prefix_end = 0.25 * 0.3;
+  for (int s = 0; s < count_of(ended->observations.datasets[0].segments); ++s) {
+    ended->observations.datasets[0].segments[s].prefix_end = 0.25 * 0.3;
     ended->observations = without_tails(ended->observations, {{0, s, 0.3 - 1e-9}});
   }
   const Diagnosis short_data = diagnose_problem(*ended);
