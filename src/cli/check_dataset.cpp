@@ -38,14 +38,15 @@ std::string shown(double value) {
   return std::isfinite(value) ? fmt::format("{:.3f}", value) : "-";
 }
 
-const std::vector<std::string> kOfNoJoint = {"x",     "y",         "z",   "roll", "yaw",
-                                             "pitch", "imu_pitch", "bus", "time", "temperature"};
+const std::vector<std::string> kOfNoJoint = {"x",   "y",     "z",         "roll",
+                                             "yaw", "pitch", "imu_pitch", "bus"};
 
 /// Whether a channel is of no joint, coordinate or foot of this robot.
 bool is_strange(const std::string& channel, const model::PlanarModel& model) {
   const std::string of = trajectory::parse_channel(channel).of;
   const auto foot = [&](const model::PlanarPoint& own) { return own.name == of; };
-  return model.body_of_joint(of) < 0 && model.coordinate_index(of) < 0 &&
+  return !channel.ends_with("temperature") && model.body_of_joint(of) < 0 &&
+         model.coordinate_index(of) < 0 &&
          std::find(kOfNoJoint.begin(), kOfNoJoint.end(), of) == kOfNoJoint.end() &&
          std::none_of(model.feet.begin(), model.feet.end(), foot);
 }
