@@ -15,7 +15,7 @@ using Json = nlohmann::ordered_json;
 /// Which of the recipe's starts lie before the command's, by more than clocks are off: noise was
 /// taken for motion, and what follows from it means nothing.
 std::string mistaken_starts(const Json& trials) {
-  constexpr double kBefore = -0.02;  // [s]
+  constexpr double kBefore = -0.02;  // [s]; streams are some 10 ms off, by whole samples at 120 Hz
   std::string names;
   for (const Json& trial : trials) {
     const Json& recipe = trial["leap"]["recipe"];

@@ -14,10 +14,12 @@
 namespace jaculus::trajectory {
 namespace {
 
+// Chosen, not tuned: spans long beside a driver's filter and short beside a swing; a factor that no
+// filter or scale error reaches and every wrong unit, sign or gear does.
 constexpr double kSpan = 0.05;  // [s]
 constexpr int kSpanSamples = 4;
-constexpr double kCorrelated = 0.95, kLargestFactor = 2.0;
-constexpr double kRateOff = 0.1;
+constexpr double kCorrelated = 0.95, kLargestFactor = 2.0;  // [-]
+constexpr double kRateOff = 0.1;     // of a rate: dropped samples leave the median as it is
 constexpr double kUnitWithin = 0.1;  // of a slope, where it is named
 
 /// Sums over spans.

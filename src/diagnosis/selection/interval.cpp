@@ -139,6 +139,23 @@ std::vector<Sum> sums_with_tolerances(const Problem& problem, const Fit& fit, in
   return sums;
 }
 
+/// interval95() by the basis of its fit.
+Bounds interval_on(const IntervalBasis& basis, const Problem& problem, const Whitening& whitening,
+                   const Fit& fit, int parameter) {
+  const auto place = std::find(fit.free.begin(), fit.free.end(), parameter) - fit.free.begin();
+  const Profile profile(problem, whitening, fit, basis, place);
+  const FreeParameter& own = profile.own();
+  const Vector own_alone = Vector::Unit(fit.jacobian.cols(), place);
+  const double deviation = own.scale * basis.deviation(own_alone);
+  const double quantile = basis.quantile(own_alone);
+  const double wider = widening(whitening, fit, own_alone), value = profile.value();
+  const auto end = [&](double side) {
+    const double told = interval_end(profile, problem.settings, deviation, quantile, side) - value;
+    return std::clamp(value + wider * told, own.bounds.lower, own.bounds.upper);
+  };
+  return {end(-1.0), end(1.0)};
+}
+
 }  // namespace
 
 double widening(const Whitening& whitening, const Fit& fit, const Vector& along) {
@@ -163,19 +180,7 @@ double widening(const Whitening& whitening, const Fit& fit, const Vector& along)
 
 Bounds interval95(const Problem& problem, const Whitening& whitening, const Fit& fit,
                   int parameter) {
-  const auto place = std::find(fit.free.begin(), fit.free.end(), parameter) - fit.free.begin();
-  const IntervalBasis basis = interval_basis(whitening, fit);
-  const Profile profile(problem, whitening, fit, basis, place);
-  const FreeParameter& own = profile.own();
-  const Vector own_alone = Vector::Unit(fit.jacobian.cols(), place);
-  const double deviation = own.scale * basis.deviation(own_alone);
-  const double quantile = basis.quantile(own_alone);
-  const double wider = widening(whitening, fit, own_alone), value = profile.value();
-  const auto end = [&](double side) {
-    const double told = interval_end(profile, problem.settings, deviation, quantile, side) - value;
-    return std::clamp(value + wider * told, own.bounds.lower, own.bounds.upper);
-  };
-  return {end(-1.0), end(1.0)};
+  return interval_on(interval_basis(whitening, fit), problem, whitening, fit, parameter);
 }
 
 std::vector<Estimate> with_tolerances(const Problem& problem, const Whitening& whitening,
@@ -187,7 +192,7 @@ std::vector<Estimate> with_tolerances(const Problem& problem, const Whitening& w
     const Sum& sum = sums[k];
     const int i = problem.hypotheses.candidates[candidate].parameters[k];
     if ((sum.along.array() != 0.0).count() == 1) {
-      estimates.push_back({sum.value, interval95(problem, whitening, fit, i)});
+      estimates.push_back({sum.value, interval_on(basis, problem, whitening, fit, i)});
       continue;
     }
 

@@ -10,8 +10,11 @@
 namespace jaculus::diagnosis {
 namespace {
 
-constexpr int kMostSteps = 50;   // of the fixed point
-constexpr double kStays = 1e-4;  // relative step at which it has arrived
+// Of the fixed point. Chosen: it closes in by told_c/n_c a step, to far less than intervals show.
+constexpr int kMostSteps = 50;
+constexpr double kArrived = 1e-4;  // relative step [-]
+// Values that a coordinate leaves at least [-]. Derivation: with one a deviation is Cauchy's, with
+// less no quantile is of use.
 constexpr double kLeastFreedom = 1.0;
 
 /// H^-1 of X = [r J].
@@ -67,7 +70,7 @@ IntervalBasis interval_basis(const Whitening& whitening, const Fit& fit) {
       basis.scales[own.group] = next;
     }
     basis.covariance = covariance_by(random, products, basis.scales);
-    if (moved < kStays) break;
+    if (moved < kArrived) break;
   }
 
   const Eigen::Index n = basis.covariance.cols();

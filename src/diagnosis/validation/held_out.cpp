@@ -250,14 +250,18 @@ const ModelFit& HeldOutGaps::held(const ModelFit& model, const std::vector<int>&
   return subsets_.emplace(members, std::move(less)).first->second;
 }
 
-ModelFit HeldOutGaps::fitted(const ModelFit& held) const {
+const ModelFit& HeldOutGaps::fitted(const ModelFit& held) {
   if (const ModelFit* known = posterior_.find(held.candidates)) return *known;
+  const auto known = fitted_.find(held.candidates);
+  if (known != fitted_.end()) return known->second;
+
   ModelFit model = held;
   FitOptions options;
   options.scales = held.fit.scales;
   model.fit = fit_model(problem_, comparison_.whitening,
                         problem_.hypotheses.freed_by(held.candidates), {held.fit.p}, options);
-  return model.fit.valid ? model : held;
+  if (!model.fit.valid) model = held;
+  return fitted_.emplace(held.candidates, std::move(model)).first->second;
 }
 
 const HeldOut& HeldOutGaps::of(const ModelFit& model) {

@@ -67,7 +67,7 @@ class HeldOutGaps {
   const ModelFit& held(const ModelFit& model, const std::vector<int>& members);
 
   /// A subset with tolerances of its own: as the search fitted it, else fitted from there.
-  [[nodiscard]] ModelFit fitted(const ModelFit& held) const;
+  const ModelFit& fitted(const ModelFit& held);
 
   [[nodiscard]] const Problem& problem() const { return problem_; }
   [[nodiscard]] const Settings& settings() const { return problem_.settings; }
@@ -84,7 +84,7 @@ class HeldOutGaps {
   /// set's.
   using Key = std::pair<std::vector<int>, std::vector<int>>;
   std::map<Key, HeldOut> gaps_;
-  std::map<std::vector<int>, ModelFit> subsets_;
+  std::map<std::vector<int>, ModelFit> subsets_, fitted_;
 };
 
 }  // namespace jaculus::diagnosis
