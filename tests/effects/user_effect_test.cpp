@@ -224,6 +224,19 @@ TEST(UserEffect, RobotsThatCannotHaveItSayWhy) {
   EXPECT_TRUE(holds(misfit(ideal, "ak80_pendulum"), "an ideal one without current"));
 }
 
+TEST(UserEffect, ReadsTheLimitOfAMotorThatHasOne) {
+  const test::TemporaryFolder folder;
+  const UserEffect user =
+      read_user_effect(folder.write("sticky.yaml", with_line("(1 + x)", "(1 + x*tau/tau_limit)")));
+  model::PlanarModel two = robot("double_pendulum");
+  EXPECT_NO_THROW(user.require(two));
+
+  model::PlanarMotor& elbow = two.motors[two.motor_index("elbow")];
+  elbow.torque_limit = elbow.current_limit = kInfinity;
+  EXPECT_TRUE(holds(test::input_error_of([&] { user.require(two); }),
+                    "the motor of 'elbow' has no limit of torque or current for tau_limit"));
+}
+
 TEST(UserEffect, OfAGroupIsAlsoThatOfEachJoint) {
   const test::TemporaryFolder folder;
   const auto entries = [&](const std::string& at, const std::string& name) {

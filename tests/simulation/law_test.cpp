@@ -91,6 +91,8 @@ TEST(Laws, StatesAreIntegratedWithTheMotion) {
 TEST(Laws, ReadTheRobot) {
   model::PlanarModel model =
       model::read_robot(source_folder() / "models" / "double_pendulum").planar;
+  model::PlanarMotor& elbow = model.motors[model.motor_index("elbow")];
+  elbow.current_limit = kInfinity;
   Plant plant = plant_of(model, 0.0);
   std::vector<double> seen;
   Law law;
@@ -104,16 +106,17 @@ TEST(Laws, ReadTheRobot) {
                   {ReadingKind::body_angle, "lower"},
                   {ReadingKind::body_rate, "lower"},
                   {ReadingKind::joint_load, "elbow"},
-                  {ReadingKind::bus_voltage}};
+                  {ReadingKind::bus_voltage},
+                  {ReadingKind::motor_limit, "elbow"}};
   law.functions = [&seen] {
     return LawFunctions{nullptr, [&seen](const double* r, const double*, double*, double*) {
-                          if (seen.empty()) seen.assign(r, r + 10);
+                          if (seen.empty()) seen.assign(r, r + 11);
                         }};
   };
   plant.laws = {law};
   run(plant, start_at({0.2, 0.3}, {1.0, -0.5}));
 
-  ASSERT_EQ(seen.size(), 10u);
+  ASSERT_EQ(seen.size(), 11u);
   EXPECT_EQ(seen[0], 0.0);
   EXPECT_NEAR(seen[1], 0.3, 1e-12);
   EXPECT_NEAR(seen[2], -0.5, 1e-12);
@@ -128,6 +131,7 @@ TEST(Laws, ReadTheRobot) {
   const double spin = -0.45 * 0.2 * 0.24 * 1.0 * std::sin(0.3);
   EXPECT_NEAR(seen[8], gravity + spin, 1e-9);
   EXPECT_EQ(seen[9], 24.0);
+  EXPECT_EQ(seen[10], elbow.torque_limit * elbow.gear);
 }
 
 /// The double pendulum driven by voltages.

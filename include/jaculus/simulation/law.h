@@ -30,6 +30,7 @@ enum class ReadingKind {
   motor_torque,   ///< of one motor at its joint [N m, N]
   motor_current,  ///< of one motor [A]
   motor_voltage,  ///< at its terminals [V]
+  motor_limit,    ///< torque at its joint that its current and torque limits allow [N m, N]
   bus_voltage,    ///< [V]
   point_x,        ///< of a body's point, world frame [m]
   point_z,        ///< [m]

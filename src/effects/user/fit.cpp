@@ -4,9 +4,11 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "effects/families.h"
 #include "effects/user/units.h"
+#include "jaculus/components/motor.h"
 #include "jaculus/core/error.h"
 #include "jaculus/trajectory/quantity.h"
 
@@ -65,17 +67,22 @@ bool joint_slides(const PlanarModel& model, const std::string& joint) {
 
 bool needs_motor(ReadingKind kind) {
   return kind == ReadingKind::motor_torque || kind == ReadingKind::motor_current ||
-         kind == ReadingKind::motor_voltage;
+         kind == ReadingKind::motor_voltage || kind == ReadingKind::motor_limit;
 }
 
 void require_motor(const EffectPlace& place, const PlanarModel& model, const std::string& joint,
-                   bool electric, const std::string& why) {
+                   ReadingKind kind, const std::string& why) {
+  const bool electric = kind == ReadingKind::motor_current || kind == ReadingKind::motor_voltage;
   const int motor = model.motor_index(joint);
   if (motor < 0)
     throw place.node.error(fmt::format("no motor turns '{}', and {} is of one", joint, why));
   if (electric && model.motors[motor].ideal())
     throw place.node.error(
         fmt::format("the motor of '{}' is an ideal one without {}; allowed: tau", joint, why));
+  if (kind == ReadingKind::motor_limit &&
+      !std::isfinite(components::largest_joint_torque(model.motors[motor]).value))
+    throw place.node.error(fmt::format(
+        "the motor of '{}' has no limit of torque or current for {}; allowed: tau", joint, why));
 }
 
 void require_joints(const EffectSpec& spec, const PlanarModel& model) {
@@ -92,10 +99,10 @@ void require_joints(const EffectSpec& spec, const PlanarModel& model) {
                                  : fmt::format("'{}' slides; allowed there: force, in N", joint));
     for (const ReadingName& reading : readings_of(spec))
       if (reading.of.empty() && needs_motor(reading.kind))
-        require_motor(place, model, joint, reading.kind != ReadingKind::motor_torque, reading.name);
+        require_motor(place, model, joint, reading.kind, reading.name);
     for (const SpecAction& action : spec.actions)
       if (action.kind == ActionKind::torque_scale)
-        require_motor(place, model, joint, false, "torque_scale");
+        require_motor(place, model, joint, ReadingKind::motor_torque, "torque_scale");
   }
 }
 
@@ -145,8 +152,7 @@ void require_robot(const EffectSpec& spec, const PlanarModel& model) {
     if (model.body_of_joint(reading.of) < 0)
       throw no_such(spec.place, "joint", reading.of, joint_names(model));
     if (needs_motor(reading.kind))
-      require_motor(spec.place, model, reading.of, reading.kind != ReadingKind::motor_torque,
-                    reading.name);
+      require_motor(spec.place, model, reading.of, reading.kind, reading.name);
   }
 }
 

@@ -25,6 +25,7 @@ const Known kOfJoint[] = {
     {"qd", ReadingKind::joint_rate, dimension::angular_velocity, dimension::velocity},
     {"load", ReadingKind::joint_load, dimension::torque, dimension::force},
     {"tau", ReadingKind::motor_torque, dimension::torque, dimension::force},
+    {"tau_limit", ReadingKind::motor_limit, dimension::torque, dimension::force},
     {"current", ReadingKind::motor_current, dimension::current, dimension::current},
     {"voltage", ReadingKind::motor_voltage, dimension::voltage, dimension::voltage},
 };
@@ -70,7 +71,8 @@ std::vector<const Formula*> formulas_of(const EffectSpec& spec) {
 
 bool of_motors(ReadingKind kind) {
   return kind == ReadingKind::motor_torque || kind == ReadingKind::motor_current ||
-         kind == ReadingKind::motor_voltage || kind == ReadingKind::bus_voltage;
+         kind == ReadingKind::motor_voltage || kind == ReadingKind::motor_limit ||
+         kind == ReadingKind::bus_voltage;
 }
 
 std::optional<ReadingName> reading_named(const std::string& name, const EffectPlace& place) {

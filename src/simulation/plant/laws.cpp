@@ -6,6 +6,7 @@
 #include <cassert>
 #include <cmath>
 
+#include "jaculus/components/motor.h"
 #include "jaculus/core/error.h"
 
 namespace jaculus::simulation::detail {
@@ -14,7 +15,7 @@ namespace {
 
 bool of_motors(ReadingKind kind) {
   return kind == ReadingKind::motor_torque || kind == ReadingKind::motor_current ||
-         kind == ReadingKind::motor_voltage;
+         kind == ReadingKind::motor_voltage || kind == ReadingKind::motor_limit;
 }
 
 bool of_joint(ReadingKind kind) {
@@ -93,6 +94,8 @@ Laws::Laws(const Plant& plant) {
     laws_.push_back(std::move(own));
   }
 
+  for (const model::PlanarMotor& motor : model.motors)
+    limits_.push_back(components::largest_joint_torque(motor).value);
   rates_.assign(states_, 0.0);
   changes_.torque_scale.assign(model.motors.size(), 1.0);
 }
@@ -148,6 +151,7 @@ void Laws::read_motors(Own& own, const std::vector<MotorState>& motors, double b
     if (kind == ReadingKind::motor_torque) own.readings[i] = motors[motor].torque;
     if (kind == ReadingKind::motor_current) own.readings[i] = motors[motor].current;
     if (kind == ReadingKind::motor_voltage) own.readings[i] = motors[motor].voltage;
+    if (kind == ReadingKind::motor_limit) own.readings[i] = limits_[motor];
     if (kind == ReadingKind::bus_voltage) own.readings[i] = bus;
   }
 }

@@ -54,6 +54,7 @@ class Laws {
 
   std::vector<Own> laws_;
   std::vector<double> rates_;
+  std::vector<double> limits_;  ///< largest torque at each motor's joint [N m, N]
   int states_ = 0;
   PlantChanges changes_;
 };
