@@ -105,7 +105,9 @@ int unfounded_member(const Problem& with, const EffectsAlone& alone, int tried,
   for (const int c : leading(again.search).candidates) {
     const Candidate& own = with.hypotheses.candidates[c];
     if (own.is_event() && !push_holds(with, again, alone)) return c;
-    if (own.is_pattern() && !pattern_established(with, again.search, c, tried)) return c;
+    if (own.is_pattern() &&
+        !pattern_established(with, again.search, c, lead_of_patterns(alone, tried)))
+      return c;
   }
   return -1;
 }
@@ -127,7 +129,7 @@ bool push_established(const Problem& problem, const SearchResult& with_pushes,
 }
 
 bool pattern_established(const Problem& problem, const SearchResult& search, int pattern,
-                         int tried) {
+                         double asked) {
   const std::vector<int> present = leading(search).candidates;
   const double lead = lead_over(search, [&](const ModelFit& model) {
     return std::all_of(model.candidates.begin(), model.candidates.end(), [&](int c) {
@@ -135,7 +137,13 @@ bool pattern_established(const Problem& problem, const SearchResult& search, int
       return stays || !problem.hypotheses.candidates[c].is_pattern();
     });
   });
-  return lead > problem.settings.clear_lead + std::log(std::max(1, tried));
+  return lead > asked;
+}
+
+double lead_of_patterns(const EffectsAlone& alone, int tried) {
+  const Settings& settings = alone.problem.settings;
+  const bool more = leaves_more(alone.problem, leading(alone.search).fit);
+  return (more ? settings.worth : settings.clear_lead) + std::log(std::max(1, tried));
 }
 
 void leave_out_unfounded(const Problem& with, const EffectsAlone& alone, int tried,

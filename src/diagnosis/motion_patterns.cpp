@@ -138,8 +138,10 @@ PatternShares shares_of(const PatternProblem& own, const LinearPatterns& linear,
 Dependence dependence_of(const PlacePattern& pattern, const Vector& found) {
   Dependence own;
   own.regressor = pattern.regressor;
-  own.period = pattern.period;
-  own.unit = pattern.period_unit;
+  if (pattern.shape && pattern.shape->name == "period") {
+    own.period = pattern.shape->value;
+    own.unit = pattern.shape->unit;
+  }
   own.form = pattern.form;
   double size = 0.0;
   for (Eigen::Index k = 0; k < found.size(); ++k) size = std::max(size, std::abs(found[k]));
@@ -212,8 +214,7 @@ std::vector<RemainderPlace> places_of(const std::vector<PlacePattern>& candidate
     Vector sizes(count_of(pattern.parameters));
     for (int k = 0; k < sizes.size(); ++k)
       sizes[k] = effect.parameters[k].value / pattern.parameters[k].scale;
-    if (std::isfinite(pattern.period)) pattern.period = effect.parameters.back().value;
-    if (std::isfinite(pattern.slack)) pattern.slack = effect.parameters.back().value;
+    if (pattern.shape) pattern.shape->value = effect.parameters.back().value;
     Dependence own = dependence_of(pattern, sizes);
     own.selected = effect.probability;
     own.share = parts[n] * taken.value;

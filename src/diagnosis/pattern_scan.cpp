@@ -30,7 +30,8 @@ UsualMotion usual_motion(const KnownModel& about) {
   const simulation::Simulation run =
       simulate(setup.plant, setup.controller, setup.start, setup.options);
   if (run.time.size() > 0 && run.v.allFinite() && run.motor_velocity.allFinite())
-    return {motions_of(run.q, run.v), motions_of(run.motor_position, run.motor_velocity)};
+    return {motions_of(run.q, run.v), motions_of(run.motor_position, run.motor_velocity),
+            run.time[run.time.size() - 1] - run.time[0]};
   const Matrix none = Matrix::Zero(count_of(robot.motors), 1);
   return {motions_of(setup.start.q, Matrix::Zero(robot.size(), 1)), motions_of(none, none)};
 }
@@ -101,7 +102,7 @@ std::optional<PatternProblem> pattern_problem(const KnownModel& about,
   const Settings& settings = about.problem->settings;
   PatternProblem out;
   out.patterns = place_patterns(observations.datasets.front().model, usual_motion(about),
-                                settings.pattern_prior, settings.lever, settings.rest_speed);
+                                {settings.pattern_prior, settings.lever, settings.rest_speed});
   out.built = builder_of(effects_and_patterns(about, out.patterns), settings)(observations);
   const Problem& problem = *out.built.problem;
   out.p = carried_over(about, problem.hypotheses);
@@ -178,10 +179,10 @@ PatternScan likely_patterns(const KnownModel& about, const std::vector<Alignment
   });
 
   const Settings& settings = about.problem->settings;
-  const double asked = settings.worth + std::log(std::max(1, linear.tried));
+  // About no force and of a grid's shape a gain ranks; what a form explains, its fit tells.
   std::vector<LikelyPattern> all;
   for (std::size_t k = 0; k < gains.size(); ++k)
-    if (gains[k] > asked) all.push_back({own->patterns[k], gains[k]});
+    if (gains[k] > 0.0) all.push_back({own->patterns[k], gains[k]});
   std::stable_sort(all.begin(), all.end(),
                    [](const LikelyPattern& a, const LikelyPattern& b) { return a.gain > b.gain; });
 

@@ -128,7 +128,7 @@ TEST(PlacePatterns, AreEffectsThatEveryRobotCanHave) {
       return UsualMotions{Vector::Zero(n), Vector::Ones(n), Vector::Ones(n)};
     };
     const UsualMotion usual{moving(robot.size()), moving(std::ssize(robot.motors))};
-    const auto patterns = place_patterns(robot, usual, 0.1, 0.1, 0.02);
+    const auto patterns = place_patterns(robot, usual, {0.1, 0.1, 0.02});
     ASSERT_FALSE(patterns.empty()) << name;
     bool body = false, feet = false, waves = false;
     for (const PlacePattern& pattern : patterns) {
@@ -142,7 +142,8 @@ TEST(PlacePatterns, AreEffectsThatEveryRobotCanHave) {
             << pattern_file(pattern, scales, free_shape);
       body = body || pattern.place == "body";
       feet = feet || pattern.place == "feet";
-      waves = waves || (pattern.at == robot.motors.front().joint && std::isfinite(pattern.period));
+      waves = waves || (pattern.at == robot.motors.front().joint && pattern.shape &&
+                        pattern.shape->name == "period");
     }
     EXPECT_EQ(body, robot.coordinate_index("x") >= 0) << name;
     EXPECT_EQ(feet, !robot.feet.empty()) << name;

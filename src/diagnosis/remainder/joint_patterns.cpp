@@ -1,0 +1,263 @@
+#include "diagnosis/remainder/joint_patterns.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numbers>
+
+#include "diagnosis/remainder/pattern_file.h"
+
+namespace jaculus::diagnosis {
+namespace {
+
+constexpr double kTurn = 2.0 * std::numbers::pi;
+constexpr double kShare = 0.1;       ///< of a motor's torque, prior of a scale
+constexpr double kRamp = 0.05;       ///< of the duration, in which a loss sets in
+constexpr double kSpotWidth = 0.2;   ///< of a joint's range
+constexpr double kLeastRange = 0.1;  ///< of a joint, for sizes [rad or m]
+const std::vector<int> kWaves = {1, 2, 3, 4, 6, 8, 10, 12, 14, 16, 18, 20, 24, 28, 36};  ///< a turn
+
+// Grids of what a linear scan can't fit: factors of 2 to 3 apart, over what a motion can tell.
+const std::vector<double> kSlacks = {0.0, 0.2, 0.4, 0.7};              ///< of a joint's range
+const std::vector<double> kBristles = {0.03, 0.1, 0.3};                ///< the same
+const std::vector<double> kSpots = {-0.8, -0.5, -0.2, 0.2, 0.5, 0.8};  ///< from the start, the same
+const std::vector<double> kTravels = {0.5, 2.0};                       ///< the same
+const std::vector<double> kDeadBands = {0.003, 0.01, 0.03};  ///< of a motor's limit, half of one
+const std::vector<double> kSetsIn = {0.2, 0.4, 0.6, 0.8};    ///< of the motion's duration
+const std::vector<double> kSlewTimes = {0.01, 0.03, 0.1};    ///< from nothing to the limit [s]
+
+double range_of(const PatternPlace& place) { return std::max(kLeastRange, place.range); }
+
+void add_frictions(PatternMaker& maker) {
+  const PatternPlace& place = maker.at();
+  const std::string rate = place.metre + "/s";
+  maker.add(Regressor::constant, "offset", "is always there", {maker.parameter("offset")},
+            {maker.line("offset")});
+  maker
+      .add(Regressor::sign_of_speed, "dry_friction", "acts against the motion",
+           {maker.parameter("level")}, {maker.line("-level*tanh(qd/rest)")})
+      .constants = {maker.rest_line()};
+  maker.add(Regressor::speed, "damping", "grows with the speed",
+            {maker.parameter("damping", rate, place.speed)}, {maker.line("-damping*qd")});
+  maker.add(
+      Regressor::speed_squared, "drag", "grows with the square of the speed",
+      {maker.parameter("drag", fmt::format("{}^2/s^2", place.metre), place.speed * place.speed)},
+      {maker.line("-drag*abs(qd)*qd")});
+}
+
+/// Friction with a memory: bristles that bend before they slip (Dahl 1968, "A solid friction
+/// model", here with sigma = level/width and exponent 1), grease that motion works loose.
+void add_worn_frictions(PatternMaker& maker) {
+  const PatternPlace& place = maker.at();
+  for (const double share : kBristles) {
+    PlacePattern& bristles =
+        maker.add(Regressor::sign_of_speed, fmt::format("bristles_{:.0f}", 100.0 * share),
+                  "is elastic for a small motion and acts against a larger one",
+                  {maker.parameter("level")}, {maker.line("-level*bend")});
+    bristles.shape = width_shape(place.metre, share * range_of(place));
+    bristles.states = {
+        "  bend: {unit: \"-\", initial: 0, derivative: \"(qd - abs(qd)*bend)/width\"}\n"};
+    bristles.form = "is elastic for a small motion and acts against a larger one: hysteresis";
+    bristles.listed = false;
+  }
+
+  for (const double share : kTravels) {
+    PlacePattern& grease =
+        maker.add(Regressor::sign_of_speed, fmt::format("grease_{:.0f}", 100.0 * share),
+                  "acts against the motion and fades with the way", {maker.parameter("level")},
+                  {maker.line("-level*tanh(qd/rest)*exp(-way/width)")});
+    grease.shape = width_shape(place.metre, share * range_of(place));
+    grease.states = {
+        fmt::format("  way: {{unit: {}, initial: 0, derivative: \"abs(qd)\", scale: {:.4g}}}\n",
+                    place.metre, range_of(place))};
+    grease.constants = {maker.rest_line()};
+    grease.form = "acts against the motion and fades with the way: grease that is not worked loose";
+    grease.listed = false;
+  }
+}
+
+/// What may become of a motor's torque on its way, that is no share of it.
+void add_losses(PatternMaker& maker) {
+  const PatternPlace& place = maker.at();
+  const std::string tau_limit = place.by_limit() ? "tau_limit" : "limit";
+  std::vector<std::string> limit;
+  if (!place.by_limit()) limit = {constant_line("limit", place.force, place.limit)};
+  const auto add = [&](const std::string& kind, const std::string& caption,
+                       const std::string& cause, const PatternParameter& parameter,
+                       const std::string& line) -> PlacePattern& {
+    PlacePattern& pattern = maker.add(Regressor::motor_torque, kind, caption, {parameter}, {line});
+    pattern.form = caption + ": " + cause;
+    pattern.listed = false;
+    return pattern;
+  };
+
+  add("saturation", "is a share of the motor's that grows with it", "magnets saturate",
+      maker.share(), maker.share_line(fmt::format("-share*abs(tau)*tau/{}", tau_limit)))
+      .constants = limit;
+  for (const double share : kDeadBands) {
+    PlacePattern& dead =
+        add(fmt::format("dead_band_{:.0f}", 1e3 * share), "has the sign of the motor's",
+            "a dead band", maker.parameter("level"),
+            maker.line(fmt::format("-level*max(-1, min(1, tau/(width*{})))", tau_limit)));
+    dead.shape = width_shape("\"-\"", share);
+    dead.constants = limit;
+  }
+  PatternParameter rate = maker.share();
+  rate.name = "rate";
+  rate.unit = "1/s";
+  add("fading", "is a share of the motor's that grows with time", "it fades", rate,
+      maker.share_line("-rate*t*tau"));
+
+  for (const double share : kSetsIn) {
+    PlacePattern& loss =
+        add(fmt::format("loss_{:.0f}", 100.0 * share),
+            "is a share of the motor's from some time on", "it derates", maker.share(),
+            maker.share_line("-share*tau*max(0, min(1, (t - after)/ramp))"));
+    const double after = share * place.duration, ramp = kRamp * place.duration;
+    loss.shape = {"after", "s", after, 2.0 * ramp, after - 4.0 * ramp, after + 4.0 * ramp};
+    loss.constants = {constant_line("ramp", "s", ramp)};
+  }
+
+  for (const double time : kSlewTimes) {
+    PlacePattern& slew =
+        add(fmt::format("slew_{:.0f}_ms", 1e3 * time), "is what a change of the motor's lacks",
+            "it can change only so fast", {"share", "\"-\"", 1.0}, maker.line("share*behind"));
+    if (!place.by_limit()) slew.formulas = {maker.line("share*limit*behind")};
+    slew.shape = width_shape("s", time);
+    // y' = (tau/limit - y)/settle within +-1/width, settle a tenth of the slew time.
+    slew.values = {
+        fmt::format("  behind: {{unit: \"-\", value: \"arrived - tau/{}\"}}\n", tau_limit)};
+    slew.states = {
+        "  arrived: {unit: \"-\", initial: 0, derivative: \"max(-1, min(1, "
+        "-10*behind))/width\"}\n"};
+    slew.constants = limit;
+  }
+}
+
+void add_waves(PatternMaker& maker) {
+  const PatternPlace& place = maker.at();
+  const double turn = place.metre == "rad" ? kTurn : 1.0;
+  for (const int waves : kWaves) {
+    const double period = turn / waves;
+    if (period > 2.0 * place.range) continue;
+    maker
+        .add(Regressor::periodic, fmt::format("wave_{}", waves),
+             "repeats with the joint's position",
+             {maker.parameter("sine"), maker.parameter("cosine")},
+             {maker.line("sine*sin(2*pi*q/period) + cosine*cos(2*pi*q/period)")})
+        .shape = period_shape(place.metre, period);
+  }
+}
+
+/// A gear's ratio that varies once or twice a turn of its motor.
+void add_runouts(PatternMaker& maker) {
+  const PatternPlace& place = maker.at();
+  if (!std::isfinite(place.turn)) return;
+  PatternParameter sine = maker.share(), cosine = maker.share();
+  sine.name = "sine";
+  cosine.name = "cosine";
+  for (const int waves : {1, 2}) {
+    PlacePattern& runout =
+        maker.add(Regressor::motor_torque, fmt::format("runout_{}", waves),
+                  "is a share of the motor's that repeats with the position", {sine, cosine},
+                  {maker.share_line("tau*(sine*sin(2*pi*q/period) + cosine*cos(2*pi*q/period))")});
+    runout.shape = period_shape(place.metre, place.turn / waves);
+    runout.form = "is a share of the motor's that repeats with the position: a gear out of round";
+    runout.listed = false;
+  }
+}
+
+/// The way from where the joint starts: each has its own, so that a group's is a state.
+struct Way {
+  std::string text;
+  std::vector<std::string> constants, states;
+};
+Way way_of(const PatternPlace& place) {
+  if (!place.of_group)
+    return {"(q - start)", {constant_line("start", place.metre, place.start)}, {}};
+  return {"way",
+          {},
+          {fmt::format("  way: {{unit: {}, initial: 0, derivative: qd, scale: {:.4g}}}\n",
+                       place.metre, range_of(place))}};
+}
+
+/// What pulls back or stops a joint on one side: a cable that gets taut, something in the way.
+void add_one_sided_springs(PatternMaker& maker) {
+  const PatternPlace& place = maker.at();
+  const double range = range_of(place);
+  const Way way = way_of(place);
+  for (const double share : kSlacks) {
+    const auto add = [&](const std::string& side, const std::string& beyond) {
+      PlacePattern& cable =
+          maker.add(Regressor::position, fmt::format("taut_{}_{:.0f}", side, 100.0 * share),
+                    "pulls back beyond a position",
+                    {maker.parameter("stiffness", place.metre, (1.0 - share) * range)},
+                    {maker.line("-stiffness*" + beyond)});
+      cable.constants = way.constants;
+      cable.states = way.states;
+      cable.shape = slack_shape(place.metre, share * range, range);
+      cable.form = "pulls back beyond a position: a cable that gets taut, something in the way";
+    };
+    add("up", fmt::format("max(0, {} - slack)", way.text));
+    add("down", fmt::format("min(0, {} + slack)", way.text));
+  }
+}
+
+void add_springs(PatternMaker& maker) {
+  const PatternPlace& place = maker.at();
+  const Way way = way_of(place);
+  PlacePattern& spring = maker.add(Regressor::position, "spring",
+                                   "grows with the distance from where the joint starts",
+                                   {maker.parameter("stiffness", place.metre, range_of(place))},
+                                   {maker.line("-stiffness*" + way.text)});
+  spring.constants = way.constants;
+  spring.states = way.states;
+  add_one_sided_springs(maker);
+}
+
+}  // namespace
+
+void add_joint_patterns(PatternMaker& maker) {
+  const PatternPlace& place = maker.at();
+  add_frictions(maker);
+  const PatternParameter share{"share", "\"-\"", kShare};
+  maker.add(Regressor::motor_torque, "scale", "is a share of the motor's", {share},
+            {maker.share_line("share*tau")});
+  maker
+      .add(Regressor::torque_friction, "load_friction",
+           "is a share of the motor's, against the motion", {share},
+           {maker.share_line("-share*abs(tau)*tanh(qd/rest)")})
+      .constants = {maker.rest_line()};
+  maker.add(Regressor::time, "drift", "grows with time since the start",
+            {maker.parameter("rate", "s", 0.3)}, {maker.line("rate*t")});
+  add_worn_frictions(maker);
+  add_losses(maker);
+  add_springs(maker);
+  if (place.of_group) return;  // each joint of one would have its own phase
+  add_waves(maker);
+  add_runouts(maker);
+}
+
+void add_placed_patterns(PatternMaker& maker) {
+  const PatternPlace& place = maker.at();
+  const double range = range_of(place);
+
+  for (std::size_t k = 0; k < kSpots.size(); ++k) {
+    PlacePattern& spot =
+        maker.add(Regressor::sign_of_speed, fmt::format("spot_{}", k),
+                  "acts against the motion near a position", {maker.parameter("level")},
+                  {maker.line("-level*tanh(qd/rest)*exp(-((q - spot)/width)^2)")});
+    const double at = place.start + kSpots[k] * range, width = kSpotWidth * range;
+    spot.shape = {"spot", place.metre, at, width, at - 2.0 * width, at + 2.0 * width};
+    spot.constants = {maker.rest_line(), constant_line("width", place.metre, width)};
+    spot.form = "acts against the motion near a position: a tight spot";
+    spot.listed = false;
+  }
+
+  if (place.body.empty() || place.metre != "rad") return;
+  maker.add(Regressor::gravity_direction, "weight", "turns with the direction of gravity",
+            {maker.parameter("sine"), maker.parameter("cosine")},
+            {maker.line(fmt::format("sine*sin({0}.angle) + cosine*cos({0}.angle)", place.body))});
+}
+
+}  // namespace jaculus::diagnosis
