@@ -11,6 +11,7 @@
 #include <optional>
 #include <vector>
 
+#include "core/unit_symbols.h"
 #include "jaculus/core/error.h"
 #include "jaculus/core/yaml.h"
 
@@ -126,6 +127,23 @@ Value product(const Value& a, const Value& b) {
            p.radian + q.radian}};
 }
 
+/// "N m" of "Nm": two units that were written as one; nothing where a name is none.
+std::optional<std::string> parted(std::string_view name, const std::vector<std::string>& known) {
+  const auto is_known = [&](std::string_view part) {
+    return std::find(known.begin(), known.end(), part) != known.end();
+  };
+  for (std::size_t at = 1; at < name.size(); ++at)
+    if (is_known(name.substr(0, at)) && is_known(name.substr(at)))
+      return fmt::format("{} {}", name.substr(0, at), name.substr(at));
+  return {};
+}
+
+std::vector<std::string> known_symbols() {
+  std::vector<std::string> known;
+  for (const Unit& unit : kUnits) known.emplace_back(unit.symbol);
+  return known;
+}
+
 /// Recursive descent over "factor { [space | * | /] factor }"; '/' divides by the next factor
 /// alone.
 class UnitParser {
@@ -189,8 +207,7 @@ class UnitParser {
       fail(at_ == text_.size() ? "a unit is missing"
                                : "unexpected '" + std::string(1, text_[at_]) + "'");
 
-    std::vector<std::string> known;
-    for (const Unit& unit : kUnits) known.emplace_back(unit.symbol);
+    std::vector<std::string> known = known_symbols();
     if (own_ != nullptr && *own_) {
       for (const OwnUnit& unit : (*own_)()) {
         if (unit.symbol == name) return {unit.factor, unit.dimension};
@@ -201,18 +218,6 @@ class UnitParser {
     if (!near) near = yaml::nearest_name(name, known);
     fail(fmt::format("unknown unit '{}'{}", name,
                      near ? fmt::format(", did you mean '{}'?", *near) : ""));
-  }
-
-  /// "N m" of "Nm": two units that were written as one; nothing where a name is none.
-  static std::optional<std::string> parted(std::string_view name,
-                                           const std::vector<std::string>& known) {
-    const auto is_known = [&](std::string_view part) {
-      return std::find(known.begin(), known.end(), part) != known.end();
-    };
-    for (std::size_t at = 1; at < name.size(); ++at)
-      if (is_known(name.substr(0, at)) && is_known(name.substr(at)))
-        return fmt::format("{} {}", name.substr(0, at), name.substr(at));
-    return {};
   }
 
   /// Letters, _, and the bytes of UTF-8 symbols other than superscript digits and the middle dot.
@@ -314,6 +319,10 @@ double parse_quantity(std::string_view text, const Dimension& expected, const Ow
 }
 
 Dimension unit_dimension(std::string_view unit) { return UnitParser(unit).parse().dimension; }
+
+std::optional<std::string> parted_unit(std::string_view unit) {
+  return parted(unit, known_symbols());
+}
 
 std::string unit_name(const Dimension& d) {
   for (const Name& name : kNames) {

@@ -6,6 +6,7 @@
 #include <array>
 #include <optional>
 
+#include "core/unit_symbols.h"
 #include "jaculus/core/error.h"
 #include "jaculus/trajectory/quantity.h"
 
@@ -34,7 +35,9 @@ std::optional<ChannelUnit> convert(const std::string& unit,
     } catch (const InputError&) {  // NOLINT(bugprone-empty-catch): the next dimension is tried
     }
   }
-  return std::nullopt;
+  // Headers of other programs run units together: Nm, Nmm.
+  const std::optional<std::string> parted = parted_unit(unit);
+  return parted ? convert(*parted, dimensions) : std::nullopt;
 }
 
 }  // namespace

@@ -68,6 +68,26 @@ TEST(ColumnMap, ReadsTablesWithoutAHeaderPartedByBlanks) {
   EXPECT_EQ(stream.values(0, 1), -2.0);
 }
 
+TEST(ColumnMap, ReadsTorquesInTheUnitsThatLogsHave) {
+  const auto torque_in = [](const std::string& unit) {
+    std::vector<std::string> notes;
+    const Stream stream =
+        log_of("t,tau\n0,1500\n1,0\n", notes,
+               "format: jaculus-columns/1\nchannels:\n  time: {column: t, unit: s}\n"
+               "  tail_torque: {column: tau, unit: \"" +
+                   unit + "\"}\n");
+    EXPECT_EQ(stream.units[0], "N m") << unit;
+    return stream.values(0, 0);
+  };
+  for (const char* unit : {"N mm", "Nmm", "N*mm", "N\u00b7mm", "mN m", "mNm"})
+    EXPECT_NEAR(torque_in(unit), 1.5, 1e-12) << unit;
+  for (const char* unit : {"N m", "Nm"}) EXPECT_EQ(torque_in(unit), 1500.0) << unit;
+  EXPECT_NEAR(torque_in("Ncm"), 15.0, 1e-12);
+
+  const std::string message = input_error_of([&] { (void)torque_in("Nmn"); });
+  EXPECT_TRUE(holds(message, "column 'tail_torque [Nmn]': allowed: a unit such as '[N m]'"));
+}
+
 TEST(ColumnMap, BadFilesAndMapsNameThePlace) {
   const std::string head = "x\nt (us);q0;q4;U\n";
   struct Case {
