@@ -10,7 +10,9 @@ namespace jaculus::report {
 namespace {
 
 std::string gain(const studies::Gain& g) {
-  return g.over.empty() ? "–" : fmt::format("{}{}", percent(g.base), g.unlike ? " *" : "");
+  return g.over.empty() ? "–"
+                        : fmt::format("{}{}", percent_or_change(g.base, g.base_change, "m/s²"),
+                                      g.unlike ? " *" : "");
 }
 
 ReportTable comparison_table(const std::vector<studies::ComparisonRow>& rows) {
@@ -45,8 +47,9 @@ std::vector<std::string> drag_sentences(const std::vector<studies::ComparisonRow
         fmt::format("Over {}, the gain of {} (drag and inertia) is {} above that of {} (inertia "
                     "alone){}; by the centre of mass: "
                     "{}.",
-                    w.over, w.drag, percent(w.base), w.inertial,
-                    w.unlike ? ", under different conditions" : "", percent(w.com)));
+                    w.over, w.drag, percent_or_change(w.base, w.base_change, "m/s²"), w.inertial,
+                    w.unlike ? ", under different conditions" : "",
+                    percent_or_change(w.com, w.com_change, "m/s²")));
   }
   return sentences;
 }

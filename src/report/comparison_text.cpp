@@ -10,9 +10,10 @@
 namespace jaculus::report {
 namespace {
 
-std::string gain_cell(const studies::Gain& g, double value) {
+std::string gain_cell(const studies::Gain& g) {
   return g.over.empty() ? std::string("-")
-                        : fmt::format("{}{}", percent(value), g.unlike ? " *" : "");
+                        : fmt::format("{}{}", percent_or_change(g.base, g.base_change, "m/s^2"),
+                                      g.unlike ? " *" : "");
 }
 
 std::string main_table(const std::vector<studies::ComparisonRow>& rows,
@@ -28,9 +29,8 @@ std::string main_table(const std::vector<studies::ComparisonRow>& rows,
     table.row(
         {s.name, to_string(rows[i].tail), fixed(s.average_acceleration, 3),
          fixed(s.average_acceleration_com, 3), fixed(s.duration, 4),
-         fmt::format("{}", fmt::join(phases, " + ")),
-         gain_cell(all[i].over_first, all[i].over_first.base),
-         gain_cell(all[i].over_inactive, all[i].over_inactive.base),
+         fmt::format("{}", fmt::join(phases, " + ")), gain_cell(all[i].over_first),
+         gain_cell(all[i].over_inactive),
          std::isnan(s.tail_momentum_share) ? "-"
                                            : fmt::format("{:.1f} %", 100.0 * s.tail_momentum_share),
          to_string(s.status) + (s.converged() && !s.verification.passed ? ", check failed" : "")});
@@ -112,7 +112,8 @@ std::string comparison_text(const std::vector<studies::ComparisonRow>& rows, boo
     text += fmt::format(
         "\nover {}: the gain of {} (drag and inertia) is {} over that of {} (inertia alone){}; "
         "com: {}",
-        w.over, w.drag, percent(w.base), w.inertial, w.unlike ? " *" : "", percent(w.com));
+        w.over, w.drag, percent_or_change(w.base, w.base_change, "m/s^2"), w.inertial,
+        w.unlike ? " *" : "", percent_or_change(w.com, w.com_change, "m/s^2"));
   }
 
   if (!text.ends_with('\n')) text += "\n";

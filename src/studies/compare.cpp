@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "jaculus/model/robot.h"
 
@@ -21,23 +22,34 @@ const ComparedPlan* partner(const std::vector<ComparedPlan>& plans, TailKind kin
   return first;
 }
 
-double ratio(const ComparedPlan& a, const ComparedPlan& b, double ComparedPlan::*field) {
-  return a.converged && b.converged && b.*field != 0.0 ? a.*field / b.*field - 1.0 : kNaN;
+using Field = double ComparedPlan::*;
+
+double change(const ComparedPlan& a, const ComparedPlan& b, Field field) {
+  return a.converged && b.converged ? a.*field - b.*field : kNaN;
+}
+
+/// Of an acceleration to another; NaN where that is next to nothing.
+double ratio(const ComparedPlan& a, const ComparedPlan& b, Field field) {
+  return std::abs(b.*field) < kLeastAcceleration ? kNaN : change(a, b, field) / (b.*field);
 }
 
 Gain gain(const ComparedPlan& plan, const ComparedPlan* over) {
   if (over == nullptr || over == &plan) return {};
-  return {over->name, over->conditions != plan.conditions,
-          ratio(plan, *over, &ComparedPlan::base_acceleration),
-          ratio(plan, *over, &ComparedPlan::com_acceleration),
-          -ratio(plan, *over, &ComparedPlan::duration)};
+  constexpr Field kBase = &ComparedPlan::base_acceleration, kCom = &ComparedPlan::com_acceleration;
+  return {over->name,
+          over->conditions != plan.conditions,
+          ratio(plan, *over, kBase),
+          ratio(plan, *over, kCom),
+          -change(plan, *over, &ComparedPlan::duration) / over->duration,
+          change(plan, *over, kBase),
+          change(plan, *over, kCom)};
 }
 
 double worth(const ComparedPlan& drag, const ComparedPlan& inertial, const ComparedPlan& over,
-             double ComparedPlan::*field) {
-  if (!drag.converged || !inertial.converged || !over.converged) return kNaN;
-  const double alone = inertial.*field - over.*field;
-  return alone > 0.0 ? (drag.*field - over.*field) / alone - 1.0 : kNaN;
+             Field field) {
+  const double alone = change(inertial, over, field);
+  return alone > kLeastGain * std::abs(over.*field) ? change(drag, over, field) / alone - 1.0
+                                                    : kNaN;
 }
 
 void append(std::string& text, const std::string& name,
@@ -147,7 +159,9 @@ std::vector<DragWorth> drag_worth(const std::vector<ComparedPlan>& plans) {
           {plan.name, inertial->name, over->name,
            inertial->conditions != plan.conditions || over->conditions != plan.conditions,
            worth(plan, *inertial, *over, &ComparedPlan::base_acceleration),
-           worth(plan, *inertial, *over, &ComparedPlan::com_acceleration)});
+           worth(plan, *inertial, *over, &ComparedPlan::com_acceleration),
+           change(plan, *inertial, &ComparedPlan::base_acceleration),
+           change(plan, *inertial, &ComparedPlan::com_acceleration)});
     }
   }
   return result;

@@ -21,6 +21,8 @@ Json gain_json(const Gain& g) {
           {"unlike_conditions", g.unlike},
           {"average_acceleration", json_number(g.base)},
           {"average_acceleration_com", json_number(g.com)},
+          {"average_acceleration_change_m_s2", json_number(g.base_change)},
+          {"average_acceleration_com_change_m_s2", json_number(g.com_change)},
           {"time_saved", json_number(g.time)}};
 }
 
@@ -32,7 +34,9 @@ Json worth_json(const std::vector<DragWorth>& all) {
                     {"over", w.over},
                     {"unlike_conditions", w.unlike},
                     {"average_acceleration", json_number(w.base)},
-                    {"average_acceleration_com", json_number(w.com)}});
+                    {"average_acceleration_com", json_number(w.com)},
+                    {"average_acceleration_change_m_s2", json_number(w.base_change)},
+                    {"average_acceleration_com_change_m_s2", json_number(w.com_change)}});
   }
   return json;
 }

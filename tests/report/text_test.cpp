@@ -39,6 +39,9 @@ TEST(TextTable, AlignsByCharacters) {
   EXPECT_EQ(table.text(), "name  value\n-----------\n\xC3\xA4       1.0\nbb     10.0\n");
   EXPECT_EQ(fixed(kNaN, 2), "-");
   EXPECT_EQ(percent(0.145), "+14.5 %");
+  EXPECT_EQ(percent_or_change(0.145, 0.9, "m/s^2"), "+14.5 %");
+  EXPECT_EQ(percent_or_change(kNaN, 0.0357, "m/s^2"), "+0.036 m/s^2");
+  EXPECT_EQ(percent_or_change(kNaN, kNaN, "m/s^2"), "-");
 }
 
 }  // namespace

@@ -54,6 +54,22 @@ TEST(Compare, NothingIsGainedOverAPlanThatDidNotConverge) {
   EXPECT_TRUE(std::isnan(drag_worth(plans)[0].base));
 }
 
+TEST(Compare, ARatioToNextToNothingGivesWayToTheChangeItself) {
+  auto plans = leaps();
+  plans[2].base_acceleration = 6.08;  // inertia gains 0.08, drag as well 0.6 m/s^2: +650 %
+  const DragWorth over_tailless = drag_worth(plans)[0];
+  EXPECT_TRUE(std::isnan(over_tailless.base));
+  EXPECT_NEAR(over_tailless.base_change, 0.52, 1e-12);
+  EXPECT_NEAR(over_tailless.com, 0.55 / 0.5 - 1.0, 1e-12);  // of the centre of mass it is as it was
+
+  plans = leaps();
+  plans[0].base_acceleration = 0.01;  // it hops on the spot
+  const Gain gained = gains(plans)[3].over_first;
+  EXPECT_TRUE(std::isnan(gained.base));
+  EXPECT_NEAR(gained.base_change, 6.59, 1e-12);
+  EXPECT_NEAR(gained.time, 0.1, 1e-12);
+}
+
 TEST(Compare, WithoutATaillessPlanTheFirstCounts) {
   auto plans = leaps();
   plans.erase(plans.begin());

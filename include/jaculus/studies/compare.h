@@ -8,7 +8,8 @@
 // with the reference once a robot without tail and once one with its tail held. Like is compared
 // with like: the partner of a plan is the one of the wanted kind that was planned under the same
 // conditions (limits, phases, ends, constraints); where there is none, the first of that kind
-// serves and the figure is marked `unlike`.
+// serves and the figure is marked `unlike`. A ratio to next to nothing says nothing: below
+// kLeastAcceleration and kLeastGain it is NaN, and the change in m/s^2 stands for it.
 
 #include <optional>
 #include <string>
@@ -47,13 +48,23 @@ struct ComparedPlan {
   double duration = kNaN;           ///< [s]
 };
 
+/// Least acceleration that another is a ratio of [m/s^2]: a hundredth of gravity, which a floor
+/// that leans by half a degree gives to whatever slides on it.
+inline constexpr double kLeastAcceleration = 0.1;
+/// Least gain that another is a ratio of, over the reference's acceleration [-]. Plans of one leap
+/// on other meshes and from other starts differ by 0.5 to 1 % (docs/paper.md), the difference of
+/// two by as much again.
+inline constexpr double kLeastGain = 0.02;
+
 /// A gain over a partner; NaN where either did not converge.
 struct Gain {
-  std::string over;     ///< name of the partner; empty where there is none
-  bool unlike = false;  ///< the partner was planned under other conditions
-  double base = kNaN;   ///< [-]
-  double com = kNaN;    ///< [-]
-  double time = kNaN;   ///< share of the duration saved [-]
+  std::string over;           ///< name of the partner; empty where there is none
+  bool unlike = false;        ///< the partner was planned under other conditions
+  double base = kNaN;         ///< [-]; NaN where the partner hardly accelerates
+  double com = kNaN;          ///< [-]; the same
+  double time = kNaN;         ///< share of the duration saved [-]
+  double base_change = kNaN;  ///< [m/s^2]
+  double com_change = kNaN;   ///< [m/s^2]
 };
 
 struct PlanGains {
@@ -68,8 +79,12 @@ std::vector<PlanGains> gains(const std::vector<ComparedPlan>& plans);
 struct DragWorth {
   std::string drag, inertial, over;  ///< names of the three plans
   bool unlike = false;               ///< not all three were planned under the same conditions
-  double base = kNaN;  ///< gain of drag and inertia over gain of inertia alone, less one [-]
+  /// gain of drag and inertia over gain of inertia alone, less one [-]; NaN where inertia alone
+  /// gains next to nothing
+  double base = kNaN;
   double com = kNaN;
+  double base_change = kNaN;  ///< what drag adds to inertia [m/s^2]
+  double com_change = kNaN;   ///< [m/s^2]
 };
 
 /// One for every plan with drag and every reference (no tail, tail held) that is there.

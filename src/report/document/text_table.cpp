@@ -62,6 +62,11 @@ std::string percent(double ratio, int digits) {
   return std::isnan(ratio) ? std::string("-") : fmt::format("{:+.{}f} %", 100.0 * ratio, digits);
 }
 
+std::string percent_or_change(double ratio, double change, const char* unit) {
+  if (!std::isnan(ratio) || std::isnan(change)) return percent(ratio);
+  return fmt::format("{:+.2g} {}", change, unit);
+}
+
 std::string coloured(const std::string& text, Colour colour, bool enabled) {
   if (!enabled) return text;
   const int code = colour == Colour::red      ? 31

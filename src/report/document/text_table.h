@@ -26,6 +26,8 @@ std::string json_cell(const nlohmann::ordered_json& value, const char* format = 
 std::string fixed(double value, int digits);
 /// A ratio as per cent with sign, "+14.5 %", "-" for NaN.
 std::string percent(double ratio, int digits = 1);
+/// percent(), or where there is no ratio the change itself in `unit`: "+0.036 m/s^2".
+std::string percent_or_change(double ratio, double change, const char* unit);
 
 enum class Colour { red, green, yellow, bold };
 /// The text in a terminal colour where `enabled`.
