@@ -42,6 +42,12 @@ class Keys {
     return found ? *found : node_.at(key);
   }
 
+  [[nodiscard]] bool changed(const std::string& key) const {
+    return std::any_of(overrides_.begin(), overrides_.end(), [&](const OverrideInput& o) {
+      return o.path == "attach." + name_ + "." + key;
+    });
+  }
+
   [[nodiscard]] double number(const std::string& key, const Dimension& dimension,
                               const Bounds& allowed, double absent) const {
     const auto found = find(key);
@@ -80,15 +86,22 @@ void read_lengths(const Keys& keys, const yaml::Node& node, Attachment& tail) {
   tail.scoop = scoop > 0.0 ? scoop : shaft > 0.0 ? tail.length - shaft : 0.0;
   constexpr double kRounding = 1e-6;  // [m]
   if (given == 3 && std::abs(shaft + scoop - length) > kRounding) {
-    throw keys.at("length").error(
-        fmt::format("{:.6g} m given, but shaft and scoop are {:.6g} m together; allowed: two of "
-                    "the three, or three that agree",
-                    length, shaft + scoop));
+    // told where it came about: at an override, if one changed it
+    const char* told = keys.changed("shaft") ? "shaft" : keys.changed("scoop") ? "scoop" : "length";
+    throw keys.at(keys.changed("length") ? "length" : told)
+        .error(
+            fmt::format("length is {:.6g} m, but shaft and scoop are {:.6g} m together; allowed: "
+                        "two of the three, or three that agree",
+                        length, shaft + scoop));
   }
   if (tail.scoop < 0.0 || tail.scoop > tail.length) {
-    throw keys.at(scoop > 0.0 ? "scoop" : "shaft")
-        .error(fmt::format("{:.6g} m given on a tail of {:.6g} m; allowed: at most its length",
-                           scoop > 0.0 ? scoop : shaft, tail.length));
+    const char* part = scoop > 0.0 ? "scoop" : "shaft";
+    const double own = scoop > 0.0 ? scoop : shaft;
+    if (keys.changed("length") && !keys.changed(part))
+      throw keys.at("length").error(fmt::format(
+          "{:.6g} m given with a {} of {:.6g} m; allowed: at least that", tail.length, part, own));
+    throw keys.at(part).error(fmt::format(
+        "{:.6g} m given on a tail of {:.6g} m; allowed: at most its length", own, tail.length));
   }
 }
 

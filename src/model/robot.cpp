@@ -217,8 +217,9 @@ fs::path find_robot(const std::string& name, const fs::path& relative_to) {
 Robot read_robot(const fs::path& folder, const std::vector<Override>& overrides, Reading reading) {
   const Description described = read_description(folder);
   Robot robot = read_files(folder, described, overrides, reading);
-  apply_overrides(robot.planar, concerning(overrides, Concern::value));
-  check_drags(described.node, robot.planar);
+  const std::vector<OverrideInput> values = concerning(overrides, Concern::value);
+  apply_overrides(robot.planar, values);
+  check_drags(described.node, values, robot.planar);
   return robot;
 }
 

@@ -237,13 +237,30 @@ void read_drags(const yaml::Node& robot, const Reduction& reduction, const Absen
   }
 }
 
-void check_drags(const yaml::Node& robot, const PlanarModel& model) {
+namespace {
+
+/// Where a drag's key is said: by an override of it, else by one of another key of this drag, which
+/// may ask for it, else in robot.yaml.
+yaml::Node place_of_drag(const yaml::Node& robot, const std::vector<OverrideInput>& overrides,
+                         const PlanarDrag& drag, const std::string& key) {
+  std::vector<std::string> keys = {key};
+  for (const Key<PlanarDrag>& other : drag_keys()) keys.emplace_back(other.name);
+  for (const std::string& one : keys)
+    for (const OverrideInput& o : overrides)
+      if (matches(o.path, drag.name + ".drag." + one)) return o.value;
+  const auto drags = robot.find("drag");
+  const bool own = drags && drags->has(drag.name);
+  return (own ? *drags : robot.at("attach")).at(drag.name);
+}
+
+}  // namespace
+
+void check_drags(const yaml::Node& robot, const std::vector<OverrideInput>& overrides,
+                 const PlanarModel& model) {
   for (const PlanarDrag& drag : model.drags) {
-    const auto drags = robot.find("drag");
-    const bool own = drags && drags->has(drag.name);
-    const yaml::Node node = (own ? *drags : robot.at("attach")).at(drag.name);
     const auto refuse = [&](const std::string& key, const std::string& what) {
-      return node.error(fmt::format("{}.drag.{}: {}", drag.name, key, what));
+      return place_of_drag(robot, overrides, drag, key)
+          .error(fmt::format("{}.drag.{}: {}", drag.name, key, what));
     };
 
     const bool strip = drag.kind == DragKind::distributed || drag.kind == DragKind::rotation;

@@ -69,8 +69,9 @@ void read_drags(const yaml::Node& robot, const Reduction& reduction, const Absen
                 PlanarModel& model);
 
 /// What only the whole model shows, after overrides: drag that needs a key which is not there, a
-/// strip that ends before it starts.
-void check_drags(const yaml::Node& robot, const PlanarModel& model);
+/// strip that ends before it starts. Told at an override where one changed that drag.
+void check_drags(const yaml::Node& robot, const std::vector<OverrideInput>& overrides,
+                 const PlanarModel& model);
 
 /// Body of a joint named in `node`, or InputError with the nearest name.
 int joint_body(const yaml::Node& node, const std::string& joint, const PlanarModel& model);

@@ -316,6 +316,7 @@ DatasetOutline read_dataset_setup(const yaml::Node& file) {
   if (const auto overrides = file.find("override")) {
     for (const auto& [path, value] : overrides->entries()) {
       dataset.overrides[path] = override_text(value);
+      dataset.override_places[path] = {value.file().string(), value.line(), value.path()};
     }
   }
 

@@ -7,11 +7,13 @@
 
 #include "jaculus/transcription/nonlinear_program.h"
 #include "jaculus/transcription/problem.h"
+#include "model/fields.h"
 #include "transcription/problem_read.h"
 
 namespace jaculus::transcription {
 namespace {
 
+using problem_read::at_place;
 using yaml::Node;
 using Names = std::vector<std::string>;
 
@@ -105,6 +107,18 @@ void check_places(const Problem& problem, const model::PlanarModel& model) {
   }
 }
 
+/// The override of one of these paths in the file that is read, where `value` stands in one that it
+/// extends: a contradiction of the two came about there.
+const Node* later_override(const Problem& problem, const Node& value, const Names& paths) {
+  for (const model::Override& o : problem.overrides) {
+    const auto meant = [&o](const std::string& path) { return model::matches(o.path, path); };
+    if (problem_read::came_later(problem, o.value, value) &&
+        std::any_of(paths.begin(), paths.end(), meant))
+      return &o.value;
+  }
+  return nullptr;
+}
+
 /// Values that leave nothing of the robot's own range.
 void check_ranges(const Problem& problem, const model::PlanarModel& model) {
   const auto check = [&](const std::map<std::string, Bounds>& values, const std::string& prefix) {
@@ -113,10 +127,15 @@ void check_ranges(const Problem& problem, const model::PlanarModel& model) {
       if (i < 0) continue;
       const Bounds& range = model.coordinates[i].range;
       if (bounds.lower <= range.upper && bounds.upper >= range.lower) continue;
-      throw problem_read::place_of(problem, prefix + name)
-          .error(fmt::format(
-              "[{:g}, {:g}] lies outside the robot's own range; allowed: within [{:g}, {:g}]",
-              bounds.lower, bounds.upper, range.lower, range.upper));
+      const Node& value = problem_read::place_of(problem, prefix + name);
+      if (const Node* later = later_override(problem, value, {"ranges." + name}))
+        throw later->error(fmt::format(
+            "[{:g}, {:g}] leaves nothing of [{:g}, {:g}] ({}); allowed: a range that holds some of "
+            "it",
+            range.lower, range.upper, bounds.lower, bounds.upper, at_place(value)));
+      throw value.error(fmt::format(
+          "[{:g}, {:g}] lies outside the robot's own range; allowed: within [{:g}, {:g}]",
+          bounds.lower, bounds.upper, range.lower, range.upper));
     }
   };
   check(problem.position_bounds, "bounds.position.");
@@ -126,18 +145,24 @@ void check_ranges(const Problem& problem, const model::PlanarModel& model) {
 
 /// A plan may use less than the robot has, not more: that would be another robot, which `override`
 /// makes.
-void check_limit(const Problem& problem, const char* key, const std::optional<double>& limit,
+void check_limit(const Problem& problem, const std::string& key, const std::optional<double>& limit,
                  double robots, const std::string& motor, const char* unit) {
   if (!limit || *limit <= robots) return;
-  throw problem.places.at(std::string("limits.") + key)
-      .error(fmt::format("{:g} {} given; allowed: at most {:g} {}, what motor '{}' has (override "
-                         "the robot to give it more)",
-                         *limit, unit, robots, unit, motor));
+  const Node& value = problem.places.at("limits." + key);
+  const std::string of_motor = "motors." + motor,
+                    figure = key == "voltage" ? ".voltage" : "." + key + "_limit";
+  if (const Node* later = later_override(problem, value, {of_motor + figure, of_motor}))
+    throw later->error(fmt::format(
+        "{:g} {} of motor '{}' is less than the {:g} {} that the plan may use ({}); allowed: at "
+        "least that, or a lower limits.{} in this file",
+        robots, unit, motor, *limit, unit, at_place(value), key));
+  throw value.error(
+      fmt::format("{:g} {} given; allowed: at most {:g} {}, what motor '{}' has "
+                  "(override the robot to give it more)",
+                  *limit, unit, robots, unit, motor));
 }
 
-}  // namespace
-
-void check_problem(const Problem& problem, const model::PlanarModel& model) {
+void check_against(const Problem& problem, const model::PlanarModel& model) {
   const Names feet = foot_names(model);
   for (const PhaseSpec& phase : problem.phases) {
     for (const Node& contact : phase.node.at("contacts").items())
@@ -156,6 +181,21 @@ void check_problem(const Problem& problem, const model::PlanarModel& model) {
     check_limit(problem, "voltage", problem.voltage, motor.voltage, motor.joint, "V");
     check_limit(problem, "torque", problem.torque, motor.torque_limit, motor.joint, "N m");
     check_limit(problem, "current", problem.current, motor.current_limit, motor.joint, "A");
+  }
+}
+
+}  // namespace
+
+void check_problem(const Problem& problem, const model::PlanarModel& model) {
+  try {
+    check_against(problem, model);
+  } catch (const InputError& error) {
+    // What a base says is right for the base's own robot; this file names another.
+    const std::string& file = error.place().file;
+    const auto robot = problem.node.is_map() ? problem.node.find("robot") : std::nullopt;
+    if (file.empty() || file == problem.file.string() || !robot) throw;
+    throw robot->error(
+        fmt::format("what this file extends is not for '{}': {}", problem.robot, error.what()));
   }
 }
 

@@ -13,6 +13,8 @@
 namespace jaculus::transcription {
 namespace {
 
+using problem_read::at_place;
+using problem_read::came_later;
 using yaml::Node;
 
 /// The files that led here, outermost first, each with the node that names the next.
@@ -149,9 +151,14 @@ void apply_lock(std::map<std::string, Bounds>& values, const Problem& problem,
   if (found == values.end()) return;
   constexpr double kRounding = 1e-9;
   if (!Bounds{found->second.lower - kRounding, found->second.upper + kRounding}.contains(locked)) {
-    throw problem_read::place_of(problem, prefix + name)
-        .error(fmt::format("{0} contradicts lock.{1}; allowed: {2:g}, where the lock holds it",
-                           show(found->second), name, locked));
+    const Node& value = problem_read::place_of(problem, prefix + name);
+    const Node& lock = problem.places.at("lock." + name);
+    if (came_later(problem, lock, value))
+      throw lock.error(fmt::format("{:g} contradicts {}{}: {} ({}); allowed: a value within that",
+                                   locked, prefix, name, show(found->second), at_place(value)));
+    throw value.error(
+        fmt::format("{0} contradicts lock.{1}; allowed: {2:g}, where the lock holds it",
+                    show(found->second), name, locked));
   }
   values.erase(found);
 }
@@ -177,9 +184,14 @@ void check_ends(const Problem& problem, const std::map<std::string, Bounds>& val
     const auto all = whole.find(name);
     if (all == whole.end()) continue;
     if (bounds.lower <= all->second.upper && bounds.upper >= all->second.lower) continue;
-    throw problem_read::place_of(problem, prefix + name)
-        .error(fmt::format("{} lies outside bounds.{}.{}; allowed: within {}", show(bounds), where,
-                           name, show(all->second)));
+    const Node& value = problem_read::place_of(problem, prefix + name);
+    const Node& bound = problem_read::place_of(problem, fmt::format("bounds.{}.{}", where, name));
+    if (came_later(problem, bound, value))
+      throw bound.error(fmt::format("{} leaves out {}{}: {} ({}); allowed: bounds that hold it",
+                                    show(all->second), prefix, name, show(bounds),
+                                    at_place(value)));
+    throw value.error(fmt::format("{} lies outside bounds.{}.{}; allowed: within {}", show(bounds),
+                                  where, name, show(all->second)));
   }
 }
 
@@ -187,8 +199,12 @@ void check_rest(const Problem& problem, const BoundarySpec& spec, const std::str
   if (!spec.at_rest) return;
   for (const auto& [name, bounds] : spec.velocity) {
     if (bounds.contains(0.0)) continue;
-    throw problem_read::place_of(problem, prefix + name)
-        .error(fmt::format("{} contradicts at_rest: true; allowed: 0", show(bounds)));
+    const Node& value = problem_read::place_of(problem, prefix + name);
+    const auto rest = spec.node.find("at_rest");
+    if (rest && came_later(problem, *rest, value))
+      throw rest->error(fmt::format("true contradicts {}{}: {} ({}); allowed: false, or 0 there",
+                                    prefix, name, show(bounds), at_place(value)));
+    throw value.error(fmt::format("{} contradicts at_rest: true; allowed: 0", show(bounds)));
   }
 }
 
@@ -197,8 +213,18 @@ void check_phase_names(const Problem& problem) {
   std::vector<std::string> phases;
   for (const PhaseSpec& phase : problem.phases) phases.push_back(phase.name);
 
-  for (const auto* terms : {&problem.constraints, &problem.objective})
-    for (const TermSpec& term : *terms) term.values.check_names(key::Of::phase, phases);
+  for (const auto* terms : {&problem.constraints, &problem.objective}) {
+    for (const TermSpec& term : *terms) {
+      try {
+        term.values.check_names(key::Of::phase, phases);
+      } catch (const InputError& error) {
+        const Node& first = problem.phases.front().node;
+        if (!came_later(problem, first, term.node)) throw;
+        throw first.error(fmt::format("other phases than those of the file it extends, and {}: {}",
+                                      at_place(term.node), error.fault()));
+      }
+    }
+  }
 }
 
 /// Durations of the guess, one a phase and within its bounds.
@@ -206,13 +232,26 @@ void check_durations(const Problem& problem) {
   const std::vector<double>& durations = problem.guess.durations;
   if (durations.empty()) return;
   const Node node = problem.guess.node.at("durations");
-  if (durations.size() != problem.phases.size())
+  if (durations.size() != problem.phases.size()) {
+    const Node& phase = problem.phases.front().node;
+    if (came_later(problem, phase, node))
+      throw phase.error(fmt::format(
+          "{} in all; allowed: as many phases as the guess has durations: {} ({}), or a "
+          "guess of this file's own",
+          problem.phases.size(), durations.size(), at_place(node)));
     throw node.error(
         fmt::format("{} given; allowed: {}, one a phase", durations.size(), problem.phases.size()));
+  }
 
   for (int i = 0; i < count_of(durations); ++i) {
     const Bounds& allowed = problem.phases[i].duration;
     if (allowed.contains(durations[i])) continue;
+    const Node phase = problem.phases[i].node.at("duration");
+    if (came_later(problem, phase, node))
+      throw phase.error(
+          fmt::format("{} s leaves out the guess's {:g} s ({}); allowed: bounds that "
+                      "hold it, or a guess of this file's own",
+                      show(allowed), durations[i], at_place(node)));
     throw node.error(
         fmt::format("{:g} s given for phase '{}'; allowed: {} s, the bounds of its duration",
                     durations[i], problem.phases[i].name, show(allowed)));

@@ -22,6 +22,14 @@ const Node& place_of(const Problem& problem, const std::string& name) {
                                       : problem.node;
 }
 
+bool came_later(const Problem& problem, const Node& other, const Node& value) {
+  return other.file() == problem.file && value.file() != problem.file;
+}
+
+std::string at_place(const Node& node) {
+  return fmt::format("{}:{}", node.file().string(), node.line());
+}
+
 namespace {
 
 /// Whether a number in `node` carries a unit that only the dimension `d` has.

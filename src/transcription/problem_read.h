@@ -11,6 +11,13 @@ bool is_null(const yaml::Node& node);
 /// Where a named value stands ("initial.position.x"); of one that a pose gave, its section.
 const yaml::Node& place_of(const Problem& problem, const std::string& name);
 
+/// Whether a contradiction of two values is told at the other one: it stands in the file that is
+/// read, the value itself in one that this file extends.
+bool came_later(const Problem& problem, const yaml::Node& other, const yaml::Node& value);
+
+/// "base.yaml:7", for messages that name two places.
+std::string at_place(const yaml::Node& node);
+
 void robot(Problem& problem, const yaml::Node& node);
 void overrides(Problem& problem, const yaml::Node& node);
 void locks(Problem& problem, const yaml::Node& node);

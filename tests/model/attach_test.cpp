@@ -272,6 +272,14 @@ TEST(Attach, FaultsNameFileLineAndWhatIsAllowed) {
             "attach.tail.scoop: 1.4 m given on a tail of 1 m; allowed: at most its length"));
   EXPECT_TRUE(holds(fault("scoop: 0.4 m", "scoop: 0.4 m\n    shaft: 0.7 m"),
                     "shaft and scoop are 1.1 m together"));
+  // told where it came about
+  EXPECT_TRUE(holds(fault("", "", {{"attach.tail.scoop", "1.4 m"}}),
+                    "problem.yaml:1: attach.tail.scoop: 1.4 m given on a tail of 1 m"));
+  EXPECT_TRUE(holds(fault("", "", {{"attach.tail.length", "0.3 m"}}),
+                    "problem.yaml:1: attach.tail.length: 0.3 m given with a scoop of 0.4 m"));
+  EXPECT_TRUE(holds(
+      fault("", "", {{"attach.tail.shaft", "0.7 m"}}),
+      "problem.yaml:1: attach.tail.shaft: length is 1 m, but shaft and scoop are 1.1 m together"));
   EXPECT_TRUE(holds(fault("length: 1 m", "kind: wing\n    length: 1 m"),
                     "'wing' given; allowed: none, inertial, drag"));
   EXPECT_TRUE(holds(fault("length: 1 m", "colour: red\n    length: 1 m"), "unknown key 'colour'"));

@@ -149,6 +149,49 @@ reference: ~
   EXPECT_TRUE(holds(p.constraints[0].node.error("x").what(), "base.yaml:17: constraints[0]"));
 }
 
+TEST_F(ProblemFile, AContradictionIsToldInTheFileThatMakesIt) {
+  const std::string head = "format: jaculus-problem/1\nextends: base.yaml\nname: child\n";
+  struct Case {
+    const char *text, *place, *of;
+  };
+  for (const Case& c : {
+           Case{"lock: {tail: 40 deg}\n", "problem.yaml:4: lock.tail: 0.698132 contradicts ",
+                "initial.position.tail: [-0.174533, 0.523599] ("},
+           {"bounds: {position: {x: [0.5 m, 1 m]}}\n",
+            "problem.yaml:4: bounds.position.x: [0.5, 1] leaves out ", "initial.position.x: 0 ("},
+           {"final: {at_rest: true}\n", "problem.yaml:4: final.at_rest: true contradicts ",
+            "final.velocity.x: [1, 5] ("},
+           {"phases:\n  - {name: only, contacts: [foot], intervals: 3, duration: 1 s}\n",
+            "problem.yaml:5: phases[0]: 1 in all; allowed: as many phases as the guess has "
+            "durations: 2 (",
+            "base.yaml"},
+           {"phases:\n  - {name: a, contacts: [foot], intervals: 3, duration: 1 s}\n"
+            "  - {name: b, contacts: [], intervals: 3, duration: 0.1 s}\n",
+            "problem.yaml:5: phases[0].duration: 1 s leaves out the guess's 0.2 s (", "base.yaml"},
+       }) {
+    const std::string message = error(head + c.text);
+    EXPECT_TRUE(holds(message, c.place));
+    EXPECT_TRUE(holds(message, c.of));
+    EXPECT_TRUE(holds(message, "base.yaml:")) << message;
+  }
+}
+
+TEST(LoadProblem, AnOverrideThatLeavesLessThanItsBaseUsesIsToldItself) {
+  const TemporaryFolder folder;
+  const std::string leap = (source_folder() / "problems" / "leap_tail.yaml").string();
+  const auto error = [&](const std::string& override) {
+    const std::string file =
+        folder.write("weak.yaml", "format: jaculus-problem/1\nextends: " + leap +
+                                      "\nname: weak\noverride:\n  " + override + "\n");
+    return input_error_of([&] { (void)load_problem(yaml::Node::load(file)); });
+  };
+  const std::string voltage = error("motors.*.voltage: 3 V");
+  EXPECT_TRUE(holds(voltage, "weak.yaml:5: override.motors.*.voltage: 3 V of motor '"));
+  EXPECT_TRUE(holds(voltage, "leap_tail.yaml:"));
+  EXPECT_TRUE(holds(error("tail.drag.point_area: 0 m^2"),
+                    "weak.yaml:5: override.tail.drag.point_area: tail.drag.point_area: must be"));
+}
+
 TEST_F(ProblemFile, CyclicExtendsNamesBothPlaces) {
   folder.write("a.yaml", "format: jaculus-problem/1\nname: a\nextends: b.yaml\n");
   folder.write("b.yaml", "format: jaculus-problem/1\nextends: a.yaml\nname: b\n");

@@ -18,6 +18,7 @@
 #include <string>
 #include <vector>
 
+#include "jaculus/core/error.h"
 #include "jaculus/core/types.h"
 #include "jaculus/trajectory/csv.h"
 #include "jaculus/trajectory/kinds.h"
@@ -103,8 +104,9 @@ struct Dataset {
   std::string robot;  ///< as stated: a folder of models/ or a path
   /// model values that this robot had, by path, as text
   std::map<std::string, std::string> overrides;
-  std::optional<Table> plan;          ///< what was commanded, columns of plan.csv
-  std::optional<InputScript> script;  ///< or this
+  std::map<std::string, InputPlace> override_places;  ///< where a file states them, for messages
+  std::optional<Table> plan;                          ///< what was commanded, columns of plan.csv
+  std::optional<InputScript> script;                  ///< or this
   /// stated initial coordinates, SI, where no plan gives them
   std::map<std::string, double> initial;
   std::map<std::string, StatedStop> stops;  ///< by joint

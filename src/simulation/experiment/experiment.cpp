@@ -24,6 +24,20 @@ StartState scattered_start(const Experiment& experiment, const Plant& plant,
   return reference_start(plant, controller.reference, off);
 }
 
+/// An override's value, for messages at the place where the dataset's file states it.
+yaml::Node override_node(const trajectory::Dataset& dataset, const std::string& path,
+                         const std::string& text) {
+  const auto stated = dataset.override_places.find(path);
+  if (stated == dataset.override_places.end())
+    return yaml::Node::parse(text, (dataset.folder / "override").string());
+  const InputPlace& place = stated->second;
+  const std::string above(std::max(place.line - 1, 0), '\n');
+  return yaml::Node::parse(
+             fmt::format("{}{{override: {{{}: {}}}}}", above, yaml::quoted(path), text), place.file)
+      .at("override")
+      .at(path);
+}
+
 }  // namespace
 
 double command_duration(const trajectory::Dataset& dataset) {
@@ -34,9 +48,8 @@ double command_duration(const trajectory::Dataset& dataset) {
 
 model::Robot overridden_robot(const trajectory::Dataset& dataset) {
   std::vector<model::Override> overrides;
-  const std::string place = (dataset.folder / "override").string();
   for (const auto& [path, text] : dataset.overrides)
-    overrides.push_back({path, yaml::Node::parse(text, place)});
+    overrides.push_back({path, override_node(dataset, path, text)});
   return model::read_robot(model::find_robot(dataset.robot, dataset.folder), overrides);
 }
 

@@ -132,6 +132,7 @@ std::map<std::string, double> draw(const Experiment& experiment, const Uncertain
       if (spread.range) to = spread.range->lower + u * (spread.range->upper - spread.range->lower);
       setup.overrides.erase(value.alias);  // one override a value
       setup.overrides[value.path] = fmt::format("{}", to);
+      setup.override_places.erase(value.path);  // what is drawn stands in no file
       drawn[value.path] = to;
     }
   }
