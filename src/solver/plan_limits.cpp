@@ -111,14 +111,15 @@ void add_node_sensitivities(const transcription::NonlinearProgram::PlacedRows& p
 }
 
 /// How the usable joint torque grows with the limit that sets it: torque or current of the motor.
-void add_torque_sensitivities(const transcription::Problem& problem, model::PlanarMotor motor,
-                              double multiplier, SensitivitySums& sums) {
-  if (problem.torque) motor.torque_limit = *problem.torque;
-  if (problem.current) motor.current_limit = *problem.current;
+void add_torque_sensitivities(const transcription::Problem& problem,
+                              const model::PlanarModel& model, int m, double multiplier,
+                              SensitivitySums& sums) {
+  const model::PlanarMotor motor = limited_motor(problem, model, model.motors[m]);
   const double ratio = motor.gear * motor.efficiency,
-               tau = transcription::usable_torque(problem, motor) / ratio;
+               tau = transcription::usable_torque(problem, model, motor) / ratio;
   if (motor.ideal() || tau >= motor.torque_limit * (1.0 - 1e-9)) {
-    sums.add("motor torque", "N m", multiplier * ratio);
+    const bool slides = model.bodies[motor.body].kind == model::JointKind::prismatic;
+    sums.add("motor torque", slides ? "N" : "N m", multiplier * ratio);
   } else {
     const double slope = motor.saturation_linear + 3.0 * motor.saturation_cubic * tau * tau;
     sums.add("current", "A", multiplier * ratio / slope);
@@ -128,7 +129,6 @@ void add_torque_sensitivities(const transcription::Problem& problem, model::Plan
 void add_bound_sensitivities(const transcription::NonlinearProgram& program,
                              const NlpResult& result, SensitivitySums& sums) {
   const transcription::Layout& layout = program.layout();
-  const std::vector<model::PlanarMotor>& motors = program.equations().model().motors;
 
   std::vector<int> columns;
   for (const transcription::IntervalBlock& interval : layout.intervals) {
@@ -145,7 +145,7 @@ void add_bound_sensitivities(const transcription::NonlinearProgram& program,
     const int c = columns[k];
     if (!std::isfinite(layout.upper[c])) continue;
     const int motor = k % layout.n_u;
-    add_torque_sensitivities(program.problem(), motors[motor],
+    add_torque_sensitivities(program.problem(), program.equations().model(), motor,
                              result.lower_multipliers[c] + result.upper_multipliers[c], sums);
   }
 

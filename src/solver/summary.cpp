@@ -251,13 +251,11 @@ Summary summarise(const Plan& plan, const transcription::Problem& problem) {
   s.seed = problem.solver.seed;
   s.reference = problem.reference;
   s.problem = transcription::describe_problem(problem);
-  s.motors = motor_figures(program.equations().model());
+  model::PlanarModel limited = program.equations().model();
+  for (model::PlanarMotor& motor : limited.motors)
+    motor = transcription::limited_motor(problem, limited, motor);
+  s.motors = motor_figures(limited);
   s.held_joints = program.equations().model().held;
-  for (MotorFigures& f : s.motors) {
-    if (problem.torque) f.torque_limit = *problem.torque;
-    if (problem.current) f.current_limit = *problem.current;
-    if (problem.voltage) f.voltage_limit = *problem.voltage;
-  }
 
   if (plan.trajectory) {
     s.phases = phase_figures(plan);

@@ -98,9 +98,9 @@ TailKind tail_kind(const transcription::Problem& problem, const model::PlanarMod
 std::string conditions(const transcription::Problem& problem) {
   const model::PlanarModel model =
       model::read_robot(problem.robot_folder, problem.overrides).planar;
-  std::string text =
-      fmt::format("{} {} {} {}\n", problem.voltage.value_or(kNaN), problem.torque.value_or(kNaN),
-                  problem.current.value_or(kNaN), problem.friction.value_or(kNaN));
+  std::string text = fmt::format("{} {} {} {} {}\n", problem.voltage.value_or(kNaN),
+                                 problem.torque.value_or(kNaN), problem.force.value_or(kNaN),
+                                 problem.current.value_or(kNaN), problem.friction.value_or(kNaN));
 
   for (const transcription::PhaseSpec& phase : problem.phases) {
     for (const std::string& foot : phase.contacts) text += foot + " ";

@@ -165,6 +165,7 @@ Json describe_problem(const Problem& problem) {
   for (const auto& [name, value] : problem.locks) json["lock"][name] = value;
   json["limits"] = {{"voltage", optional_number(problem.voltage)},
                     {"torque", optional_number(problem.torque)},
+                    {"force", optional_number(problem.force)},
                     {"current", optional_number(problem.current)},
                     {"friction", optional_number(problem.friction)}};
   json["bounds"] = {{"position", bounds_map(problem.position_bounds)},
@@ -204,8 +205,9 @@ std::string describe_problem_text(const Problem& problem, const model::Robot& ro
     return value ? fmt::format("{:g}{}", *value, unit) : std::string("the robot's");
   };
 
-  text += fmt::format("  limits        voltage {}, torque {}, current {}, friction {}\n",
+  text += fmt::format("  limits        voltage {}, torque {}{}, current {}, friction {}\n",
                       limit(problem.voltage, " V"), limit(problem.torque, " N m"),
+                      problem.force ? fmt::format(" (force {:g} N)", *problem.force) : "",
                       limit(problem.current, " A"), limit(problem.friction, ""));
   text += plan_text(problem);
   const TranscriptionSpec& t = problem.transcription;

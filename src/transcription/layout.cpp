@@ -59,8 +59,9 @@ NodeBlock append_node(Writer& w, int phase, int number) {
 }
 
 /// What dry friction leaves of a motor's torque, at the joint.
-double left_to_move(const Problem& problem, const model::PlanarMotor& motor) {
-  const double largest = usable_torque(problem, motor), left = largest - motor.dry_friction;
+double left_to_move(const Problem& problem, const model::PlanarModel& model,
+                    const model::PlanarMotor& motor) {
+  const double largest = usable_torque(problem, model, motor), left = largest - motor.dry_friction;
   if (motor.dry_friction > 0.0 && !(left > 0.0))
     throw InputError(fmt::format(
         "motors.{}: dry_friction: {:g} given, and at most {:g} of torque at the joint, which "
@@ -72,7 +73,7 @@ double left_to_move(const Problem& problem, const model::PlanarMotor& motor) {
 int append_input(Writer& w, int phase, int number) {
   const int column = w.layout.columns();
   for (const model::PlanarMotor& motor : w.model.motors) {
-    const double limit = left_to_move(w.problem, motor);
+    const double limit = left_to_move(w.problem, w.model, motor);
     w.append(fmt::format("{}, {} {}: {} torque", w.problem.phases[phase].name,
                          w.layout.held ? "interval" : "node", number, motor.joint),
              w.model.bodies[motor.body].kind == model::JointKind::revolute ? "N m" : "N",
@@ -249,11 +250,9 @@ void apply_rest(const BoundarySpec& spec, const Matrix& J, const NodeBlock& node
 
 }  // namespace
 
-double usable_torque(const Problem& problem, const model::PlanarMotor& motor) {
-  model::PlanarMotor limited = motor;
-  if (problem.torque) limited.torque_limit = *problem.torque;
-  if (problem.current) limited.current_limit = *problem.current;
-  return components::largest_joint_torque(limited).value;
+double usable_torque(const Problem& problem, const model::PlanarModel& model,
+                     const model::PlanarMotor& motor) {
+  return components::largest_joint_torque(limited_motor(problem, model, motor)).value;
 }
 
 int Layout::add_variable(const ExtraVariable& variable) {

@@ -162,6 +162,22 @@ void check_limit(const Problem& problem, const std::string& key, const std::opti
                   *limit, unit, robots, unit, motor));
 }
 
+/// A limit in N m is of joints that turn, one in N of those that slide; the robot must have such.
+void check_limit_unit(const Problem& problem, const model::PlanarModel& model) {
+  if (problem.torque.has_value() == problem.force.has_value()) return;
+  const auto slides = [&](const model::PlanarMotor& motor) {
+    return model.bodies[motor.body].kind == model::JointKind::prismatic;
+  };
+  const auto sliding = std::count_if(model.motors.begin(), model.motors.end(), slides);
+  const bool any = problem.force ? sliding > 0 : sliding < std::ssize(model.motors);
+  if (any || model.motors.empty()) return;
+  throw problem.places.at("limits.torque")
+      .error(fmt::format("{} given, but every motor of this robot {}; allowed: a number in {}",
+                         problem.force ? "a force" : "a torque",
+                         problem.force ? "turns its joint" : "slides its joint",
+                         problem.force ? "N m" : "N"));
+}
+
 void check_against(const Problem& problem, const model::PlanarModel& model) {
   const Names feet = foot_names(model);
   for (const PhaseSpec& phase : problem.phases) {
@@ -177,9 +193,12 @@ void check_against(const Problem& problem, const model::PlanarModel& model) {
     }
   }
 
+  check_limit_unit(problem, model);
   for (const model::PlanarMotor& motor : model.motors) {
     check_limit(problem, "voltage", problem.voltage, motor.voltage, motor.joint, "V");
-    check_limit(problem, "torque", problem.torque, motor.torque_limit, motor.joint, "N m");
+    const bool slides = model.bodies[motor.body].kind == model::JointKind::prismatic;
+    check_limit(problem, "torque", slides ? problem.force : problem.torque, motor.torque_limit,
+                motor.joint, slides ? "N" : "N m");
     check_limit(problem, "current", problem.current, motor.current_limit, motor.joint, "A");
   }
 }
@@ -199,13 +218,20 @@ void check_problem(const Problem& problem, const model::PlanarModel& model) {
   }
 }
 
+model::PlanarMotor limited_motor(const Problem& problem, const model::PlanarModel& model,
+                                 const model::PlanarMotor& motor) {
+  model::PlanarMotor limited = motor;
+  const bool slides = model.bodies[motor.body].kind == model::JointKind::prismatic;
+  const std::optional<double>& torque = slides ? problem.force : problem.torque;
+  if (problem.voltage) limited.voltage = *problem.voltage;
+  if (torque) limited.torque_limit = *torque;
+  if (problem.current) limited.current_limit = *problem.current;
+  return limited;
+}
+
 model::PlanarModel planning_model(const Problem& problem, const model::PlanarModel& model) {
   model::PlanarModel planned = model;
-  for (model::PlanarMotor& motor : planned.motors) {
-    if (problem.voltage) motor.voltage = *problem.voltage;
-    if (problem.torque) motor.torque_limit = *problem.torque;
-    if (problem.current) motor.current_limit = *problem.current;
-  }
+  for (model::PlanarMotor& motor : planned.motors) motor = limited_motor(problem, model, motor);
   if (problem.friction) planned.friction = *problem.friction;
   for (const auto& [name, value] : problem.locks) planned = model::lock(planned, name, value);
   return planned;

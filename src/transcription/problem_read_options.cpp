@@ -12,26 +12,63 @@ namespace {
 
 using yaml::Node;
 
+using Figure = std::optional<double> Problem::*;
+
 /// A key of `limits` and the figure that it gives.
 struct Limit {
   Key key;
-  std::optional<double> Problem::*figure;
+  Figure figure;
+  Figure sliding = nullptr;  ///< the same of joints that slide, where that has another unit [N]
 };
 
 const std::vector<Limit>& limit_table() {
-  const auto limit = [](const char* name, const Dimension& dimension, auto figure,
-                        const char* meaning) {
+  const auto limit = [](const char* name, const Dimension& dimension, Figure figure,
+                        const char* meaning, Figure sliding = nullptr) {
     const key::Number positive = {dimension, {0.0, kInfinity}};
-    return Limit{{name, positive, meaning, {.words = "the robot's"}}, figure};
+    return Limit{{name, positive, meaning, {.words = "the robot's"}}, figure, sliding};
   };
   static const std::vector<Limit> table = {
       limit("voltage", dimension::voltage, &Problem::voltage, "of the bus, for every motor"),
-      limit("torque", dimension::torque, &Problem::torque, "of every motor, before its gear"),
+      limit("torque", dimension::torque, &Problem::torque,
+            "of every motor, before its gear; in N of those whose joints slide", &Problem::force),
       limit("current", dimension::current, &Problem::current, "of every motor"),
       limit("friction", dimension::none, &Problem::friction,
             "Coulomb coefficient that a plan counts on"),
   };
   return table;
+}
+
+/// Whether a value reads as a number of this dimension. A plain one reads as any.
+bool is_in(const Node& value, const Dimension& dimension) {
+  try {
+    static_cast<void>(value.number(dimension));
+    return true;
+  } catch (const InputError&) {
+    return false;
+  }
+}
+
+void drop_limit(const Limit& limit, Problem& problem) {
+  (problem.*limit.figure).reset();
+  if (limit.sliding != nullptr) (problem.*limit.sliding).reset();
+}
+
+void read_limit(const Node& value, const Limit& limit, Problem& problem) {
+  const auto& [dimension, allowed] = std::get<key::Number>(limit.key.kind);
+  const bool slides = limit.sliding != nullptr && is_in(value, dimension::force);
+  const bool turns = !slides || is_in(value, dimension);
+  double number = 0.0;
+  try {
+    number = value.number(turns ? dimension : dimension::force, allowed);
+  } catch (const InputError& error) {
+    const char* also = limit.sliding != nullptr ? ", or in N for joints that slide" : "";
+    throw value.error(error.fault() + also);
+  }
+
+  if (number <= 0.0)
+    throw value.error(fmt::format("{:g} given; allowed: a positive number", number));
+  if (turns) problem.*limit.figure = number;
+  if (slides) problem.*limit.sliding = number;
 }
 
 const std::vector<Field<TranscriptionSpec>>& transcription_fields() {
@@ -103,23 +140,17 @@ namespace problem_read {
 
 void limits(Problem& problem, const Node& node) {
   if (is_null(node)) {
-    for (const Limit& limit : limit_table()) (problem.*limit.figure).reset();
+    for (const Limit& limit : limit_table()) drop_limit(limit, problem);
     return;
   }
 
   node.only(problem_keys::names(problem_keys::limits()));
-  for (const auto& [declared, figure] : limit_table()) {
-    const auto value = node.find(declared.name);
+  for (const Limit& limit : limit_table()) {
+    const auto value = node.find(limit.key.name);
     if (!value) continue;
-    problem.places["limits." + declared.name] = *value;
-    (problem.*figure).reset();
-    if (is_null(*value)) continue;
-
-    const auto& [dimension, allowed] = std::get<key::Number>(declared.kind);
-    const double number = value->number(dimension, allowed);
-    if (number <= 0.0)
-      throw value->error(fmt::format("{:g} given; allowed: a positive number", number));
-    problem.*figure = number;
+    problem.places["limits." + limit.key.name] = *value;
+    drop_limit(limit, problem);
+    if (!is_null(*value)) read_limit(*value, limit, problem);
   }
 }
 

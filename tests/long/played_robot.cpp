@@ -52,7 +52,8 @@ std::string body_text(const model::SpatialTree& tree, int index) {
 model::PlanarModel played_model(const transcription::Problem& problem,
                                 const model::PlanarModel& model) {
   transcription::Problem unlimited = problem;
-  unlimited.friction = unlimited.voltage = unlimited.torque = unlimited.current = std::nullopt;
+  unlimited.friction = unlimited.voltage = unlimited.torque = unlimited.force = unlimited.current =
+      std::nullopt;
   return transcription::planning_model(unlimited, model);
 }
 
@@ -62,7 +63,7 @@ double planned_limit(const transcription::Problem& problem, const model::PlanarM
     const auto& sides = model.bodies[static_cast<std::size_t>(motor.body)].file_joints;
     const bool drives = std::any_of(sides.begin(), sides.end(),
                                     [&](const auto& side) { return side.name == joint; });
-    if (drives) return transcription::usable_torque(problem, motor);
+    if (drives) return transcription::usable_torque(problem, model, motor);
   }
   return kInfinity;
 }

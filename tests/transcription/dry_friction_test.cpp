@@ -85,7 +85,7 @@ TEST(DryFriction, LeavesLessOfTheTorqueAndTheVoltage) {
   const NonlinearProgram program(robot.problem, robot.model);
   const Layout& layout = program.layout();
   for (int m = 0; m < layout.n_u; ++m) {
-    const double largest = usable_torque(robot.problem, robot.model.motors[m]);
+    const double largest = usable_torque(robot.problem, robot.model, robot.model.motors[m]);
     EXPECT_NEAR(layout.upper[layout.intervals.front().u_first + m], largest - kDry, 1e-12);
     EXPECT_NEAR(layout.lower[layout.intervals.front().u_first + m], kDry - largest, 1e-12);
   }

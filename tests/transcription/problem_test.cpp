@@ -176,6 +176,40 @@ TEST_F(ProblemFile, AContradictionIsToldInTheFileThatMakesIt) {
   }
 }
 
+TEST_F(ProblemFile, ALimitInNewtonsIsOfJointsThatSlide) {
+  const Problem turning = read(kBase);
+  EXPECT_EQ(*turning.torque, 3.0);
+  EXPECT_FALSE(turning.force);
+  const Problem sliding = read(changed("torque: 3 N m", "torque: 300 N"));
+  EXPECT_EQ(*sliding.force, 300.0);
+  EXPECT_FALSE(sliding.torque);
+  const Problem plain = read(changed("torque: 3 N m", "torque: 3"));
+  EXPECT_EQ(*plain.torque, 3.0);
+  EXPECT_EQ(*plain.force, 3.0);
+  EXPECT_TRUE(holds(error(changed("torque: 3 N m", "torque: 3 V")),
+                    "problem.yaml:7: limits.torque: '3 V' is in V; allowed: a number in N m, or a "
+                    "string with such a unit, or in N for joints that slide"));
+}
+
+TEST(LoadProblem, ForcesAreLimitedOfJointsThatSlideAlone) {
+  const TemporaryFolder folder;
+  const auto load = [&](const std::string& torque) {
+    const std::string integrator =
+        (source_folder() / "problems" / "double_integrator.yaml").string();
+    return load_problem(yaml::Node::load(
+        folder.write("push.yaml", "format: jaculus-problem/1\nextends: " + integrator +
+                                      "\nname: push\nlimits: {torque: " + torque + "}\n")));
+  };
+  const LoadedProblem gentle = load("0.5 N");
+  EXPECT_EQ(planning_model(gentle.problem, gentle.robot.planar).motors[0].torque_limit, 0.5);
+  EXPECT_EQ(planning_model(load("0.4").problem, gentle.robot.planar).motors[0].torque_limit, 0.4);
+  EXPECT_TRUE(holds(input_error_of([&] { (void)load("300 N"); }),
+                    "push.yaml:4: limits.torque: 300 N given; allowed: at most 1 N"));
+  EXPECT_TRUE(holds(input_error_of([&] { (void)load("0.5 N m"); }),
+                    "push.yaml:4: limits.torque: a torque given, but every motor of this robot "
+                    "slides its joint; allowed: a number in N"));
+}
+
 TEST(LoadProblem, AnOverrideThatLeavesLessThanItsBaseUsesIsToldItself) {
   const TemporaryFolder folder;
   const std::string leap = (source_folder() / "problems" / "leap_tail.yaml").string();

@@ -76,8 +76,10 @@ struct Layout {
 /// the problem's place.
 Layout make_layout(const Problem& problem, const components::Equations& equations);
 
-/// Largest joint torque a plan may use of a motor: the tighter of torque and current limits [N m].
-/// Of it an input is bounded by what dry friction leaves, whichever way the joint turns.
-double usable_torque(const Problem& problem, const model::PlanarMotor& motor);
+/// Largest joint torque a plan may use of a motor of the model: the tighter of torque and current
+/// limits [N m, N where it slides]. Of it an input is bounded by what dry friction leaves,
+/// whichever way the joint turns.
+double usable_torque(const Problem& problem, const model::PlanarModel& model,
+                     const model::PlanarMotor& motor);
 
 }  // namespace jaculus::transcription

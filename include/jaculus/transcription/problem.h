@@ -112,10 +112,11 @@ struct Problem {
   std::vector<model::Override> overrides;
   std::vector<std::pair<std::string, double>> locks;  ///< coordinates held fixed [rad or m]
   // What a plan may use of the robot; where absent the robot's own value counts.
-  std::optional<double> voltage;                  ///< [V]
-  std::optional<double> torque;                   ///< of a motor before its gear [N m]
-  std::optional<double> current;                  ///< [A]
-  std::optional<double> friction;                 ///< [-]
+  std::optional<double> voltage;   ///< [V]
+  std::optional<double> torque;    ///< of motors of joints that turn, before the gear [N m]
+  std::optional<double> force;     ///< of motors of joints that slide [N]
+  std::optional<double> current;   ///< [A]
+  std::optional<double> friction;  ///< [-]
   std::map<std::string, Bounds> position_bounds;  ///< by coordinate [rad or m]
   std::map<std::string, Bounds> velocity_bounds;  ///< by coordinate [rad/s or m/s]
   std::vector<PhaseSpec> phases;
@@ -161,6 +162,10 @@ struct LoadedProblem {
 /// well. InputError with file:line.
 LoadedProblem load_problem(const yaml::Node& node,
                            const TermCatalogue& catalogue = term_catalogue());
+
+/// A motor of the robot with what the problem states in place of its own limits.
+model::PlanarMotor limited_motor(const Problem& problem, const model::PlanarModel& model,
+                                 const model::PlanarMotor& motor);
 
 /// The model that a problem plans with: overrides applied (read_robot), its limits, then its locks.
 model::PlanarModel planning_model(const Problem& problem, const model::PlanarModel& model);
