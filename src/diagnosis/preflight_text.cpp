@@ -19,13 +19,26 @@ std::string factor_text(double log_factor) {
   return log_factor > 100.0 ? "> 100" : fmt::format("{:.1f}", log_factor);
 }
 
+/// "one pair", "3 pairs".
+std::string counted(double count, const std::string& what) {
+  return count == 1.0 ? "one " + what : fmt::format("{:.3g} {}s", count, what);
+}
+
+/// Two digits without an exponent; from a thousand on all of them.
+std::string rough(double value) {
+  if (!std::isfinite(value) || value == 0.0) return fmt::format("{}", value);
+  const int digits =
+      std::clamp(1 - static_cast<int>(std::floor(std::log10(std::abs(value)))), 0, 6);
+  return fmt::format("{:.{}f}", value, digits);
+}
+
 std::string least_text(const PlannedEffect& e) {
   if (!e.structural) return "changes nothing that is recorded";
   if (std::isnan(e.least)) return "not within its bounds";
   std::string text = fmt::format("{} {:.3g} {}", e.parameter, e.least, e.unit);
-  text += fmt::format(" ({:.2g} prior scales", e.least_scales);
+  text += fmt::format(" ({} prior scales", rough(e.least_scales));
   if (std::isfinite(e.least_of_bounds))
-    text += fmt::format(", {:.2g} % of its bound", 100.0 * e.least_of_bounds);
+    text += fmt::format(", {} % of its bound", rough(100.0 * e.least_of_bounds));
   return text + ")";
 }
 
@@ -35,10 +48,8 @@ std::string effects_table(const Preflight& p) {
   for (const PlannedEffect& e : p.effects)
     text += fmt::format("{:<34} {:>8} {:>6.2f}  {}\n", e.name, factor_text(e.log_odds), e.gap,
                         least_text(e));
-  return text + fmt::format(
-                    "log odds against none and gap [noise floors]: at {:.3g} probing "
-                    "steps\n",
-                    p.size);
+  return text + fmt::format("log odds against none and gap [noise floors]: at {}\n",
+                            counted(p.size, "probing step"));
 }
 
 std::vector<const PlannedPair*> pairs_not_told(const Preflight& p) {
@@ -64,7 +75,8 @@ std::string pairs_table(const Preflight& p) {
   std::string text = "not told apart (first at work / second at work; taken: for the other):\n";
   for (std::size_t i = 0; i < std::min(pairs.size(), kPairLines); ++i) text += pair_line(*pairs[i]);
   if (pairs.size() > kPairLines)
-    text += fmt::format("  and {} more pairs (preflight.json)\n", pairs.size() - kPairLines);
+    text += fmt::format("  and {} more (preflight.json)\n",
+                        counted(static_cast<double>(pairs.size() - kPairLines), "pair"));
   return text;
 }
 
@@ -74,8 +86,8 @@ std::string following_table(const Preflight& p) {
       "information on which effect is at work, of {:.2f} bit: planned {:.2f} bit; with\n",
       p.uncertainty, p.information);
   for (std::size_t i = 0; i < std::min(p.following.size(), kNextLines); ++i)
-    text += fmt::format("  {:<60} {:.2f} bit, tells {} pairs more\n", p.following[i].name,
-                        p.following[i].information, p.following[i].told);
+    text += fmt::format("  {:<60} {:.2f} bit, tells {} more\n", p.following[i].name,
+                        p.following[i].information, counted(p.following[i].told, "pair"));
   return text;
 }
 
@@ -89,7 +101,9 @@ std::string seen_sentence(const Preflight& p) {
   std::string text = fmt::format(
       "{} of {} effects would be named at some size within their bounds, {} as large as stated",
       within, p.effects.size(), named);
-  if (hidden > 0) text += fmt::format("; {} change nothing that is recorded", hidden);
+  if (hidden > 0)
+    text += fmt::format("; {} nothing that is recorded",
+                        hidden == 1 ? "one changes" : fmt::format("{} change", hidden));
   return text + ".";
 }
 

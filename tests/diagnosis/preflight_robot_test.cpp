@@ -46,6 +46,29 @@ const PlannedPair* pair_of(const Preflight& p, const std::string& a, const std::
   return nullptr;
 }
 
+TEST(PreflightText, CountsWhatThereIsOneOf) {
+  Preflight p;
+  p.effects.resize(2);
+  p.effects[0] = {"joint_coulomb_friction", "", "torque", "N m"};
+  p.effects[0].structural = true;
+  p.effects[0].least = 0.1234;
+  p.effects[0].least_scales = 0.012345;
+  p.effects[0].least_of_bounds = 1.2345;
+  p.effects[1] = {"encoder_offset", "", "offset", "rad"};
+  p.following = {{"a swing", 1.0, 1}};
+
+  const std::string text = preflight_text(p);
+  const auto has = [&text](const std::string& part) {
+    return text.find(part) != std::string::npos;
+  };
+  EXPECT_TRUE(has("at one probing step\n")) << text;
+  EXPECT_TRUE(has("torque 0.123 N m (0.012 prior scales, 123 % of its bound)")) << text;
+  EXPECT_TRUE(has("; one changes nothing that is recorded.")) << text;
+  EXPECT_TRUE(has("1.00 bit, tells one pair more")) << text;
+  p.size = 2.5;
+  EXPECT_NE(preflight_text(p).find("at 2.5 probing steps\n"), std::string::npos);
+}
+
 TEST(Preflight, SeesNoFrictionOfAPendulumThatHangsStill) {
   const Preflight still = planned("[[0, 0], [1 s, 0]]", {"joint_viscous_friction"});
   ASSERT_TRUE(still.reasons.empty()) << still.reasons.front();
