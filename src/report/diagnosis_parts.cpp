@@ -262,6 +262,7 @@ Drawing body_picture(const model::PlanarModel& model,
   }
 
   for (const diagnosis::ComponentShare& share : shares) {
+    if (!share.present) continue;
     const bool tail = share.component == effects::Component::tail_aerodynamics;
     for (int b = 0; b < count_of(lines); ++b) {
       const auto& line = lines[b];

@@ -56,6 +56,7 @@ Bars component_bars(const std::vector<diagnosis::ComponentShare>& shares, const 
                     const std::string& title) {
   Bars bars{id, title, "-", {}, "Intervals: 95 %."};
   for (const diagnosis::ComponentShare& s : shares) {
+    if (!s.present) continue;
     std::string like;
     for (const effects::Component other : s.indistinguishable)
       like += (like.empty() ? "can't be told from " : ", ") + plain(effects::component_name(other));

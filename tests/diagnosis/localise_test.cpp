@@ -11,6 +11,7 @@
 #include "diagnosis/localise/windows.h"
 #include "diagnosis/noise/noise_model.h"
 #include "diagnosis/validation/shapley.h"
+#include "jaculus/core/installation.h"
 #include "jaculus/diagnosis/diagnose.h"
 #include "jaculus/diagnosis/diagnosis_json.h"
 #include "jaculus/dynamics/rigid_body.h"
@@ -145,6 +146,31 @@ TEST(Localise, FrictionInAllLegsIsSharedByFrontAndRear) {
   EXPECT_GT(front.share + rear.share, 0.8);
   EXPECT_GT(front.ci95.lower, 0.1);
   EXPECT_GT(rear.ci95.lower, 0.1);
+}
+
+TEST(Localise, ARobotOnASlideHasNoLegsAndNoTail) {
+  const simulation::Experiment experiment =
+      simulation::read_experiment(source_folder() / "problems" / "slider_trials.yaml");
+  const model::PlanarModel model = simulation::dataset_robot(experiment.setup).planar;
+  simulation::Plant plant = simulation::dataset_plant(experiment.setup, model);
+  with("joint_coulomb_friction:torque=0.1")(plant);
+  const simulation::Controller controller = simulation::experiment_controller(experiment, model);
+  trajectory::Dataset dataset = experiment.setup;
+  for (int i = 0; i < 3; ++i)
+    dataset.trials.push_back(simulation::run_trial(experiment, plant, controller, i, 1).trial);
+
+  DiagnoseOptions options;
+  options.settings.largest_model = 1;
+  const Diagnosis d = diagnose({dataset}, options);
+  ASSERT_TRUE(d.where) << diagnosis_text(d);
+  for (const ComponentShare& s : d.where->components) {
+    const std::string name = effects::component_name(s.component);
+    EXPECT_EQ(s.present, name == "actuation" || name == "body" || name == "sensing") << name;
+  }
+  for (const std::string& note : d.where->notes) {
+    EXPECT_EQ(note.find("tail"), std::string::npos) << note;
+    EXPECT_EQ(note.find("legs"), std::string::npos) << note;
+  }
 }
 
 TEST(Localise, WithoutAnEffectNoComponentIsBlamed) {

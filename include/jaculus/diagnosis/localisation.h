@@ -60,10 +60,11 @@ struct ComponentShare {
   double share = 0.0;      ///< posterior mean [-]
   Bounds ci95{0.0, 1.0};   ///< equal-tailed
   double inclusion = 0.0;  ///< posterior probability that any effect of it is at work [-]
-  bool visible =
-      false;  ///< whether an effect of it at its prior's width would show in these channels
+  /// whether an effect of it at its prior's width would show in these channels
+  bool visible = false;
   std::vector<effects::Component>
       indistinguishable;  ///< components that these data can't tell from it
+  bool present = false;   ///< whether the robot has it: an effect was tried there
 };
 
 /// Generalised force that the model lacks along the measured motion; one row a coordinate.

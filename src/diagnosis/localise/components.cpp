@@ -237,9 +237,13 @@ ComponentShares component_shares(const Problem& problem, const Selection& select
   }
   for (int c = 0; c < count_of(problem.hypotheses.candidates); ++c) {
     const Candidate& candidate = problem.hypotheses.candidates[c];
-    if (candidate.effect == nullptr || !selection.search.probes[c].valid) continue;
-    for (ComponentShare& share : out.components)
-      share.visible = share.visible || candidate.effect->acts_in(share.component);
+    if (candidate.effect == nullptr) continue;
+    const bool shows = selection.search.probes[c].valid;
+    for (ComponentShare& share : out.components) {
+      const bool acts = candidate.effect->acts_in(share.component);
+      share.present = share.present || acts;
+      share.visible = share.visible || (acts && shows);
+    }
   }
 
   const Whitening& whitening = selection.comparison.whitening;

@@ -147,7 +147,7 @@ bool motion_capture_alone(const std::vector<ResidualRows>& datasets) {
 void note_components(const Localisation& where, double noted, std::vector<std::string>& notes) {
   std::vector<Component> blind;
   for (const ComponentShare& c : where.components) {
-    if (!c.visible) blind.push_back(c.component);
+    if (c.present && !c.visible) blind.push_back(c.component);
     if (c.share >= noted && !c.indistinguishable.empty())
       notes.push_back(fmt::format(
           "{} could be {} just as well: these channels don't tell them apart at this gap",
