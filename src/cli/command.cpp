@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -139,7 +140,12 @@ bool colours() {
   return ::isatty(STDOUT_FILENO) == 1 && (off == nullptr || *off == '\0');
 }
 
-bool shows_progress(const Common& common) { return !common.quiet && ::isatty(STDERR_FILENO) == 1; }
+bool shows_progress(const Common& common) {
+  // With --json a pipe may lead to a program that has the terminal for itself.
+  struct stat out {};
+  const bool pipe = ::fstat(STDOUT_FILENO, &out) == 0 && S_ISFIFO(out.st_mode);
+  return !common.quiet && !(common.json && pipe) && ::isatty(STDERR_FILENO) == 1;
+}
 
 void print(const std::string& text) {
   std::fwrite(text.data(), 1, text.size(), stdout);

@@ -61,6 +61,7 @@ int run_diagnose(const DiagnoseOptions& options) {
                                     options.common.jobs);
   diagnosing.progress = stage_bar(options.common, kStages);
   const diagnosis::Diagnosis diagnosis = diagnosis::diagnose(datasets, diagnosing);
+  diagnosing.progress = {};
   clear_progress(options.common);
   if (!options.common.out.empty()) diagnosis::write_diagnosis(diagnosis, options.common.out);
   if (options.common.json) {

@@ -55,6 +55,7 @@ int run_preflight(const PreflightCommand& command) {
                                     command.common.jobs);
   options.diagnosis.progress = stage_bar(command.common, {});
   const diagnosis::Preflight preflight = diagnosis::preflight(experiment, options);
+  options.diagnosis.progress = {};
   clear_progress(command.common);
 
   if (!command.common.out.empty()) diagnosis::write_preflight(preflight, command.common.out);

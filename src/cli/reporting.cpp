@@ -5,7 +5,11 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <condition_variable>
 #include <cstdio>
+#include <memory>
+#include <mutex>
+#include <thread>
 
 #include "jaculus/core/error.h"
 
@@ -18,6 +22,66 @@ std::string bar(double share) {
   const auto filled = static_cast<std::size_t>(std::lround(kWidth * std::clamp(share, 0.0, 1.0)));
   return fmt::format("[{:-<{}}]", std::string(filled, '#'), kWidth);
 }
+
+/// The line of work in stages, written anew every second until nobody holds it any more.
+class StageLine {
+ public:
+  explicit StageLine(std::vector<std::pair<std::string, double>> shares)
+      : shares_(std::move(shares)), clock_([this] { tick(); }) {}
+  ~StageLine() {
+    {
+      const std::lock_guard lock(mutex_);
+      done_ = true;
+    }
+    wake_.notify_all();
+    clock_.join();
+  }
+  StageLine(const StageLine&) = delete;
+  StageLine& operator=(const StageLine&) = delete;
+
+  void begin(const std::string& stage) {
+    const std::lock_guard lock(mutex_);
+    for (const auto& [name, share] : shares_)
+      if (name == stage) behind_ = std::max(behind_, share);  // stages may come again
+    stage_ = stage;
+    began_ = Clock::now();
+    show();
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  void tick() {
+    constexpr std::chrono::seconds kPeriod{1};  // what is shown counts in seconds
+    std::unique_lock lock(mutex_);
+    while (!wake_.wait_for(lock, kPeriod, [this] { return done_; }))
+      if (!stage_.empty()) show();
+  }
+
+  void show() const {
+    const auto since = [now = Clock::now()](Clock::time_point start) {
+      return std::chrono::duration<double>(now - start).count();
+    };
+    const double all = since(start_);
+    constexpr double kEnough = 0.2;  // of the work, before which a guess of the rest misleads
+    const std::string left =
+        behind_ > kEnough
+            ? fmt::format(", about {} to go", duration(all * (1.0 - behind_) / behind_))
+            : "";
+    fmt::print(stderr, "\r\x1b[K{} {}  {}, {} in all{}", bar(behind_), stage_,
+               duration(since(began_)), duration(all), left);
+    std::fflush(stderr);
+  }
+
+  std::vector<std::pair<std::string, double>> shares_;  ///< that lie behind, by stage
+  std::string stage_;
+  double behind_ = 0.0;
+  Clock::time_point start_ = Clock::now(), began_ = start_;
+  bool done_ = false;
+  std::mutex mutex_;
+  std::condition_variable wake_;
+  std::thread clock_;  ///< last: it reads the others
+};
 
 }  // namespace
 
@@ -74,19 +138,8 @@ std::function<void(const TaskProgress&)> progress_bar(const Common& common,
 std::function<void(const std::string&)> stage_bar(
     const Common& common, const std::vector<std::pair<std::string, double>>& shares) {
   if (!shows_progress(common)) return {};
-  const auto start = std::chrono::steady_clock::now();
-  return [shares, start, behind = 0.0](const std::string& stage) mutable {
-    for (const auto& [name, share] : shares)
-      if (name == stage) behind = std::max(behind, share);  // stages may come again
-    const double elapsed =
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    constexpr double kEnough = 0.2;  // of the work, before which a guess of the rest misleads
-    const std::string left =
-        behind > kEnough
-            ? fmt::format(", about {} to go", duration(elapsed * (1.0 - behind) / behind))
-            : "";
-    fmt::print(stderr, "\r\x1b[K{} {}  {}{}", bar(behind), stage, duration(elapsed), left);
-    std::fflush(stderr);
+  return [line = std::make_shared<StageLine>(shares)](const std::string& stage) {
+    line->begin(stage);
   };
 }
 

@@ -36,7 +36,8 @@ std::function<void(const std::string&)> notices(const Common& common);
 std::function<void(const TaskProgress&)> progress_bar(const Common& common,
                                                       const std::string& what);
 
-/// The same for work of named stages, called where one begins. `shares`: the part of the whole time
+/// The same for work of named stages, called where one begins; the seconds of the present one and
+/// of all go on until the last copy of the function is gone. `shares`: the part of the whole time
 /// that usually lies behind at its beginning, by name; the remaining time is estimated from it,
 /// another stage is only named.
 std::function<void(const std::string&)> stage_bar(

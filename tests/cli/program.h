@@ -24,8 +24,9 @@ struct Outcome {
 Outcome run_program(const std::vector<std::string>& arguments, const std::string& folder = "");
 
 /// The same with standard error on a terminal (a pseudo-terminal of the kernel): `err` is what it
-/// received.
-Outcome run_on_terminal(const std::vector<std::string>& arguments);
+/// received. Standard output goes to a file, or into a pipe (what it holds must fit into one).
+enum class Output { file, pipe };
+Outcome run_on_terminal(const std::vector<std::string>& arguments, Output output = Output::file);
 
 /// Bad input, as every command refuses it: exit code 2, nothing on standard output, one line of
 /// message.

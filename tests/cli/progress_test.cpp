@@ -50,8 +50,19 @@ TEST(Progress, DiagnosisShowsItsStage) {
   const Outcome made = run_program(
       {"simulate", kProblems + "pendulum_trials.yaml", "--trials", "2", "--out", folder / "data"});
   ASSERT_EQ(made.exit_code, 0) << made.err;
-  expect_on_terminals_only({"diagnose", folder / "data"},
-                           {"] screening  ", "] held-out gap and intervals  ", " to go"});
+  expect_on_terminals_only(
+      {"diagnose", folder / "data"},
+      {"] screening  ", "] held-out gap and intervals  ", " s, ", " in all", " to go"});
+}
+
+TEST(Progress, LeavesTheTerminalToWhateverReadsJsonFromAPipe) {
+  const std::vector<std::string> arguments = {"solve", kProblems + "double_integrator.yaml",
+                                              "--json"};
+  const Outcome piped = run_on_terminal(arguments, Output::pipe);
+  EXPECT_EQ(piped.exit_code, 0) << piped.err;
+  EXPECT_EQ(piped.err, "");
+  EXPECT_TRUE(holds(piped.out, "\"status\": \"optimal\""));
+  EXPECT_TRUE(holds(run_on_terminal(arguments).err, "iteration 0"));
 }
 
 }  // namespace

@@ -54,8 +54,10 @@ Outcome run_program(const std::vector<std::string>& arguments, const std::string
   return {code, bytes_of(out), bytes_of(err)};
 }
 
-Outcome run_on_terminal(const std::vector<std::string>& arguments) {
+Outcome run_on_terminal(const std::vector<std::string>& arguments, Output output) {
   const TemporaryFolder scratch;
+  std::array<int, 2> piped{-1, -1};
+  if (output == Output::pipe && ::pipe(piped.data()) != 0) return {};
   const std::string out = scratch / "out";
   std::vector<char*> argv = argument_vector(arguments);
   int ours = -1, theirs = -1;
@@ -63,7 +65,10 @@ Outcome run_on_terminal(const std::vector<std::string>& arguments) {
   const pid_t child = ::fork();
   if (child == 0) {
     ::close(ours);
-    ::dup2(::open(out.c_str(), O_CREAT | O_WRONLY | O_TRUNC, 0600), STDOUT_FILENO);
+    const bool into_pipe = output == Output::pipe;
+    ::dup2(into_pipe ? piped[1] : ::open(out.c_str(), O_CREAT | O_WRONLY | O_TRUNC, 0600),
+           STDOUT_FILENO);
+    if (into_pipe) ::close(piped[0]);
     ::dup2(theirs, STDERR_FILENO);
     ::execv(argv[0], argv.data());
     ::_exit(127);
@@ -76,7 +81,15 @@ Outcome run_on_terminal(const std::vector<std::string>& arguments) {
     outcome.err.append(chunk.data(), got);
   ::close(ours);
   outcome.exit_code = exit_code_of(child);
-  outcome.out = bytes_of(out);
+  if (output == Output::file) {
+    outcome.out = bytes_of(out);
+    return outcome;
+  }
+
+  ::close(piped[1]);
+  for (ssize_t got = 0; (got = ::read(piped[0], chunk.data(), chunk.size())) > 0;)
+    outcome.out.append(chunk.data(), got);
+  ::close(piped[0]);
   return outcome;
 }
 
