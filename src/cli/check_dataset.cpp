@@ -153,9 +153,18 @@ void check_command(const trajectory::Dataset& dataset, const model::PlanarModel&
   simulation::require_units(dataset, model);
 }
 
+/// Plays the first instant of a trial: what a run refuses is refused here.
+void begin_trial(simulation::Experiment experiment, const model::PlanarModel& model) {
+  constexpr double kInstant = 1e-3;  // [s] two steps of what a simulation records
+  experiment.duration = kInstant;
+  (void)simulation::run_trial(experiment, simulation::dataset_plant(experiment.setup, model),
+                              simulation::experiment_controller(experiment, model), 0, 0);
+}
+
 Json check_experiment(const fs::path& path, std::string& text) {
   const simulation::Experiment experiment = simulation::read_experiment(path);
   const model::Robot robot = simulation::dataset_robot(experiment.setup);
+  begin_trial(experiment, robot.planar);
   text += fmt::format("{}: {} experiment, {} trials of {} s after {} s at rest, seed {}\n",
                       experiment.name, name_of(experiment.setup.experiment), experiment.trials,
                       experiment.duration, experiment.lead, experiment.seed);

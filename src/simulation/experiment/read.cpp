@@ -8,6 +8,7 @@
 #include "jaculus/core/error.h"
 #include "jaculus/simulation/experiment.h"
 #include "simulation/experiment/channel_values.h"
+#include "simulation/experiment/uncertain_values.h"
 #include "trajectory/channel_units.h"
 #include "trajectory/dataset_yaml.h"
 
@@ -169,7 +170,11 @@ SensorStream read_stream(const std::string& name, const yaml::Node& node,
 }
 
 void read_uncertainties(const yaml::Node& node, Experiment& experiment) {
+  const std::vector<model::ModelValue> all =
+      model::model_values(overridden_robot(experiment.setup).planar);
   for (const auto& [path, value] : node.entries()) {
+    (void)values_named(path, all, experiment.setup.robot,
+                       {node.file().string(), value.line(), node.path()});
     const std::string text = value.is_scalar() ? value.dump() : "";
     Spread spread;
     if (text.find('%') != std::string::npos) {
@@ -212,6 +217,21 @@ void read_scatter(const yaml::Node& node, const model::PlanarModel& model, Exper
   }
 }
 
+/// Refuses a pose that leaves coordinates open here, where its place is known, before the first
+/// trial does.
+void check_start(const yaml::Node& file, const Experiment& experiment,
+                 const model::PlanarModel& model) {
+  const Plant plant = dataset_plant(experiment.setup, model);
+  const Controller controller = experiment_controller(experiment, model);
+  try {
+    (void)reference_start(plant, controller.reference);
+  } catch (const InputError& error) {
+    const auto initial = file.find("initial");
+    throw InputError({file.file().string(), initial ? initial->line() : file.line(), "initial"},
+                     error.fault());
+  }
+}
+
 Experiment read_parts(const yaml::Node& file, const fs::path& folder) {
   std::vector<std::string> keys = {
       "format", "name",    "duration", "lead",          "trials",
@@ -248,8 +268,7 @@ Experiment read_parts(const yaml::Node& file, const fs::path& folder) {
     read_uncertainties(*uncertainties, experiment);
   if (const auto height = file.find("touchdown_height"))
     experiment.touchdown_height = height->number(dimension::length, {0.0, kInfinity});
-  (void)dataset_plant(experiment.setup, model);
-  (void)experiment_controller(experiment, model);
+  check_start(file, experiment, model);
 
   return experiment;
 }

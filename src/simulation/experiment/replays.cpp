@@ -1,7 +1,6 @@
 // Replays under uncertain model values, and how near they come to their limits.
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -11,6 +10,7 @@
 #include "jaculus/model/values.h"
 #include "simulation/experiment/figures.h"
 #include "simulation/experiment/random.h"
+#include "simulation/experiment/uncertain_values.h"
 
 namespace jaculus::simulation {
 namespace {
@@ -76,20 +76,6 @@ Margins margins_of(const Experiment& experiment, const Plant& plant, const Simul
   return m;
 }
 
-/// Whether `path` is meant by `pattern`, in which "*" stands for one part between dots.
-bool matches(const std::string& pattern, const std::string& path) {
-  std::size_t i = 0, j = 0;
-  while (i < pattern.size() && j < path.size()) {
-    if (pattern[i] == '*') {
-      ++i;
-      while (j < path.size() && path[j] != '.') ++j;
-    } else if (pattern[i++] != path[j++]) {
-      return false;
-    }
-  }
-  return i == pattern.size() && j == path.size();
-}
-
 /// Values that an uncertainty names, by its pattern.
 using UncertainValues = std::map<std::string, std::vector<model::ModelValue>>;
 
@@ -100,20 +86,9 @@ UncertainValues uncertain_values(const Experiment& experiment) {
       model::model_values(overridden_robot(experiment.setup).planar);
   UncertainValues found;
 
-  for (const auto& [pattern, spread] : experiment.uncertainties) {
-    for (const model::ModelValue& value : all)
-      if (matches(pattern, value.path) || matches(pattern, value.alias))
-        found[pattern].push_back(value);
-    if (!found[pattern].empty()) continue;
-
-    std::vector<std::string> names;
-    for (const model::ModelValue& value : all) names.push_back(value.path);
-    const auto near = yaml::nearest_name(pattern, names);
-    throw InputError(fmt::format("{}: uncertainties: '{}' is no model value of {}{}; allowed: {}",
-                                 experiment.name, pattern, experiment.setup.robot,
-                                 near ? fmt::format(", did you mean '{}'?", *near) : "",
-                                 fmt::join(names, ", ")));
-  }
+  for (const auto& [pattern, spread] : experiment.uncertainties)
+    found[pattern] = values_named(pattern, all, experiment.setup.robot,
+                                  {.file = experiment.name, .key = "uncertainties"});
   return found;
 }
 

@@ -19,6 +19,9 @@ namespace jaculus::simulation {
 
 namespace {
 
+/// The key that a pose is stated by; of which file, whoever read that knows.
+const InputPlace kInitial{.key = "initial"};
+
 /// Coordinates from named values: of coordinates themselves and of joints that follow from them.
 Vector initial_coordinates(const model::PlanarModel& model,
                            const std::map<std::string, double>& values) {
@@ -26,7 +29,8 @@ Vector initial_coordinates(const model::PlanarModel& model,
   std::vector<double> right;
   std::vector<std::string> known;
   for (const model::Coordinate& c : model.coordinates) known.push_back(c.name);
-  for (const model::PlanarBody& body : model.bodies) known.push_back(body.joint);
+  for (const model::PlanarBody& body : model.bodies)
+    if (!body.joint.empty() && model.coordinate_index(body.joint) < 0) known.push_back(body.joint);
   for (const auto& [name, value] : values) {
     const int i = model.coordinate_index(name), b = model.body_of_joint(name);
     if (i >= 0) {
@@ -40,8 +44,10 @@ Vector initial_coordinates(const model::PlanarModel& model,
       right.push_back(value - model.joint_offset[b]);
     } else {
       const auto near = yaml::nearest_name(name, known);
-      throw InputError(fmt::format("initial: '{}' is no coordinate or joint of the robot{}", name,
-                                   near ? fmt::format("; did it mean '{}'?", *near) : ""));
+      throw InputError(
+          kInitial, fmt::format("'{}' is no coordinate or joint of the robot{}; allowed: {}", name,
+                                near ? fmt::format(", did you mean '{}'?", *near) : "",
+                                fmt::join(known, ", ")));
     }
   }
 
@@ -67,10 +73,13 @@ Vector initial_coordinates(const model::PlanarModel& model,
       const int i = model.coordinate_index(c.name);
       if (map.col(i).isZero(0.0)) missing.push_back(c.name);
     }
-    throw InputError(fmt::format("initial: the pose leaves {} open; every coordinate needs a value",
-                                 missing.empty()
-                                     ? std::string("coordinates")
-                                     : fmt::format("'{}'", fmt::join(missing, "', '"))));
+    throw InputError(kInitial,
+                     fmt::format("the pose leaves {} open; allowed: a value of every coordinate{}",
+                                 missing.empty() ? std::string("coordinates")
+                                                 : fmt::format("'{}'", fmt::join(missing, "', '")),
+                                 missing.empty() ? ""
+                                                 : fmt::format(", {{{}: VALUE}}",
+                                                               fmt::join(missing, ": VALUE, "))));
   }
 
   return qr.solve(b);
@@ -179,7 +188,7 @@ StartState reference_start(const Plant& plant, const Reference& reference, const
   const dynamics::AbsoluteTree tree(model);
   dynamics::Motion motion(tree);
   if (!dynamics::set_configuration(tree, start.q, motion))
-    throw InputError("initial: the loops can't be closed in this pose");
+    throw InputError(kInitial, "the loops can't be closed in this pose; allowed: one that closes");
   double lowest = kInfinity;
   for (int f = 0; f < count_of(model.feet); ++f)
     lowest =

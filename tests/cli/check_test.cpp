@@ -1,0 +1,58 @@
+// `jaculus check` of experiments: what the run refuses is refused.
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "cli/program.h"
+#include "support/input_error.h"
+#include "support/temporary_folder.h"
+
+namespace jaculus::cli {
+namespace {
+
+using test::bytes_of;
+using test::expect_refusal;
+using test::holds;
+using test::kProblems;
+using test::Outcome;
+using test::run_program;
+using test::TemporaryFolder;
+
+/// A shipped experiment with one piece of text for another.
+std::string experiment(const TemporaryFolder& folder, const std::string& name,
+                       const std::string& what, const std::string& by) {
+  std::string text = bytes_of(kProblems + name);
+  const std::size_t at = text.find(what);
+  EXPECT_NE(at, std::string::npos) << what;
+  return folder.write("e.yaml", text.replace(at, what.size(), by));
+}
+
+TEST(Check, RefusesAnExperimentThatNoRunCouldStart) {
+  const TemporaryFolder folder;
+  struct Case {
+    const char *what, *by, *message;
+  };
+  for (const Case& c : {
+           Case{"initial: {pendulum: 0}\n", "",
+                "e.yaml:2: initial: the pose leaves 'pendulum' open; allowed: a value of every "
+                "coordinate, {pendulum: VALUE}"},
+           {"initial: {pendulum: 0}", "initial: {pendlum: 0}",
+            "e.yaml:7: initial: 'pendlum' is no coordinate or joint of the robot, did you mean "
+            "'pendulum'?"},
+           {"duration: 3 s", "duration: 3 s\nuncertainties: {bodies.bop.mass: 3 %}",
+            "e.yaml:10: uncertainties: 'bodies.bop.mass' is no model value of ak80_pendulum"},
+           {"duration: 3 s", "duration: 3 s\noverride:\n  gravity: 3 m",
+            "e.yaml:11: override.gravity: '3 m' is in m; allowed: a number in m/s^2"},
+       }) {
+    const std::string file = experiment(folder, "pendulum_trials.yaml", c.what, c.by);
+    for (const char* command : {"check", "simulate", "preflight"}) {
+      const Outcome outcome = run_program({command, file});
+      expect_refusal(outcome);
+      EXPECT_TRUE(holds(outcome.err, c.message)) << command;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace jaculus::cli
