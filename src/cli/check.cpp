@@ -12,6 +12,7 @@
 #include "jaculus/core/error.h"
 #include "jaculus/effects/user_effect.h"
 #include "jaculus/model/describe.h"
+#include "jaculus/model/unusual.h"
 #include "jaculus/studies/study.h"
 #include "jaculus/transcription/describe.h"
 #include "jaculus/transcription/nonlinear_program.h"
@@ -48,13 +49,16 @@ Json check_robot(const fs::path& path, bool strict, std::string& text) {
   const model::Robot robot = model::read_robot(folder, {}, reading);
   const model::PlanarModel& m = robot.planar;
   const std::vector<std::string> paths = model::override_paths(folder);
+  const std::vector<std::string> unusual = model::unusual_values(m);
   text += model::describe_robot(robot);
+  for (const std::string& value : unusual) text += "  note: " + value + "\n";
   text += "values that a problem may override\n";
   for (const std::string& line : paths) text += "  " + line + "\n";
   Json json = {{"robot", robot.name}, {"mass_kg", m.total_mass()}, {"coordinates", Json::array()}};
   for (const model::Coordinate& coordinate : m.coordinates)
     json["coordinates"].push_back(coordinate.name);
   json["notes"] = robot.notes;
+  json["unusual"] = unusual;
   json["override_paths"] = paths;
 
   return json;
@@ -127,8 +131,11 @@ Json check_problem_file(const fs::path& file, const Common& common, std::string&
                       program.variables(), program.rows(), jacobian, hessian);
   for (const std::string& note : program.notes()) text += "  layout: " + note + "\n";
   for (const std::string& note : loaded.robot.notes) text += "  robot: " + note + "\n";
+  const std::vector<std::string> unusual = model::unusual_values(model);
+  for (const std::string& value : unusual) text += "  note: " + value + "\n";
   Json json = transcription::describe_problem(loaded.problem);
   json["robot_notes"] = loaded.robot.notes;
+  json["unusual"] = unusual;
   json["layout_notes"] = program.notes();
   json["size"] = {{"variables", program.variables()},
                   {"constraints", program.rows()},

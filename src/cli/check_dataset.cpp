@@ -9,6 +9,7 @@
 
 #include "jaculus/core/error.h"
 #include "jaculus/core/json.h"
+#include "jaculus/model/unusual.h"
 #include "jaculus/simulation/experiment.h"
 #include "jaculus/trajectory/leap_accelerations.h"
 #include "jaculus/trajectory/log_checks.h"
@@ -125,6 +126,12 @@ Json accelerations(const trajectory::Dataset& dataset, std::string& text) {
           {"duration_s", all->duration}};
 }
 
+/// Of the robot with the dataset's bus voltage.
+std::vector<std::string> unusual_values(const trajectory::Dataset& dataset,
+                                        const model::Robot& robot) {
+  return model::unusual_values(simulation::dataset_plant(dataset, robot.planar).model);
+}
+
 std::string head_text(const trajectory::Dataset& dataset, const model::Robot& robot) {
   const trajectory::StatedController& c = dataset.controller;
   std::string text =
@@ -141,6 +148,7 @@ std::string head_text(const trajectory::Dataset& dataset, const model::Robot& ro
     text += fmt::format("  input         {} of {}, {} steps\n", name_of(dataset.script->quantity),
                         fmt::join(dataset.script->joints, ", "), dataset.script->time.size());
   for (const std::string& note : robot.notes) text += "  robot: " + note + "\n";
+  for (const std::string& value : unusual_values(dataset, robot)) text += "  note: " + value + "\n";
   for (const std::string& note : dataset.notes) text += "  note: " + note + "\n";
   return text;
 }
@@ -186,7 +194,8 @@ Json check_experiment(const fs::path& path, std::string& text) {
           {"trials", experiment.trials},
           {"seed", experiment.seed},
           {"streams", streams},
-          {"notes", experiment.setup.notes}};
+          {"notes", experiment.setup.notes},
+          {"unusual", unusual_values(experiment.setup, robot)}};
 }
 
 }  // namespace
@@ -226,6 +235,7 @@ Json check_dataset(const fs::path& path, std::string& text) {
   json["recipe"] = accelerations(dataset, text);
   json["notes"] = dataset.notes;
   json["robot_notes"] = robot.notes;
+  json["unusual"] = unusual_values(dataset, robot);
   json["strange_channels"] = strange;
   json["contradictions"] = contradictions;
 

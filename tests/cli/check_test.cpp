@@ -1,4 +1,5 @@
-// `jaculus check` of experiments: what the run refuses is refused.
+// `jaculus check` of experiments, problems, effects: what the run refuses is refused, what is
+// unusual told.
 
 #include <gtest/gtest.h>
 
@@ -52,6 +53,22 @@ TEST(Check, RefusesAnExperimentThatNoRunCouldStart) {
       EXPECT_TRUE(holds(outcome.err, c.message)) << command;
     }
   }
+}
+
+TEST(Check, TellsValuesThatAreHardlyMeant) {
+  const TemporaryFolder folder;
+  const std::string file = experiment(folder, "pendulum_trials.yaml", "duration: 3 s",
+                                      "duration: 3 s\noverride: {gravity: 98 m/s^2}");
+  const Outcome outcome = run_program({"check", file});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_TRUE(holds(outcome.out, "note: gravity = 98 m/s^2; usual: 9.81 m/s^2 on Earth"));
+
+  const std::string problem =
+      folder.write("slippery.yaml", "format: jaculus-problem/1\nextends: " + kProblems +
+                                        "leap_tail.yaml\nname: grippy\nlimits: {friction: 35}\n");
+  const Outcome grips = run_program({"check", problem});
+  EXPECT_EQ(grips.exit_code, 0) << grips.err;
+  EXPECT_TRUE(holds(grips.out, "note: friction = 35; usual: 0.1 (rubber on ice) to 1"));
 }
 
 }  // namespace
