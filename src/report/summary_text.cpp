@@ -7,6 +7,7 @@
 
 #include "jaculus/report/plan_report.h"
 #include "report/document/text_table.h"
+#include "solver/row_words.h"
 
 namespace jaculus::report {
 namespace {
@@ -37,7 +38,6 @@ std::string head(const Summary& s, bool colour) {
   text += fmt::format(
       "\n  size          {} variables, {} rows, {} Jacobian and {} Hessian entries\n",
       s.size.variables, s.size.constraints, s.size.jacobian_nonzeros, s.size.hessian_nonzeros);
-  if (!s.converged()) text += "  not a solution: the figures below are those of the last iterate\n";
   return text;
 }
 
@@ -131,22 +131,77 @@ std::string verification(const Summary& s, bool colour) {
   return text;
 }
 
-}  // namespace
+constexpr std::size_t kMostGroups = 6;
 
-std::string summary_text(const solver::Summary& s, bool colour) {
-  std::string text = head(s, colour) + figures(s) + motors(s) + limits(s) + verification(s, colour);
-  if (!s.violated_rows.empty()) {
-    text += "\nrows that do not hold, worst first\n";
-    for (const RowFigure& v : s.violated_rows)
-      text += fmt::format("  {}: {:.3g} {}\n", v.row, v.value, v.unit);
+/// Rows of one kind in one phase.
+struct RowGroup {
+  std::string kind, phase;
+  RowFigure worst;
+  int rows = 0;
+};
+
+/// The rows, worst first, by kind and phase: the groups by their worst rows, in that order.
+std::vector<RowGroup> grouped(const std::vector<RowFigure>& rows) {
+  std::vector<RowGroup> groups;
+  for (const RowFigure& row : rows) {
+    const solver::RowWords words = solver::row_words(row.row);
+    const auto same = [&](const RowGroup& g) {
+      return g.kind == words.kind && g.phase == words.phase;
+    };
+    auto found = std::find_if(groups.begin(), groups.end(), same);
+    if (found == groups.end()) {
+      groups.push_back({words.kind, words.phase, row});
+      found = std::prev(groups.end());
+    }
+    ++found->rows;
   }
+  return groups;
+}
+
+std::string group_lines(const std::vector<RowFigure>& rows) {
+  const std::vector<RowGroup> groups = grouped(rows);
+  std::string text;
+  for (std::size_t i = 0; i < std::min(groups.size(), kMostGroups); ++i) {
+    const RowGroup& g = groups[i];
+    const solver::RowWords worst = solver::row_words(g.worst.row);
+    const std::string where = fmt::format(
+        "{}{}{}", worst.of, worst.of.empty() || worst.place.empty() ? "" : ", ", worst.place);
+    text += fmt::format("  {}{}: {}{:.3g} {}", g.kind, g.phase.empty() ? "" : " in " + g.phase,
+                        g.rows > 1 ? "up to " : "", std::abs(g.worst.value), g.worst.unit);
+    if (g.rows > 1) text += fmt::format(" in {} rows", g.rows);
+    if (!where.empty()) text += fmt::format(" ({}{})", g.rows > 1 ? "most: " : "", where);
+    text += "\n";
+  }
+  if (groups.size() > kMostGroups)
+    text += fmt::format("  and {} more (summary.json)\n", groups.size() - kMostGroups);
+  return text;
+}
+
+/// Why there is no plan: the cause first, then what does not hold.
+std::string failure(const Summary& s) {
+  std::string text;
+  if (!s.binds.empty()) text += "\nno plan holds all limits: " + s.binds + "\n";
   if (!s.conflict.empty()) {
-    text += "\nwhat can't hold together: these rows must give way for all others to hold\n";
-    for (const RowFigure& v : s.conflict)
-      text += fmt::format("  {}: by {:.3g} {}\n", v.row, v.value, v.unit);
+    text +=
+        "\nwhat can't hold together: these rows must give way for all others to hold, by kind and "
+        "phase\n" +
+        group_lines(s.conflict);
     if (!s.conflict_against.empty()) text += "  they strain against\n";
     for (const std::string& limit : s.conflict_against) text += "    " + limit + "\n";
   }
+  if (!s.violated_rows.empty())
+    text += "\nrows that do not hold at the last iterate, by kind and phase, worst first\n" +
+            group_lines(s.violated_rows);
+  return text;
+}
+
+}  // namespace
+
+std::string summary_text(const solver::Summary& s, bool colour) {
+  std::string text = head(s, colour);
+  if (!s.converged())
+    text += failure(s) + "\n  not a solution: the figures below are those of the last iterate\n";
+  text += figures(s) + motors(s) + limits(s) + verification(s, colour);
   for (const std::string& warning : s.warnings)
     text += coloured("mind", Colour::yellow, colour) + ": " + warning + "\n";
   return text;

@@ -31,17 +31,24 @@ std::vector<Relaxation> relaxed_rows(transcription::Nlp& nlp, const Vector& exce
   return relaxed;
 }
 
-/// Limits that change the sum of slacks, without the relaxed rows themselves.
-std::vector<LimitSensitivity> opposing_limits(const ElasticNlp& elastic, int variables,
-                                              const NlpResult& result,
-                                              const std::vector<Relaxation>& relaxed,
-                                              std::size_t most) {
+/// Limits that change the sum of slacks.
+std::vector<LimitSensitivity> all_limits(const ElasticNlp& elastic, int variables,
+                                         const NlpResult& result) {
   std::vector<LimitSensitivity> limits =
       limit_sensitivities(elastic, result, {.threshold = 1e-3, .equalities = true});
   std::erase_if(limits, [&](const LimitSensitivity& limit) {
-    if (!limit.is_row) return limit.index >= variables;  // bounds of the slacks
-    return std::any_of(relaxed.begin(), relaxed.end(),
-                       [&](const auto& r) { return r.row == limit.index; });
+    return !limit.is_row && limit.index >= variables;  // bounds of the slacks
+  });
+  return limits;
+}
+
+/// Those without the relaxed rows themselves.
+std::vector<LimitSensitivity> opposing_limits(std::vector<LimitSensitivity> limits,
+                                              const std::vector<Relaxation>& relaxed,
+                                              std::size_t most) {
+  std::erase_if(limits, [&](const LimitSensitivity& limit) {
+    return limit.is_row && std::any_of(relaxed.begin(), relaxed.end(),
+                                       [&](const auto& r) { return r.row == limit.index; });
   });
   if (limits.size() > most) limits.resize(most);
   return limits;
@@ -163,8 +170,9 @@ Conflict find_conflict(transcription::Nlp& nlp, const Vector& x, const ElasticOp
       relaxed_rows(nlp, elastic.excess(result.last_iterate()), conflict.x, options.tolerance);
   conflict.feasible = result.converged() && conflict.relaxed.empty();
   if (result.converged() && !conflict.feasible) {
-    conflict.against = opposing_limits(elastic, nlp.variables(), result, conflict.relaxed,
-                                       std::max(options.most, 0));
+    conflict.limits = all_limits(elastic, nlp.variables(), result);
+    conflict.against =
+        opposing_limits(conflict.limits, conflict.relaxed, std::max(options.most, 0));
   }
   return conflict;
 }

@@ -8,14 +8,12 @@
 namespace jaculus::solver {
 namespace {
 
-constexpr int kMostViolations = 12;
-
 void diagnose(Plan& plan) {
   transcription::NonlinearProgram& program = *plan.program;
   const Vector x = plan.result.last_iterate();
   if (x.size() != program.variables()) return;
-  if (auto ranked =
-          ranked_violations(program, x, kMostViolations, program.problem().solver.tolerance))
+  if (auto ranked = ranked_violations(program, x, program.rows() + program.variables(),
+                                      program.problem().solver.tolerance))
     plan.violations = std::move(*ranked);
   if (interrupt_requested() || plan.result.status == Status::stopped) return;
   ElasticOptions elastic;

@@ -8,6 +8,7 @@
 
 #include "jaculus/dynamics/rigid_body.h"
 #include "jaculus/transcription/describe.h"
+#include "solver/failure.h"
 
 namespace jaculus::solver {
 namespace {
@@ -107,6 +108,7 @@ void fill_failure(const Plan& plan, Summary& s) {
         "all constraints can hold together: it is the search that failed; try another guess or "
         "more starts");
   }
+  s.binds = binding_sentence(*plan.conflict, plan.program->equations().model());
   for (const Relaxation& r : plan.conflict->relaxed)
     s.conflict.push_back({r.name, r.amount, r.unit});
   for (const LimitSensitivity& limit : plan.conflict->against) {

@@ -160,6 +160,7 @@ Summary read(const Json& json) {
 
   s.verification = verification_from(json.at("verification"));
   s.warnings = json.at("warnings").get<std::vector<std::string>>();
+  s.binds = json.value("binds", std::string());
   for (const Json& row : json.at("violated_rows")) s.violated_rows.push_back(violation_from(row));
   for (const Json& row : json.at("conflict").at("give_way"))
     s.conflict.push_back(violation_from(row));
@@ -223,6 +224,7 @@ Json to_json(const Summary& s) {
 
   json["verification"] = verification(s.verification);
   json["warnings"] = s.warnings;
+  json["binds"] = s.binds;
   json["violated_rows"] = Json::array();
   for (const RowFigure& v : s.violated_rows) json["violated_rows"].push_back(violation(v));
   json["conflict"] = {{"give_way", Json::array()}, {"against", s.conflict_against}};

@@ -143,6 +143,12 @@ TEST(Solve, ImpossibleProblemNamesItsCulprit) {
   EXPECT_NE(conflict.find("defect of slide"), std::string::npos) << conflict;
   EXPECT_NE(conflict.find("slide torque"), std::string::npos) << conflict;
   EXPECT_NE(run.out.find("can't hold together"), std::string::npos) << run.out;
+  // the cause before all figures, then rows by kind
+  const std::size_t cause = run.out.find(
+      "no plan holds all limits: what binds is the limit on motor force of slide in move (at 1 N)");
+  EXPECT_NE(cause, std::string::npos) << run.out;
+  EXPECT_LT(cause, run.out.find("objective"));
+  EXPECT_NE(run.out.find("equations of motion in move: "), std::string::npos) << run.out;
 }
 
 TEST(Solve, MissingEarlierPlanIsBadInput) {

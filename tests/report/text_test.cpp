@@ -22,6 +22,16 @@ TEST(SummaryText, SaysWhatWasFoundAndWhatToMind) {
   failed.status = solver::Status::infeasible;
   failed.verification.passed = false;
   EXPECT_TRUE(holds(summary_text(failed, false), "not a solution"));
+
+  failed.binds = "what binds is the limit on motor voltage of hip, knee in push (at 4 V)";
+  failed.violated_rows = {{"push, node 2: knee voltage", -3.25, "V"},
+                          {"push, node 1: hip voltage", 2.5, "V"},
+                          {"push, interval 1: defect of z", 0.01, "m"}};
+  const std::string told = summary_text(failed, false);
+  EXPECT_LT(told.find("no plan holds all limits: what binds"), told.find("objective"));
+  EXPECT_TRUE(
+      holds(told, "  motor voltage in push: up to 3.25 V in 2 rows (most: knee, node 2)\n"));
+  EXPECT_TRUE(holds(told, "  equations of motion in push: 0.01 m (z, interval 1)\n"));
   EXPECT_TRUE(holds(summary_text(failed, false), "NOT PASSED"));
 }
 

@@ -37,6 +37,8 @@ struct Conflict {
   std::vector<LimitSensitivity>
       /// limits that the relaxed rows push against, by weight; rate: d scaled sum/d limit
       against;
+  /// all limits that the sum of scaled slacks depends on, relaxed rows among them, by weight
+  std::vector<LimitSensitivity> limits;
   Vector x;  ///< [n] the least infeasible point found
   int iterations = 0;
   WallSeconds wall_seconds;

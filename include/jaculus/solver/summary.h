@@ -113,6 +113,7 @@ struct Summary {
   std::vector<LimitGain> gains;          ///< what a unit more of a limit would gain
   VerificationFigures verification;
   std::vector<std::string> warnings;     ///< what to mind in this plan, one sentence each
+  std::string binds;                     ///< after a failure: the limits that bind, one sentence
   std::vector<RowFigure> violated_rows;  ///< after a failure, worst first
   /// after a failure: rows that must give way for all others to hold, and by how much
   std::vector<RowFigure> conflict;
