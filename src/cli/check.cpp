@@ -108,6 +108,8 @@ Json check_effect_file(const fs::path& file, const std::string& experiment, std:
     passed = passed && check.passed;
   }
   text += table.text();
+  json["hints"] = effects::scale_hints(user.effect, tried);
+  for (const Json& hint : json["hints"]) text += "  hint: " + hint.get<std::string>() + "\n";
   return json;
 }
 

@@ -71,5 +71,26 @@ TEST(Check, TellsValuesThatAreHardlyMeant) {
   EXPECT_TRUE(holds(grips.out, "note: friction = 35; usual: 0.1 (rubber on ice) to 1"));
 }
 
+TEST(Check, HintsAtAScaleThatTheExperimentCanJudge) {
+  const TemporaryFolder folder;
+  const auto effect = [&](const std::string& scale) {
+    return folder.write("pull.yaml",
+                        "format: jaculus-effect/1\nname: my_pull\ncaption: constant pull\n"
+                        "at: {joint: pendulum}\nexperiment: " +
+                            kProblems +
+                            "pendulum_trials.yaml\nparameters:\n"
+                            "  pull: {unit: N m, nominal: 0, bounds: [-10, 10], scale: " +
+                            scale + "}\ntorque: pull\n");
+  };
+  const Outcome small = run_program({"check", effect("1e-6")});
+  EXPECT_TRUE(holds(small.out, "hint: scale 1e-06 N m of pull is too small to be seen"));
+  EXPECT_TRUE(holds(small.out, "try about 0.0"));
+  const Outcome large = run_program({"check", effect("9")});
+  EXPECT_TRUE(holds(large.out, "hint: scale 9 N m of pull is so large"));
+  const Outcome right = run_program({"check", effect("0.05")});
+  EXPECT_EQ(right.exit_code, 0) << right.out;
+  EXPECT_FALSE(holds(right.out, "hint:")) << right.out;
+}
+
 }  // namespace
 }  // namespace jaculus::cli

@@ -49,4 +49,9 @@ struct Check {
 /// All of them, in order; those behind one that fails for good are missing.
 std::vector<Check> check_effect(const Effect& effect, const simulation::Experiment& experiment);
 
+/// A sentence for each parameter whose scale, as a step beside the others, this experiment can't
+/// see or is drowned by, with one that it could judge.
+std::vector<std::string> scale_hints(const Effect& effect,
+                                     const simulation::Experiment& experiment);
+
 }  // namespace jaculus::effects

@@ -1,0 +1,102 @@
+// Scales of parameters that an experiment can't judge, and which it could.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "jaculus/effects/check.h"
+
+namespace jaculus::effects {
+namespace {
+
+// Of a parameter's step, as the length of the change in noises: below one it is less than its own
+// standard error.
+constexpr double kLeastSignal = 1.0;
+// Root mean square of the change in noises. 3000 noises of a good encoder, 1e-3 rad, are half a
+// turn: the two motions have nothing in common. Effects that ship move theirs by 0.1 to 600.
+constexpr double kMostInfluence = 3000.0;
+// Where a better scale is looked for: plain in every sample, and the motion is still the same one.
+constexpr double kGoodInfluence = 10.0;
+constexpr double kFactor = 2.0;
+constexpr int kMostSteps = 24;  // factors of two, 1.7e7 in all
+
+/// The influence of a step in one parameter beside the others at their probing steps.
+struct Probe {
+  const Effect& effect;
+  const DataOf& data;
+  int parameter = 0;
+
+  [[nodiscard]] Vector theta(double step) const {
+    Vector all = parameter == 0 ? effect.nominal() : effect.probed();
+    const EffectParameter& p = effect.parameters[parameter];
+    all[parameter] = std::clamp(p.nominal + step, p.bounds.lower, p.bounds.upper);
+    return all;
+  }
+  /// Root mean square [noise] and number of samples; NaN where a simulation does not end.
+  [[nodiscard]] std::pair<double, double> influence(double step) const {
+    std::string why;
+    const auto with = data(theta(step), why), without = data(theta(0.0), why);
+    if (!with || !without || with->size() != without->size()) return {kNaN, 0.0};
+    const auto samples = static_cast<double>(with->size());
+    return {(*with - *without).norm() / std::sqrt(samples), samples};
+  }
+};
+
+/// To one digit, as people write scales.
+double rounded(double value) {
+  const double digit = std::pow(10.0, std::floor(std::log10(value)));
+  return std::round(value / digit) * digit;
+}
+
+/// The step nearest to `step`, by factors of two, with a good influence; 0 where there is none.
+double better_step(const Probe& probe, double step, bool larger) {
+  const EffectParameter& p = probe.effect.parameters[probe.parameter];
+  for (int i = 0; i < kMostSteps; ++i) {
+    step *= larger ? kFactor : 1.0 / kFactor;
+    if (!p.bounds.contains(p.nominal + step)) return 0.0;
+    const double size = probe.influence(step).first;
+    if (larger ? size >= kGoodInfluence : size <= kGoodInfluence) return step;
+    if (larger && std::isnan(size)) return 0.0;
+  }
+  return 0.0;
+}
+
+std::string hint_for(const Probe& probe) {
+  const EffectParameter& p = probe.effect.parameters[probe.parameter];
+  const double step = p.probed() - p.nominal;
+  const auto [size, samples] = probe.influence(step);
+  const bool ends = !std::isnan(size);
+  const bool small = ends && size * std::sqrt(samples) < kLeastSignal;
+  const bool large = !ends || size > kMostInfluence;
+  if (!small && !large) return {};
+
+  const double better = std::abs(better_step(probe, step, small));
+  const std::string found =
+      !ends ? "a simulation with it does not end"
+            : fmt::format("it moves the readings by {:.2g} noises (rms of {:.0f} samples)", size,
+                          samples);
+  const std::string what = small ? "too small to be seen in this experiment"
+                                 : "so large that nothing of the motion is left";
+  const std::string then = better > 0.0 ? fmt::format("try about {:g} {}", rounded(better), p.unit)
+                                        : std::string("within its bounds no other is better");
+  return fmt::format("scale {:g} {} of {} is {}: {}; {}", p.scale, p.unit, p.name, what, found,
+                     then);
+}
+
+}  // namespace
+
+std::vector<std::string> scale_hints(const Effect& effect,
+                                     const simulation::Experiment& experiment) {
+  const DataOf data = data_of(experiment, effect);
+  std::vector<std::string> hints;
+  for (int i = 0; i < count_of(effect.parameters); ++i) {
+    // Who states a probing step has said that the scale shows nothing.
+    if (!std::isnan(effect.parameters[i].probe)) continue;
+    std::string hint = hint_for({effect, data, i});
+    if (!hint.empty()) hints.push_back(std::move(hint));
+  }
+  return hints;
+}
+
+}  // namespace jaculus::effects
