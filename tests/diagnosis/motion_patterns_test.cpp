@@ -24,12 +24,12 @@ namespace {
 
 using test::TemporaryFolder;
 
-/// Leaps of the shipped experiment with an effect, a user's where a file is given.
-trajectory::Dataset leaps(const std::string& text, const std::vector<std::string>& effects,
-                          int seed) {
+/// Trials of a shipped experiment with an effect, a user's where a file is given.
+trajectory::Dataset trials_of(const std::string& experiment, const std::string& text,
+                              const std::vector<std::string>& effects, int seed) {
   const TemporaryFolder folder;
   simulation::Experiment played =
-      simulation::read_experiment(source_folder() / "problems" / "leap_trials.yaml");
+      simulation::read_experiment(source_folder() / "problems" / experiment);
   played.trials = 4;
   played.seed = seed;
   const model::PlanarModel robot = simulation::dataset_robot(played.setup).planar;
@@ -37,6 +37,11 @@ trajectory::Dataset leaps(const std::string& text, const std::vector<std::string
   if (!text.empty()) choice.files = {folder.write("effect.yaml", text).string()};
   choice.effects = effects;
   return simulate_trials(played, effects::choose_effects(choice, robot), robot).dataset;
+}
+
+trajectory::Dataset leaps(const std::string& text, const std::vector<std::string>& effects,
+                          int seed) {
+  return trials_of("leap_trials.yaml", text, effects, seed);
 }
 
 /// About the robot of the files, its tolerances granted or not.
@@ -106,6 +111,29 @@ TEST(PatternSearch, ACableIsNoEffectOfTheCatalogue) {
   EXPECT_GT(place.follows.front().share, 0.8);
   for (const Ranked& row : found.ranking) EXPECT_EQ(row.effect.find("found_"), std::string::npos);
   EXPECT_NE(summary_of(found).which.find("the body, along x"), std::string::npos);
+}
+
+/// What a dead band takes from each command, of a share of the largest torque.
+constexpr const char* kDeadBand =
+    "format: jaculus-effect/1\nname: dead_band\ncaption: drivers that do nothing at small torques\n"
+    "at: {group: other}\nparameters:\n"
+    "  level: {unit: \"-\", nominal: 0, bounds: [0, 1], scale: 0.01}\n"
+    "torque: \"-max(-level*tau_limit, min(level*tau_limit, tau))\"\n";
+
+// What all drivers of an arm do is one force at every joint. Sizes are of each motor's limit, 12 N m
+// here: 0.036 N m of commands of 0.1 to 0.35.
+TEST(PatternSearch, ADeadBandOfAllDriversIsOneForce) {
+  const Diagnosis found =
+      diagnose({trials_of("double_pendulum_trials.yaml", kDeadBand, {"dead_band:level=0.003"}, 3)},
+               test::among({"joint_viscous_friction", "link_mass", "torque_constant"}));
+  EXPECT_EQ(found.verdict, Verdict::unexplained) << to_text(found.verdict);
+  ASSERT_FALSE(found.remainder.places.empty());
+  const RemainderPlace& place = found.remainder.places.front();
+  EXPECT_EQ(place.joint, "every_joint");
+  ASSERT_FALSE(place.follows.empty());
+  EXPECT_EQ(place.follows.front().regressor, Regressor::motor_torque);
+  EXPECT_NE(place.follows.front().form.find("a dead band"), std::string::npos);
+  EXPECT_NEAR(place.follows.front().coefficients.front(), 0.003, 0.0006);
 }
 
 // Two of them leave nothing more, and forces of other forms are tried for that.

@@ -95,10 +95,11 @@ void add_losses(PatternMaker& maker) {
       maker.share(), maker.share_line(fmt::format("-share*abs(tau)*tau/{}", tau_limit)))
       .constants = limit;
   for (const double share : kDeadBands) {
-    PlacePattern& dead =
-        add(fmt::format("dead_band_{:.0f}", 1e3 * share), "has the sign of the motor's",
-            "a dead band", maker.parameter("level"),
-            maker.line(fmt::format("-level*max(-1, min(1, tau/(width*{})))", tau_limit)));
+    PatternParameter level = maker.parameter("level");
+    level.scale = share * place.limit;  // within its width a dead band takes all
+    PlacePattern& dead = add(
+        fmt::format("dead_band_{:.0f}", 1e3 * share), "has the sign of the motor's", "a dead band",
+        level, maker.line(fmt::format("-level*max(-1, min(1, tau/(width*{})))", tau_limit)));
     dead.shape = width_shape("\"-\"", share);
     dead.constants = limit;
   }
