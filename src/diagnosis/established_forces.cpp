@@ -105,9 +105,7 @@ int unfounded_member(const Problem& with, const EffectsAlone& alone, int tried,
   for (const int c : leading(again.search).candidates) {
     const Candidate& own = with.hypotheses.candidates[c];
     if (own.is_event() && !push_holds(with, again, alone)) return c;
-    if (own.is_pattern() &&
-        !pattern_established(with, again.search, c, lead_of_patterns(alone, tried)))
-      return c;
+    if (own.is_pattern() && !pattern_established(with, again.search, c, tried)) return c;
   }
   return -1;
 }
@@ -129,21 +127,21 @@ bool push_established(const Problem& problem, const SearchResult& with_pushes,
 }
 
 bool pattern_established(const Problem& problem, const SearchResult& search, int pattern,
-                         double asked) {
+                         int tried) {
   const std::vector<int> present = leading(search).candidates;
-  const double lead = lead_over(search, [&](const ModelFit& model) {
-    return std::all_of(model.candidates.begin(), model.candidates.end(), [&](int c) {
-      const bool stays = c != pattern && std::binary_search(present.begin(), present.end(), c);
-      return stays || !problem.hypotheses.candidates[c].is_pattern();
-    });
-  });
-  return lead > asked;
-}
-
-double lead_of_patterns(const EffectsAlone& alone, int tried) {
-  const Settings& settings = alone.problem.settings;
-  const bool more = leaves_more(alone.problem, leading(alone.search).fit);
-  return (more ? settings.worth : settings.clear_lead) + std::log(std::max(1, tried));
+  const ModelFit* rival = nullptr;
+  for (const ModelFit& model : search.models) {
+    const bool may_stand =
+        std::all_of(model.candidates.begin(), model.candidates.end(), [&](int c) {
+          const bool stays = c != pattern && std::binary_search(present.begin(), present.end(), c);
+          return stays || !problem.hypotheses.candidates[c].is_pattern();
+        });
+    if (may_stand && (rival == nullptr || model.log_weight() > rival->log_weight())) rival = &model;
+  }
+  if (rival == nullptr) return true;
+  const Settings& settings = problem.settings;
+  const double least = leaves_more(problem, rival->fit) ? settings.worth : settings.clear_lead;
+  return leading(search).log_weight() - rival->log_weight() > least + std::log(std::max(1, tried));
 }
 
 void leave_out_unfounded(const Problem& with, const EffectsAlone& alone, int tried,

@@ -23,14 +23,12 @@ bool push_established(const Problem& problem, const SearchResult& with_pushes,
                       const SearchResult& effects_alone);
 
 /// Whether the leading model leads the best one without one of its patterns, and without any in
-/// its place, by so much [log weight]. Which of several forms it is may be open all the same.
+/// its place, by the logarithm of how many patterns were tried, for each was as likely before, and
+/// by settings.worth where that one leaves more, so that a force is missing anyhow; by
+/// settings.clear_lead where it leaves nothing. Which of several forms it is may be open all the
+/// same.
 bool pattern_established(const Problem& problem, const SearchResult& search, int pattern,
-                         double asked);
-
-/// How much is asked: the logarithm of how many patterns were tried, for each was as likely before,
-/// and settings.worth where effects alone leave more, so that a force is missing anyhow;
-/// settings.clear_lead where a pattern takes the place of effects that leave nothing.
-double lead_of_patterns(const EffectsAlone& alone, int tried);
+                         int tried);
 
 /// Leaves out models with a push that not every trial had, or that is as long as half of the
 /// motion; then what leads and doesn't hold, one after the other, as if it had been no candidate: a

@@ -209,7 +209,9 @@ std::vector<RemainderPlace> places_of(const std::vector<PlacePattern>& candidate
     const auto known =
         std::find_if(candidates.begin(), candidates.end(),
                      [&](const PlacePattern& own) { return own.name == effect.name; });
-    if (known == candidates.end() || effect.parameters.size() < known->parameters.size()) continue;
+    if (known == candidates.end()) continue;
+    const std::size_t shapes = known->shape ? 1 : 0;
+    if (effect.parameters.size() < known->parameters.size() + shapes) continue;
     PlacePattern pattern = *known;
     Vector sizes(count_of(pattern.parameters));
     for (int k = 0; k < sizes.size(); ++k)

@@ -71,8 +71,7 @@ struct LikelyPattern {
   double gain = 0.0;  ///< [nats]
 };
 
-/// Those that gain more than settings.worth and the logarithm of how many were tried, of each place
-/// and kind the best one, most gain first.
+/// Those that gain anything, of each place and kind the best one, most gain first.
 struct PatternScan {
   std::vector<LikelyPattern> likely;
   int tried = 0;
@@ -81,7 +80,7 @@ struct PatternScan {
 /// Patterns that the catalogue doesn't have about a model, settings.patterns_tried at most.
 PatternScan likely_patterns(const KnownModel& about, const std::vector<Alignment>& alignments);
 
-/// A pattern as a candidate, its period or slack free.
+/// A pattern as a candidate, its shape free.
 effects::Effect pattern_effect(const PlacePattern& pattern);
 
 }  // namespace jaculus::diagnosis

@@ -51,7 +51,7 @@ TEST(EstablishedPattern, LeadsWhatHasNoneByMoreThanHowManyWereTried) {
   const double most = asked(c.problem.settings);
   const auto established = [&](double nats) {
     return pattern_established(c.problem, led({{{kFriction}, 40.0}, {{kCable}, 40.0 + nats}}),
-                               kCable, most);
+                               kCable, kTried);
   };
   EXPECT_TRUE(established(most + 0.1));
   EXPECT_FALSE(established(most - 0.1));
@@ -59,8 +59,8 @@ TEST(EstablishedPattern, LeadsWhatHasNoneByMoreThanHowManyWereTried) {
 
 TEST(EstablishedPattern, MayBeOfAnotherForm) {
   const Candidates c;
-  EXPECT_TRUE(pattern_established(c.problem, led({{{kWave}, 59.0}, {{kCable}, 60.0}}), kCable,
-                                  asked(c.problem.settings)));
+  EXPECT_TRUE(
+      pattern_established(c.problem, led({{{kWave}, 59.0}, {{kCable}, 60.0}}), kCable, kTried));
 }
 
 // Each of two must be needed: one may not ride on the other.
@@ -68,21 +68,18 @@ TEST(EstablishedPattern, IsAskedBesideAnother) {
   const Candidates c;
   const SearchResult search =
       led({{{kFriction, kWave}, 59.0}, {{kCable, kWave}, 60.0}, {{kFriction}, 5.0}});
-  const double most = asked(c.problem.settings);
-  EXPECT_FALSE(pattern_established(c.problem, search, kCable, most));
-  EXPECT_TRUE(pattern_established(c.problem, search, kWave, most));
+  EXPECT_FALSE(pattern_established(c.problem, search, kCable, kTried));
+  EXPECT_TRUE(pattern_established(c.problem, search, kWave, kTried));
 }
 
-// Where effects alone leave more, a force is missing anyhow.
-TEST(EstablishedPattern, NeedsAClearLeadOnlyInThePlaceOfEffects) {
+// Where what is without it leaves more, a force is missing anyhow.
+TEST(EstablishedPattern, NeedsAClearLeadOnlyInThePlaceOfWhatLeavesNothing) {
   const Candidates c;
-  SearchResult alone = led({});
-  const double in_place = lead_of_patterns({c.problem, alone}, kTried);
-  EXPECT_DOUBLE_EQ(in_place, asked(c.problem.settings));
-
-  alone.models.front().fit.log_complete = -1e6;
-  EXPECT_DOUBLE_EQ(lead_of_patterns({c.problem, alone}, kTried),
-                   c.problem.settings.worth + std::log(kTried));
+  const double lead = c.problem.settings.worth + std::log(kTried) + 0.1;
+  SearchResult search = led({{{kFriction}, 40.0}, {{kCable}, 40.0 + lead}});
+  EXPECT_FALSE(pattern_established(c.problem, search, kCable, kTried));
+  search.models[1].fit.log_complete = -1e6;
+  EXPECT_TRUE(pattern_established(c.problem, search, kCable, kTried));
 }
 
 TEST(LeaveOut, WhatDoesNotHoldIsNoCandidateAnyMore) {

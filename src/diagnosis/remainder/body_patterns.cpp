@@ -22,7 +22,7 @@ void add_cables(PatternMaker& maker) {
     PlacePattern& cable =
         maker.add(Regressor::position, fmt::format("x_cable_{:.0f}_mm", 1e3 * slack),
                   "grows with the way once a cable is taut",
-                  {maker.parameter("stiffness", "m", std::max(kLeastWay, place.range - slack))},
+                  {maker.one_sided("stiffness", "m", std::max(kLeastWay, place.range - slack))},
                   along("x", "-stiffness*max(0, x - start - slack)"));
     cable.constants = {constant_line("start", "m", place.start)};
     cable.shape = slack_shape("m", slack, slack);
@@ -39,20 +39,17 @@ void add_sways(PatternMaker& maker, const std::string& axis) {
 }
 
 /// A mass m on a spring in the body, at rest with it at the start: with its way y and the body's
-/// own s = x - start, y'' = -w^2 (y - s), and the body feels m w^2 (y - s).
-void add_loose_masses(PatternMaker& maker, const std::string& axis) {
-  const PatternPlace& place = maker.at();
+/// own s, y'' = w^2 (s - y), and the body feels -m y''.
+void add_loose_masses(PatternMaker& maker) {
   for (const double rate : kLooseRates) {
     PlacePattern& mass =
-        maker.add(Regressor::acceleration, fmt::format("{}_loose_{:.0f}", axis, rate),
-                  "a mass on a spring in it makes",
-                  {{"mass", "kg", place.large / std::max(1e-9, rate * rate * kLeastWay)}},
-                  along(axis, "-mass*pull"));
+        maker.add(Regressor::acceleration, fmt::format("x_loose_{:.0f}", rate),
+                  "a mass on a spring in it makes", {{"mass", "kg", maker.at().mass, 0.0}},
+                  along("x", "-mass*pull"));
     mass.shape = width_shape("rad/s", rate);
-    mass.constants = {constant_line("start", "m", place.start)};
-    mass.values = {
-        fmt::format("  pull: {{unit: m/s^2, value: \"width^2*({} - start - way)\"}}\n", axis)};
-    mass.states = {"  way: {unit: m, initial: 0, derivative: rate}\n",
+    mass.values = {"  pull: {unit: m/s^2, value: \"width^2*(moved - way)\"}\n"};
+    mass.states = {"  moved: {unit: m, initial: 0, derivative: vx}\n",
+                   "  way: {unit: m, initial: 0, derivative: rate}\n",
                    "  rate: {unit: m/s, initial: 0, derivative: pull}\n"};
     mass.form = "goes with the acceleration: a mass that is loose in it";
   }
@@ -78,9 +75,9 @@ void add_body_patterns(PatternMaker& maker, const std::string& axis) {
             {maker.parameter("drag", "m^2/s^2", place.speed * place.speed)},
             along(axis, "-drag*abs(" + v + ")*" + v));
   maker.add(Regressor::time, axis + "_drift", "grows with time since the start",
-            {maker.parameter("rate", "s", 0.3)}, along(axis, "rate*t"));
+            {maker.parameter("rate", "s", place.duration)}, along(axis, "rate*t"));
   add_sways(maker, axis);
-  add_loose_masses(maker, axis);
+  if (axis == "x") add_loose_masses(maker);
 }
 
 void add_moment_patterns(PatternMaker& maker) {

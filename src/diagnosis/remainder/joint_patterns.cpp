@@ -13,6 +13,8 @@ namespace {
 constexpr double kTurn = 2.0 * std::numbers::pi;
 constexpr double kShare = 0.1;       ///< of a motor's torque, prior of a scale
 constexpr double kRamp = 0.05;       ///< of the duration, in which a loss sets in
+constexpr double kAllOfIt = 1.5;     ///< of a share that is 1 where the cause is there
+constexpr double kSettle = 1e-3;     ///< of a driver that follows at once [s]
 constexpr double kSpotWidth = 0.2;   ///< of a joint's range
 constexpr double kLeastRange = 0.1;  ///< of a joint, for sizes [rad or m]
 const std::vector<int> kWaves = {1, 2, 3, 4, 6, 8, 10, 12, 14, 16, 18, 20, 24, 28, 36};  ///< a turn
@@ -53,7 +55,7 @@ void add_worn_frictions(PatternMaker& maker) {
     PlacePattern& bristles =
         maker.add(Regressor::sign_of_speed, fmt::format("bristles_{:.0f}", 100.0 * share),
                   "is elastic for a small motion and acts against a larger one",
-                  {maker.parameter("level")}, {maker.line("-level*bend")});
+                  {maker.one_sided("level")}, {maker.line("-level*bend")});
     bristles.shape = width_shape(place.metre, share * range_of(place));
     bristles.states = {
         "  bend: {unit: \"-\", initial: 0, derivative: \"(qd - abs(qd)*bend)/width\"}\n"};
@@ -64,7 +66,7 @@ void add_worn_frictions(PatternMaker& maker) {
   for (const double share : kTravels) {
     PlacePattern& grease =
         maker.add(Regressor::sign_of_speed, fmt::format("grease_{:.0f}", 100.0 * share),
-                  "acts against the motion and fades with the way", {maker.parameter("level")},
+                  "acts against the motion and fades with the way", {maker.one_sided("level")},
                   {maker.line("-level*tanh(qd/rest)*exp(-way/width)")});
     grease.shape = width_shape(place.metre, share * range_of(place));
     grease.states = {
@@ -92,27 +94,27 @@ void add_losses(PatternMaker& maker) {
   };
 
   add("saturation", "is a share of the motor's that grows with it", "magnets saturate",
-      maker.share(), maker.share_line(fmt::format("-share*abs(tau)*tau/{}", tau_limit)))
+      maker.lost(), maker.share_line(fmt::format("-share*abs(tau)*tau/{}", tau_limit)))
       .constants = limit;
   for (const double share : kDeadBands) {
-    PatternParameter level = maker.parameter("level");
-    level.scale = share * place.limit;  // within its width a dead band takes all
     PlacePattern& dead = add(
-        fmt::format("dead_band_{:.0f}", 1e3 * share), "has the sign of the motor's", "a dead band",
-        level, maker.line(fmt::format("-level*max(-1, min(1, tau/(width*{})))", tau_limit)));
+        fmt::format("dead_band_{:.0f}", 1e3 * share), "is the motor's up to some size",
+        "a dead band", {"share", "\"-\"", 1.0, 0.0, kAllOfIt},
+        maker.share_line(fmt::format("-share*max(-width*{0}, min(width*{0}, tau))", tau_limit)));
     dead.shape = width_shape("\"-\"", share);
     dead.constants = limit;
   }
-  PatternParameter rate = maker.share();
+  PatternParameter rate = maker.lost();
   rate.name = "rate";
   rate.unit = "1/s";
+  rate.scale /= place.duration;
   add("fading", "is a share of the motor's that grows with time", "it fades", rate,
       maker.share_line("-rate*t*tau"));
 
   for (const double share : kSetsIn) {
     PlacePattern& loss =
         add(fmt::format("loss_{:.0f}", 100.0 * share),
-            "is a share of the motor's from some time on", "it derates", maker.share(),
+            "is a share of the motor's from some time on", "it derates", maker.lost(),
             maker.share_line("-share*tau*max(0, min(1, (t - after)/ramp))"));
     const double after = share * place.duration, ramp = kRamp * place.duration;
     loss.shape = {"after", "s", after, 2.0 * ramp, after - 4.0 * ramp, after + 4.0 * ramp};
@@ -122,16 +124,18 @@ void add_losses(PatternMaker& maker) {
   for (const double time : kSlewTimes) {
     PlacePattern& slew =
         add(fmt::format("slew_{:.0f}_ms", 1e3 * time), "is what a change of the motor's lacks",
-            "it can change only so fast", {"share", "\"-\"", 1.0}, maker.line("share*behind"));
-    if (!place.by_limit()) slew.formulas = {maker.line("share*limit*behind")};
+            "it can change only so fast", {"share", "\"-\"", 1.0, 0.0, kAllOfIt},
+            maker.line(place.by_limit() ? "share*behind" : "share*limit*behind"));
     slew.shape = width_shape("s", time);
-    // y' = (tau/limit - y)/settle within +-1/width, settle a tenth of the slew time.
+    // y' = (tau/limit - y)/settle within +-1/width; at the start y comes up at once.
     slew.values = {
         fmt::format("  behind: {{unit: \"-\", value: \"arrived - tau/{}\"}}\n", tau_limit)};
     slew.states = {
-        "  arrived: {unit: \"-\", initial: 0, derivative: \"max(-1, min(1, "
-        "-10*behind))/width\"}\n"};
+        "  arrived: {unit: \"-\", initial: 0, derivative: \"t < begin ? -behind/settle : "
+        "max(-1/width, min(1/width, -behind/settle))\"}\n"};
     slew.constants = limit;
+    slew.constants.push_back(constant_line("settle", "s", kSettle));
+    slew.constants.push_back(constant_line("begin", "s", 5.0 * kSettle));
   }
 }
 
@@ -158,6 +162,7 @@ void add_runouts(PatternMaker& maker) {
   sine.name = "sine";
   cosine.name = "cosine";
   for (const int waves : {1, 2}) {
+    if (place.turn / waves > 2.0 * place.range) continue;
     PlacePattern& runout =
         maker.add(Regressor::motor_torque, fmt::format("runout_{}", waves),
                   "is a share of the motor's that repeats with the position", {sine, cosine},
@@ -192,7 +197,7 @@ void add_one_sided_springs(PatternMaker& maker) {
       PlacePattern& cable =
           maker.add(Regressor::position, fmt::format("taut_{}_{:.0f}", side, 100.0 * share),
                     "pulls back beyond a position",
-                    {maker.parameter("stiffness", place.metre, (1.0 - share) * range)},
+                    {maker.one_sided("stiffness", place.metre, (1.0 - share) * range)},
                     {maker.line("-stiffness*" + beyond)});
       cable.constants = way.constants;
       cable.states = way.states;
@@ -230,7 +235,7 @@ void add_joint_patterns(PatternMaker& maker) {
            {maker.share_line("-share*abs(tau)*tanh(qd/rest)")})
       .constants = {maker.rest_line()};
   maker.add(Regressor::time, "drift", "grows with time since the start",
-            {maker.parameter("rate", "s", 0.3)}, {maker.line("rate*t")});
+            {maker.parameter("rate", "s", place.duration)}, {maker.line("rate*t")});
   add_worn_frictions(maker);
   add_losses(maker);
   add_springs(maker);
@@ -246,7 +251,7 @@ void add_placed_patterns(PatternMaker& maker) {
   for (std::size_t k = 0; k < kSpots.size(); ++k) {
     PlacePattern& spot =
         maker.add(Regressor::sign_of_speed, fmt::format("spot_{}", k),
-                  "acts against the motion near a position", {maker.parameter("level")},
+                  "acts against the motion near a position", {maker.one_sided("level")},
                   {maker.line("-level*tanh(qd/rest)*exp(-((q - spot)/width)^2)")});
     const double at = place.start + kSpots[k] * range, width = kSpotWidth * range;
     spot.shape = {"spot", place.metre, at, width, at - 2.0 * width, at + 2.0 * width};

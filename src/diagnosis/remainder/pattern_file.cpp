@@ -7,11 +7,9 @@
 namespace jaculus::diagnosis {
 namespace {
 
-constexpr double kReach = 10.0;  ///< scales that a parameter may reach
-
 std::string parameter_line(const PatternParameter& own, double scale) {
   return fmt::format("  {}: {{unit: {}, nominal: 0, bounds: [{:.4g}, {:.4g}], scale: {:.4g}}}\n",
-                     own.name, own.unit, -kReach * scale, kReach * scale, scale);
+                     own.name, own.unit, own.lower * scale, own.upper * scale, scale);
 }
 
 }  // namespace

@@ -53,6 +53,20 @@ PatternParameter PatternMaker::parameter(const std::string& name, const std::str
   return {name, unit, place_.large / std::max(1e-9, size)};
 }
 
+PatternParameter PatternMaker::one_sided(const std::string& name, const std::string& per,
+                                         double size) const {
+  PatternParameter own = parameter(name, per, size);
+  own.lower = 0.0;
+  return own;
+}
+
+PatternParameter PatternMaker::lost() const {
+  PatternParameter own = share();
+  own.lower = 0.0;
+  own.upper = 1.0 / own.scale;
+  return own;
+}
+
 PatternParameter PatternMaker::share() const {
   return {"share", "\"-\"", place_.large / place_.limit};
 }

@@ -24,6 +24,7 @@ struct PatternPlace {
   double duration = 1.0;            ///< of the motion [s]
   bool of_group = false;            ///< of joints together
   std::string body{};               ///< that the joint turns
+  double mass = 1.0;                ///< that counts as large, times the prior [kg]
   double turn = kNaN;               ///< of its motor, at the joint [metre]
 
   /// Of joints of different size a force is so many times `tau_limit` of each.
@@ -39,6 +40,11 @@ class PatternMaker {
   /// A parameter in units of force over `per`, whose usual size is `size`.
   [[nodiscard]] PatternParameter parameter(const std::string& name, const std::string& per = {},
                                            double size = 1.0) const;
+  /// The same of a cause that has one sign: friction, a cable, a loss.
+  [[nodiscard]] PatternParameter one_sided(const std::string& name, const std::string& per = {},
+                                           double size = 1.0) const;
+  /// A share of a motor's torque that is lost, all of it at most.
+  [[nodiscard]] PatternParameter lost() const;
   /// A share of a motor's torque, as large at its limit as a force of the same prior.
   [[nodiscard]] PatternParameter share() const;
   /// The joint's torque or force: so many parameters in units of force, or shares of `tau`.

@@ -11,6 +11,7 @@
 #include "diagnosis/remainder/joint_patterns.h"
 #include "effects/scope.h"
 #include "jaculus/components/motor.h"
+#include "jaculus/diagnosis/summary.h"
 
 namespace jaculus::diagnosis {
 namespace {
@@ -33,7 +34,8 @@ PatternPlace joint_place(const PlanarModel& robot, const model::PlanarMotor& mot
   place.metre = turns ? "rad" : "m";
   place.what = place.key + " at " + motor.joint;
   place.limited = std::isfinite(components::largest_joint_torque(motor).value);
-  place.limit = large_force(robot, motor, sizes.lever);
+  place.limit = place.limited ? components::largest_joint_torque(motor).value
+                              : large_force(robot, motor, sizes.lever);
   place.large = sizes.prior * place.limit;
   place.speed = std::max(1e-3, usual.motors.speed[m]);
   place.rest = sizes.rest_speed * place.speed;
@@ -64,7 +66,7 @@ void add_group(const std::vector<PatternPlace>& joints, const std::string& group
   together.body = {};
   together.at = at;
   together.where = "{group: " + group + "}";
-  together.what = together.key + (group == "legs" ? " at every leg's joints" : " at every joint");
+  together.what = together.key + " at " + (group == "legs" ? "every leg's joints" : in_words(at));
   if (std::all_of(joints.begin(), joints.end(), [](const PatternPlace& p) { return p.limited; })) {
     together.force = "1";
     together.large = prior;
@@ -89,7 +91,8 @@ void add_joints(const PlanarModel& robot, const UsualMotion& usual, const Patter
     if (index_of(other_joints, motor.joint) >= 0) others.push_back(maker.at());
   }
   add_group(legs, "legs", "legs", sizes.prior, all);
-  add_group(others, "other", "every_joint", sizes.prior, all);
+  const bool all_of_them = others.size() == robot.motors.size();
+  add_group(others, "other", all_of_them ? "every_joint" : "other_joints", sizes.prior, all);
 }
 
 void add_body(const PlanarModel& robot, const UsualMotion& usual, const PatternSizes& sizes,
@@ -107,6 +110,8 @@ void add_body(const PlanarModel& robot, const UsualMotion& usual, const PatternS
     place.metre = turns ? "rad" : "m";
     place.what = turns ? "moment on the body" : "force on the body along " + axis;
     place.large = sizes.prior * weight * (turns ? sizes.lever : 1.0);
+    place.mass = sizes.prior * robot.total_mass();
+    place.duration = usual.duration;
     place.speed = std::max(1e-3, usual.coordinates.speed[c]);
     place.start = usual.coordinates.start[c];
     place.range = usual.coordinates.range[c];
