@@ -120,8 +120,8 @@ constexpr const char* kDeadBand =
     "  level: {unit: \"-\", nominal: 0, bounds: [0, 1], scale: 0.01}\n"
     "torque: \"-max(-level*tau_limit, min(level*tau_limit, tau))\"\n";
 
-// What all drivers of an arm do is one force at every joint. Sizes are of each motor's limit, 12 N m
-// here: 0.036 N m of commands of 0.1 to 0.35.
+// What all drivers of an arm do is one force at every joint: 0.003 of their limit of 12 N m, where
+// commands are 0.1 to 0.35 N m.
 TEST(PatternSearch, ADeadBandOfAllDriversIsOneForce) {
   const Diagnosis found =
       diagnose({trials_of("double_pendulum_trials.yaml", kDeadBand, {"dead_band:level=0.003"}, 3)},
