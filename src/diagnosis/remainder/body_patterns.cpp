@@ -29,13 +29,16 @@ void add_cables(PatternMaker& maker) {
   }
 }
 
+/// What is not seen whole once is no repetition: half a wave is a push, less a drift.
 void add_sways(PatternMaker& maker, const std::string& axis) {
-  for (const double hertz : kHertz)
+  for (const double hertz : kHertz) {
+    if (hertz * maker.at().duration < 1.0) continue;
     maker
         .add(Regressor::periodic_in_time, fmt::format("{}_sway_{:.0f}_mhz", axis, 1e3 * hertz),
              "repeats in time", {maker.parameter("sine"), maker.parameter("cosine")},
              along(axis, "sine*sin(2*pi*t/period) + cosine*cos(2*pi*t/period)"))
         .shape = period_shape("s", 1.0 / hertz);
+  }
 }
 
 /// A mass m on a spring in the body, at rest with it at the start: with its way y and the body's
