@@ -152,9 +152,8 @@ std::string write_first_trial(const model::Robot& robot, const std::map<std::str
                               const std::filesystem::path& folder) {
   const PlanarModel& model = robot.planar;
   const bool free = model.base_free[0] && model.base_free[1] && model.base_free[2];
-  const bool slides = std::any_of(model.motors.begin(), model.motors.end(), [&](const auto& m) {
-    return model.bodies[m.body].kind == model::JointKind::prismatic;
-  });
+  const bool slides = std::any_of(model.motors.begin(), model.motors.end(),
+                                  [&](const auto& m) { return model.slides(m); });
   if (model.motors.empty() || (free && slides)) return "";  // a plan holds torques alone
 
   const std::string name = !free ? "swing" : model.feet.empty() ? "fall" : "stand";

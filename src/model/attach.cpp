@@ -102,7 +102,7 @@ PlanarMotor attached_motor(const Attachment& a, const PlanarModel& model) {
       throw unknown_name(a.motor, "joint with a motor", a.motor.text(), known);
     }
     motor = model.motors[like];
-    if (model.bodies[motor.body].kind == JointKind::prismatic)
+    if (model.slides(motor))
       throw a.motor.error(
           fmt::format("joint '{}' slides; allowed: a joint that turns", a.motor.text()));
   }

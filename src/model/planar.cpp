@@ -41,6 +41,10 @@ int PlanarModel::motor_index(const std::string& joint) const {
   return find_index(motors, [&](const PlanarMotor& m) { return m.joint == joint; });
 }
 
+bool PlanarModel::slides(const PlanarMotor& motor) const {
+  return bodies[motor.body].kind == JointKind::prismatic;
+}
+
 double PlanarModel::total_mass() const {
   double sum = 0.0;
   for (const PlanarBody& body : bodies) sum += body.mass;

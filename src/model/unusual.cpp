@@ -118,7 +118,7 @@ void add_torques(const PlanarModel& model, std::vector<std::string>& out) {
   constexpr double kEarth = 9.81;  // [m/s^2]
   const double measure = model.total_mass() * kEarth * reach_of(model);
   for (const PlanarMotor& motor : model.motors) {
-    const bool slides = model.bodies[motor.body].kind == JointKind::prismatic;
+    const bool slides = model.slides(motor);
     const double torque = motor.torque_limit * motor.gear * motor.efficiency;
     if (std::isinf(torque)) continue;
     const std::string path = "motors." + motor.joint + ".torque_limit";

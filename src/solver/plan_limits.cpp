@@ -118,7 +118,7 @@ void add_torque_sensitivities(const transcription::Problem& problem,
   const double ratio = motor.gear * motor.efficiency,
                tau = transcription::usable_torque(problem, model, motor) / ratio;
   if (motor.ideal() || tau >= motor.torque_limit * (1.0 - 1e-9)) {
-    const bool slides = model.bodies[motor.body].kind == model::JointKind::prismatic;
+    const bool slides = model.slides(motor);
     sums.add("motor torque", slides ? "N" : "N m", multiplier * ratio);
   } else {
     const double slope = motor.saturation_linear + 3.0 * motor.saturation_cubic * tau * tau;

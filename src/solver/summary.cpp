@@ -219,7 +219,7 @@ std::vector<MotorFigures> motor_figures(const model::PlanarModel& model) {
     f.joint = m.joint;
     f.count = m.count;
     f.file_joints = model.bodies[m.body].file_joints;
-    f.slides = model.bodies[m.body].kind == model::JointKind::prismatic;
+    f.slides = model.slides(m);
     f.torque_limit = m.torque_limit;
     f.current_limit = m.current_limit;
     f.voltage_limit = m.voltage;

@@ -165,9 +165,7 @@ void check_limit(const Problem& problem, const std::string& key, const std::opti
 /// A limit in N m is of joints that turn, one in N of those that slide; the robot must have such.
 void check_limit_unit(const Problem& problem, const model::PlanarModel& model) {
   if (problem.torque.has_value() == problem.force.has_value()) return;
-  const auto slides = [&](const model::PlanarMotor& motor) {
-    return model.bodies[motor.body].kind == model::JointKind::prismatic;
-  };
+  const auto slides = [&](const model::PlanarMotor& motor) { return model.slides(motor); };
   const auto sliding = std::count_if(model.motors.begin(), model.motors.end(), slides);
   const bool any = problem.force ? sliding > 0 : sliding < std::ssize(model.motors);
   if (any || model.motors.empty()) return;
@@ -196,7 +194,7 @@ void check_against(const Problem& problem, const model::PlanarModel& model) {
   check_limit_unit(problem, model);
   for (const model::PlanarMotor& motor : model.motors) {
     check_limit(problem, "voltage", problem.voltage, motor.voltage, motor.joint, "V");
-    const bool slides = model.bodies[motor.body].kind == model::JointKind::prismatic;
+    const bool slides = model.slides(motor);
     check_limit(problem, "torque", slides ? problem.force : problem.torque, motor.torque_limit,
                 motor.joint, slides ? "N" : "N m");
     check_limit(problem, "current", problem.current, motor.current_limit, motor.joint, "A");
@@ -221,7 +219,7 @@ void check_problem(const Problem& problem, const model::PlanarModel& model) {
 model::PlanarMotor limited_motor(const Problem& problem, const model::PlanarModel& model,
                                  const model::PlanarMotor& motor) {
   model::PlanarMotor limited = motor;
-  const bool slides = model.bodies[motor.body].kind == model::JointKind::prismatic;
+  const bool slides = model.slides(motor);
   const std::optional<double>& torque = slides ? problem.force : problem.torque;
   if (problem.voltage) limited.voltage = *problem.voltage;
   if (torque) limited.torque_limit = *torque;

@@ -165,6 +165,7 @@ struct PlanarModel {
   [[nodiscard]] int body_of_joint(const std::string& joint) const;    ///< -1 where there is none
   [[nodiscard]] int foot_index(const std::string& name) const;        ///< -1 where there is none
   [[nodiscard]] int motor_index(const std::string& joint) const;      ///< -1 where there is none
+  [[nodiscard]] bool slides(const PlanarMotor& motor) const;          ///< its joint; else it turns
   [[nodiscard]] double total_mass() const;                            ///< [kg]
 };
 

@@ -8,7 +8,7 @@ double large_force(const model::PlanarModel& robot, const model::PlanarMotor& mo
   const double limit = motor.torque_limit * motor.gear;
   if (std::isfinite(limit)) return limit;
   const double weight = robot.total_mass() * robot.gravity;
-  const bool turns = robot.bodies[motor.body].kind == model::JointKind::revolute;
+  const bool turns = !robot.slides(motor);
   return turns ? lever * weight : weight;
 }
 

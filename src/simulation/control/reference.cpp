@@ -120,7 +120,7 @@ Reference plan_reference(const trajectory::Table& plan, const model::PlanarModel
 
   for (Eigen::Index m = 0; m < motors; ++m) {
     const model::PlanarMotor& motor = model.motors[m];
-    const bool angular = model.bodies[motor.body].kind == model::JointKind::revolute;
+    const bool angular = !model.slides(motor);
     const std::string rate = channel_name(motor.joint, Quantity::velocity);
     for (const std::string& name : {motor.joint, rate})
       if (plan.column(name) < 0) missing_column(plan, name, "the robot has a motor there", file);

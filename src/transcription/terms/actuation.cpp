@@ -95,7 +95,7 @@ void add_voltage(const TermSpec& spec, TermContext& context) {
 /// Speed of one motor before its gear, G omega: linear in v.
 PathTerm motor_speed_term(const model::PlanarModel& model, int m) {
   const model::PlanarMotor& motor = model.motors[m];
-  const bool slides = model.bodies[motor.body].kind == model::JointKind::prismatic;
+  const bool slides = model.slides(motor);
   const Vector rate = motor.gear * model.joint_map.row(motor.body).transpose();
   const double limit = motor.speed_limit;
   PathTerm term;
