@@ -39,41 +39,52 @@ std::string torque_kind(const model::PlanarModel& model, const std::string& join
   const int m = model.motor_index(joint);
   if (m < 0) return "motor torque";
   const model::PlanarMotor& motor = model.motors[m];
-  if (model.bodies[motor.body].kind == model::JointKind::prismatic) return "motor force";
+  if (model.slides(motor)) return "motor force";
   const bool current =
       components::largest_joint_torque(motor).limit == components::MotorLimit::current;
   return current ? "motor torque (set by the current limit)" : "motor torque";
 }
 
-std::vector<Binding> bindings(const Conflict& conflict, const model::PlanarModel& model) {
+/// That of a limit's kind, new where there is none yet.
+Binding& binding_of(std::vector<Binding>& list, std::string kind, const LimitSensitivity& limit,
+                    bool of_something) {
+  const auto same = [&](const Binding& b) {
+    return b.kind == kind && b.unit == limit.unit &&
+           (b.side == limit.side || of_something);  // either way a motor's limit is one
+  };
+  const auto found = std::find_if(list.begin(), list.end(), same);
+  if (found != list.end()) return *found;
+  return list.emplace_back(Binding{std::move(kind), limit.side, limit.unit, {}, {}});
+}
+
+std::vector<Binding> all_bindings(const Conflict& conflict, const model::PlanarModel& model) {
   std::vector<Binding> list;
   for (const LimitSensitivity& limit : conflict.limits) {
     if (limit.side == Side::fixed) continue;  // what is imposed is asked for, no limit
     const RowWords words = row_words(limit.name);
     std::string kind = words.kind == "motor torque" ? torque_kind(model, words.of) : words.kind;
-    const auto same = [&](const Binding& b) {
-      return b.kind == kind && b.unit == limit.unit &&
-             (b.side == limit.side || !words.of.empty());  // either way a motor's limit is one
-    };
-    auto found = std::find_if(list.begin(), list.end(), same);
-    if (found == list.end()) {
-      list.push_back({std::move(kind), limit.side, limit.unit, {}, {}});
-      found = std::prev(list.end());
-    }
-    add_once(found->of, words.of);
-    add_once(found->phases, words.phase);
-    found->weight += std::abs(limit.scaled);
+    Binding& own = binding_of(list, std::move(kind), limit, !words.of.empty());
+    add_once(own.of, words.of);
+    add_once(own.phases, words.phase);
+    own.weight += std::abs(limit.scaled);
+
     const double value = words.of.empty() ? limit.limit : std::abs(limit.limit);
-    found->limit = {std::min(found->limit.lower, value), std::max(found->limit.upper, value)};
+    own.limit = {std::min(own.limit.lower, value), std::max(own.limit.upper, value)};
     for (const Relaxation& row : conflict.relaxed)
       if (limit.is_row && row.row == limit.index)
-        found->passed = std::max(found->passed, std::abs(row.amount));
+        own.passed = std::max(own.passed, std::abs(row.amount));
   }
+  return list;
+}
+
+/// Those that are felt, strongest first.
+std::vector<Binding> bindings(const Conflict& conflict, const model::PlanarModel& model) {
+  std::vector<Binding> list = all_bindings(conflict, model);
   std::stable_sort(list.begin(), list.end(),
                    [](const Binding& a, const Binding& b) { return a.weight > b.weight; });
-  std::erase_if(list, [felt = list.empty() ? 0.0 : kFelt * list.front().weight](const Binding& b) {
-    return b.weight < felt;
-  });
+  const double felt = list.empty() ? 0.0 : kFelt * list.front().weight;
+  std::erase_if(list, [felt](const Binding& b) { return b.weight < felt; });
+
   // Limits of motors and floor before bounds of single coordinates: they are what a robot has.
   std::stable_partition(list.begin(), list.end(), [](const Binding& b) { return !b.of.empty(); });
   return list;
