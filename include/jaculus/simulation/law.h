@@ -41,6 +41,9 @@ enum class ReadingKind {
   sensor_value    ///< of a sensor's law (Sensing::laws) alone, in the channel's unit
 };
 
+/// Whether it is of one motor.
+bool is_of_motor(ReadingKind kind);
+
 /// What a law reads of the plant.
 struct Reading {
   ReadingKind kind = ReadingKind::time;

@@ -15,6 +15,7 @@
 namespace jaculus::effects {
 
 using simulation::ActionKind;
+using simulation::is_of_motor;
 using simulation::ReadingKind;
 
 bool of_body(ReadingKind kind) { return kind >= ReadingKind::point_x; }
@@ -65,11 +66,6 @@ bool joint_slides(const PlanarModel& model, const std::string& joint) {
   return model.bodies[model.body_of_joint(joint)].kind == model::JointKind::prismatic;
 }
 
-bool needs_motor(ReadingKind kind) {
-  return kind == ReadingKind::motor_torque || kind == ReadingKind::motor_current ||
-         kind == ReadingKind::motor_voltage || kind == ReadingKind::motor_limit;
-}
-
 void require_motor(const EffectPlace& place, const PlanarModel& model, const std::string& joint,
                    ReadingKind kind, const std::string& why) {
   const bool electric = kind == ReadingKind::motor_current || kind == ReadingKind::motor_voltage;
@@ -98,7 +94,7 @@ void require_joints(const EffectSpec& spec, const PlanarModel& model) {
                                  ? fmt::format("'{}' turns; allowed there: torque, in N m", joint)
                                  : fmt::format("'{}' slides; allowed there: force, in N", joint));
     for (const ReadingName& reading : readings_of(spec))
-      if (reading.of.empty() && needs_motor(reading.kind))
+      if (reading.of.empty() && is_of_motor(reading.kind))
         require_motor(place, model, joint, reading.kind, reading.name);
     for (const SpecAction& action : spec.actions)
       if (action.kind == ActionKind::torque_scale)
@@ -151,7 +147,7 @@ void require_robot(const EffectSpec& spec, const PlanarModel& model) {
     }
     if (model.body_of_joint(reading.of) < 0)
       throw no_such(spec.place, "joint", reading.of, joint_names(model));
-    if (needs_motor(reading.kind))
+    if (is_of_motor(reading.kind))
       require_motor(spec.place, model, reading.of, reading.kind, reading.name);
   }
 }

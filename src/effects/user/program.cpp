@@ -70,9 +70,7 @@ std::vector<const Formula*> formulas_of(const EffectSpec& spec) {
 }  // namespace
 
 bool of_motors(ReadingKind kind) {
-  return kind == ReadingKind::motor_torque || kind == ReadingKind::motor_current ||
-         kind == ReadingKind::motor_voltage || kind == ReadingKind::motor_limit ||
-         kind == ReadingKind::bus_voltage;
+  return simulation::is_of_motor(kind) || kind == ReadingKind::bus_voltage;
 }
 
 std::optional<ReadingName> reading_named(const std::string& name, const EffectPlace& place) {

@@ -9,17 +9,21 @@
 #include "jaculus/components/motor.h"
 #include "jaculus/core/error.h"
 
-namespace jaculus::simulation::detail {
+namespace jaculus::simulation {
 
-namespace {
-
-bool of_motors(ReadingKind kind) {
+bool is_of_motor(ReadingKind kind) {
   return kind == ReadingKind::motor_torque || kind == ReadingKind::motor_current ||
          kind == ReadingKind::motor_voltage || kind == ReadingKind::motor_limit;
 }
 
+}  // namespace jaculus::simulation
+
+namespace jaculus::simulation::detail {
+
+namespace {
+
 bool of_joint(ReadingKind kind) {
-  return of_motors(kind) || kind == ReadingKind::joint_position ||
+  return is_of_motor(kind) || kind == ReadingKind::joint_position ||
          kind == ReadingKind::joint_rate || kind == ReadingKind::joint_load;
 }
 
@@ -73,7 +77,7 @@ Laws::Laws(const Plant& plant) {
     for (const Reading& r : law.readings) {
       const bool whole = r.kind == ReadingKind::time || r.kind == ReadingKind::bus_voltage;
       own.read_at.push_back(whole              ? Place{}
-                            : of_joint(r.kind) ? joint(r.of, of_motors(r.kind))
+                            : of_joint(r.kind) ? joint(r.of, is_of_motor(r.kind))
                                                : body(r.of, r.point));
     }
     int values = 0;
@@ -120,7 +124,7 @@ void Laws::read(Own& own, const Mechanism& mechanism, const Inertia& inertia, do
       mechanism.point(place.body, place.point, point);
       pointed = &place;
     }
-    if (of_joint(kind) && !of_motors(kind)) {
+    if (of_joint(kind) && !is_of_motor(kind)) {
       JointState joint;
       if (place.motor >= 0) {
         joint = {mechanism.motor_angle(place.motor, q), mechanism.motor_rate(place.motor, v), 0.0,
@@ -140,7 +144,7 @@ void Laws::read(Own& own, const Mechanism& mechanism, const Inertia& inertia, do
     if (kind == ReadingKind::body_rate) value = mechanism.frame(place.body).omega;
     if (kind == ReadingKind::body_angle)
       value = std::atan2(mechanism.frame(place.body).s, mechanism.frame(place.body).c);
-    if (of_motors(kind) || kind == ReadingKind::bus_voltage) value = 0.0;
+    if (is_of_motor(kind) || kind == ReadingKind::bus_voltage) value = 0.0;
   }
 }
 
