@@ -132,7 +132,8 @@ std::vector<std::string> unusual_values(const trajectory::Dataset& dataset,
   return model::unusual_values(simulation::dataset_plant(dataset, robot.planar).model);
 }
 
-std::string head_text(const trajectory::Dataset& dataset, const model::Robot& robot) {
+std::string head_text(const trajectory::Dataset& dataset, const model::Robot& robot,
+                      const std::vector<std::string>& unusual) {
   const trajectory::StatedController& c = dataset.controller;
   std::string text =
       fmt::format("  robot         {} ({} coordinates, {} motors, {:.4g} kg)\n", robot.name,
@@ -148,7 +149,7 @@ std::string head_text(const trajectory::Dataset& dataset, const model::Robot& ro
     text += fmt::format("  input         {} of {}, {} steps\n", name_of(dataset.script->quantity),
                         fmt::join(dataset.script->joints, ", "), dataset.script->time.size());
   for (const std::string& note : robot.notes) text += "  robot: " + note + "\n";
-  for (const std::string& value : unusual_values(dataset, robot)) text += "  note: " + value + "\n";
+  for (const std::string& value : unusual) text += "  note: " + value + "\n";
   for (const std::string& note : dataset.notes) text += "  note: " + note + "\n";
   return text;
 }
@@ -176,7 +177,8 @@ Json check_experiment(const fs::path& path, std::string& text) {
   text += fmt::format("{}: {} experiment, {} trials of {} s after {} s at rest, seed {}\n",
                       experiment.name, name_of(experiment.setup.experiment), experiment.trials,
                       experiment.duration, experiment.lead, experiment.seed);
-  text += head_text(experiment.setup, robot);
+  const std::vector<std::string> unusual = unusual_values(experiment.setup, robot);
+  text += head_text(experiment.setup, robot, unusual);
 
   Json streams = Json::array();
   for (const simulation::SensorStream& stream : experiment.streams) {
@@ -195,7 +197,7 @@ Json check_experiment(const fs::path& path, std::string& text) {
           {"seed", experiment.seed},
           {"streams", streams},
           {"notes", experiment.setup.notes},
-          {"unusual", unusual_values(experiment.setup, robot)}};
+          {"unusual", unusual}};
 }
 
 }  // namespace
@@ -218,7 +220,8 @@ Json check_dataset(const fs::path& path, std::string& text) {
       "{}: {} dataset, {} trials\n",
       dataset.folder.filename().empty() ? "dataset" : dataset.folder.filename().string(),
       name_of(dataset.experiment), dataset.trials.size());
-  text += head_text(dataset, robot);
+  const std::vector<std::string> unusual = unusual_values(dataset, robot);
+  text += head_text(dataset, robot, unusual);
   const std::vector<std::string> strange = strange_channels(dataset, robot.planar);
   for (const std::string& channel : strange)
     text +=
@@ -235,7 +238,7 @@ Json check_dataset(const fs::path& path, std::string& text) {
   json["recipe"] = accelerations(dataset, text);
   json["notes"] = dataset.notes;
   json["robot_notes"] = robot.notes;
-  json["unusual"] = unusual_values(dataset, robot);
+  json["unusual"] = unusual;
   json["strange_channels"] = strange;
   json["contradictions"] = contradictions;
 

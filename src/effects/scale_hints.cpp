@@ -22,25 +22,38 @@ constexpr double kFactor = 2.0;
 constexpr int kMostSteps = 24;  // factors of two, 1.7e7 in all
 
 /// The influence of a step in one parameter beside the others at their probing steps.
-struct Probe {
-  const Effect& effect;
-  const DataOf& data;
-  int parameter = 0;
+class Probe {
+ public:
+  Probe(const Effect& effect, const DataOf& data, int parameter)
+      : parameter(effect.parameters[parameter]),
+        data_(data),
+        index_(parameter),
+        all_(parameter == 0 ? effect.nominal() : effect.probed()),
+        without_(data_at(0.0)) {}
 
-  [[nodiscard]] Vector theta(double step) const {
-    Vector all = parameter == 0 ? effect.nominal() : effect.probed();
-    const EffectParameter& p = effect.parameters[parameter];
-    all[parameter] = std::clamp(p.nominal + step, p.bounds.lower, p.bounds.upper);
-    return all;
-  }
   /// Root mean square [noise] and number of samples; NaN where a simulation does not end.
   [[nodiscard]] std::pair<double, double> influence(double step) const {
-    std::string why;
-    const auto with = data(theta(step), why), without = data(theta(0.0), why);
-    if (!with || !without || with->size() != without->size()) return {kNaN, 0.0};
+    const auto with = data_at(step);
+    if (!with || !without_ || with->size() != without_->size()) return {kNaN, 0.0};
     const auto samples = static_cast<double>(with->size());
-    return {(*with - *without).norm() / std::sqrt(samples), samples};
+    return {(*with - *without_).norm() / std::sqrt(samples), samples};
   }
+
+  const EffectParameter& parameter;
+
+ private:
+  [[nodiscard]] std::optional<Vector> data_at(double step) const {
+    Vector theta = all_;
+    theta[index_] =
+        std::clamp(parameter.nominal + step, parameter.bounds.lower, parameter.bounds.upper);
+    std::string why;
+    return data_(theta, why);
+  }
+
+  const DataOf& data_;
+  int index_;
+  Vector all_;
+  std::optional<Vector> without_;
 };
 
 /// To one digit, as people write scales.
@@ -51,7 +64,7 @@ double rounded(double value) {
 
 /// The step nearest to `step`, by factors of two, with a good influence; 0 where there is none.
 double better_step(const Probe& probe, double step, bool larger) {
-  const EffectParameter& p = probe.effect.parameters[probe.parameter];
+  const EffectParameter& p = probe.parameter;
   for (int i = 0; i < kMostSteps; ++i) {
     step *= larger ? kFactor : 1.0 / kFactor;
     if (!p.bounds.contains(p.nominal + step)) return 0.0;
@@ -63,7 +76,7 @@ double better_step(const Probe& probe, double step, bool larger) {
 }
 
 std::string hint_for(const Probe& probe) {
-  const EffectParameter& p = probe.effect.parameters[probe.parameter];
+  const EffectParameter& p = probe.parameter;
   const double step = p.probed() - p.nominal;
   const auto [size, samples] = probe.influence(step);
   const bool ends = !std::isnan(size);

@@ -86,13 +86,14 @@ void read_lengths(const Keys& keys, const yaml::Node& node, Attachment& tail) {
   tail.scoop = scoop > 0.0 ? scoop : shaft > 0.0 ? tail.length - shaft : 0.0;
   constexpr double kRounding = 1e-6;  // [m]
   if (given == 3 && std::abs(shaft + scoop - length) > kRounding) {
-    // told where it came about: at an override, if one changed it
-    const char* told = keys.changed("shaft") ? "shaft" : keys.changed("scoop") ? "scoop" : "length";
-    throw keys.at(keys.changed("length") ? "length" : told)
-        .error(
-            fmt::format("length is {:.6g} m, but shaft and scoop are {:.6g} m together; allowed: "
-                        "two of the three, or three that agree",
-                        length, shaft + scoop));
+    const char* told = "length";  // or where an override of another brought it about
+    if (!keys.changed("length"))
+      for (const char* other : {"scoop", "shaft"})
+        if (keys.changed(other)) told = other;
+    throw keys.at(told).error(
+        fmt::format("length is {:.6g} m, but shaft and scoop are {:.6g} m together; allowed: "
+                    "two of the three, or three that agree",
+                    length, shaft + scoop));
   }
   if (tail.scoop < 0.0 || tail.scoop > tail.length) {
     const char* part = scoop > 0.0 ? "scoop" : "shaft";
