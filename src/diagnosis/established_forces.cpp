@@ -51,19 +51,26 @@ double lead_over_none(const SearchResult& search) {
   return leading(search).log_weight() - search.models.front().log_weight();
 }
 
-/// By how much it leads the most probable one of those that may stand in its place [log weight].
+/// The most probable of those that may stand in its place, none where all are out.
 template <typename MayStand>
-double lead_over(const SearchResult& search, const MayStand& may_stand) {
-  double other = -kInfinity;
+const ModelFit* rival(const SearchResult& search, const MayStand& may_stand) {
+  const ModelFit* best = nullptr;
   for (const ModelFit& model : search.models)
-    if (may_stand(model)) other = std::max(other, model.log_weight());
-  return leading(search).log_weight() - other;
+    if (may_stand(model) && (best == nullptr || model.log_weight() > best->log_weight()))
+      best = &model;
+  return best;
+}
+
+/// By how much the most probable model leads another [log weight].
+double lead_over(const ModelFit* other, const SearchResult& search) {
+  return other == nullptr ? kInfinity : leading(search).log_weight() - other->log_weight();
 }
 
 double lead_over_effects(const Problem& problem, const SearchResult& search) {
-  return lead_over(search, [&](const ModelFit& model) {
+  const auto of_effects = [&](const ModelFit& model) {
     return !problem.hypotheses.beyond_effects(model.candidates);
-  });
+  };
+  return lead_over(rival(search, of_effects), search);
 }
 
 /// Effects of the leading model, pushes and patterns left out.
@@ -129,19 +136,16 @@ bool push_established(const Problem& problem, const SearchResult& with_pushes,
 bool pattern_established(const Problem& problem, const SearchResult& search, int pattern,
                          int tried) {
   const std::vector<int> present = leading(search).candidates;
-  const ModelFit* rival = nullptr;
-  for (const ModelFit& model : search.models) {
-    const bool may_stand =
-        std::all_of(model.candidates.begin(), model.candidates.end(), [&](int c) {
-          const bool stays = c != pattern && std::binary_search(present.begin(), present.end(), c);
-          return stays || !problem.hypotheses.candidates[c].is_pattern();
-        });
-    if (may_stand && (rival == nullptr || model.log_weight() > rival->log_weight())) rival = &model;
-  }
-  if (rival == nullptr) return true;
+  const ModelFit* without = rival(search, [&](const ModelFit& model) {
+    return std::all_of(model.candidates.begin(), model.candidates.end(), [&](int c) {
+      const bool stays = c != pattern && std::binary_search(present.begin(), present.end(), c);
+      return stays || !problem.hypotheses.candidates[c].is_pattern();
+    });
+  });
   const Settings& settings = problem.settings;
-  const double least = leaves_more(problem, rival->fit) ? settings.worth : settings.clear_lead;
-  return leading(search).log_weight() - rival->log_weight() > least + std::log(std::max(1, tried));
+  const bool more = without != nullptr && leaves_more(problem, without->fit);
+  const double least = more ? settings.worth : settings.clear_lead;
+  return lead_over(without, search) > least + std::log(std::max(1, tried));
 }
 
 void leave_out_unfounded(const Problem& with, const EffectsAlone& alone, int tried,

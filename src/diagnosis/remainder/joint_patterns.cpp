@@ -10,13 +10,14 @@
 namespace jaculus::diagnosis {
 namespace {
 
-constexpr double kTurn = 2.0 * std::numbers::pi;
-constexpr double kShare = 0.1;       ///< of a motor's torque, prior of a scale
-constexpr double kRamp = 0.05;       ///< of the duration, in which a loss sets in
-constexpr double kAllOfIt = 1.5;     ///< of a share that is 1 where the cause is there
-constexpr double kSettle = 1e-3;     ///< of a driver that follows at once [s]
-constexpr double kSpotWidth = 0.2;   ///< of a joint's range
-constexpr double kLeastRange = 0.1;  ///< of a joint, for sizes [rad or m]
+constexpr double kShare =
+    0.1;  ///< of a motor's torque, prior of a scale: k_t as data sheets have it
+constexpr double kRamp =
+    0.05;  ///< of the duration, in which a loss sets in: a quarter of its grid's
+constexpr double kAllOfIt = 1.5;    ///< of a share that is 1 where the cause is there: half as much
+constexpr double kSettle = 1e-3;    ///< of a driver that follows at once: a sample at 1 kHz [s]
+constexpr double kSpotWidth = 0.2;  ///< of a joint's range: the grid's places are 0.3 apart
+constexpr double kLeastRange = 0.1;  ///< of a joint, below which nothing is told [rad or m]
 const std::vector<int> kWaves = {1, 2, 3, 4, 6, 8, 10, 12, 14, 16, 18, 20, 24, 28, 36};  ///< a turn
 
 // Grids of what a linear scan can't fit: factors of 2 to 3 apart, over what a motion can tell.
@@ -53,28 +54,24 @@ void add_worn_frictions(PatternMaker& maker) {
   const PatternPlace& place = maker.at();
   for (const double share : kBristles) {
     PlacePattern& bristles =
-        maker.add(Regressor::sign_of_speed, fmt::format("bristles_{:.0f}", 100.0 * share),
-                  "is elastic for a small motion and acts against a larger one",
-                  {maker.one_sided("level")}, {maker.line("-level*bend")});
+        maker.add_caused(Regressor::sign_of_speed, fmt::format("bristles_{:.0f}", 100.0 * share),
+                         "is elastic for a small motion and acts against a larger one",
+                         "hysteresis", {maker.one_sided("level")}, maker.line("-level*bend"));
     bristles.shape = width_shape(place.metre, share * range_of(place));
     bristles.states = {
         "  bend: {unit: \"-\", initial: 0, derivative: \"(qd - abs(qd)*bend)/width\"}\n"};
-    bristles.form = "is elastic for a small motion and acts against a larger one: hysteresis";
-    bristles.listed = false;
   }
 
   for (const double share : kTravels) {
-    PlacePattern& grease =
-        maker.add(Regressor::sign_of_speed, fmt::format("grease_{:.0f}", 100.0 * share),
-                  "acts against the motion and fades with the way", {maker.one_sided("level")},
-                  {maker.line("-level*tanh(qd/rest)*exp(-way/width)")});
+    PlacePattern& grease = maker.add_caused(
+        Regressor::sign_of_speed, fmt::format("grease_{:.0f}", 100.0 * share),
+        "acts against the motion and fades with the way", "grease that is not worked loose",
+        {maker.one_sided("level")}, maker.line("-level*tanh(qd/rest)*exp(-way/width)"));
     grease.shape = width_shape(place.metre, share * range_of(place));
     grease.states = {
         fmt::format("  way: {{unit: {}, initial: 0, derivative: \"abs(qd)\", scale: {:.4g}}}\n",
                     place.metre, range_of(place))};
     grease.constants = {maker.rest_line()};
-    grease.form = "acts against the motion and fades with the way: grease that is not worked loose";
-    grease.listed = false;
   }
 }
 
@@ -87,10 +84,7 @@ void add_losses(PatternMaker& maker) {
   const auto add = [&](const std::string& kind, const std::string& caption,
                        const std::string& cause, const PatternParameter& parameter,
                        const std::string& line) -> PlacePattern& {
-    PlacePattern& pattern = maker.add(Regressor::motor_torque, kind, caption, {parameter}, {line});
-    pattern.form = caption + ": " + cause;
-    pattern.listed = false;
-    return pattern;
+    return maker.add_caused(Regressor::motor_torque, kind, caption, cause, {parameter}, line);
   };
 
   add("saturation", "is a share of the motor's that grows with it", "magnets saturate",
@@ -141,7 +135,7 @@ void add_losses(PatternMaker& maker) {
 
 void add_waves(PatternMaker& maker) {
   const PatternPlace& place = maker.at();
-  const double turn = place.metre == "rad" ? kTurn : 1.0;
+  const double turn = place.metre == "rad" ? 2.0 * std::numbers::pi : 1.0;
   for (const int waves : kWaves) {
     const double period = turn / waves;
     if (period > 2.0 * place.range) continue;
@@ -163,13 +157,12 @@ void add_runouts(PatternMaker& maker) {
   cosine.name = "cosine";
   for (const int waves : {1, 2}) {
     if (place.turn / waves > 2.0 * place.range) continue;
-    PlacePattern& runout =
-        maker.add(Regressor::motor_torque, fmt::format("runout_{}", waves),
-                  "is a share of the motor's that repeats with the position", {sine, cosine},
-                  {maker.share_line("tau*(sine*sin(2*pi*q/period) + cosine*cos(2*pi*q/period))")});
+    PlacePattern& runout = maker.add_caused(
+        Regressor::motor_torque, fmt::format("runout_{}", waves),
+        "is a share of the motor's that repeats with the position", "a gear out of round",
+        {sine, cosine},
+        maker.share_line("tau*(sine*sin(2*pi*q/period) + cosine*cos(2*pi*q/period))"));
     runout.shape = period_shape(place.metre, place.turn / waves);
-    runout.form = "is a share of the motor's that repeats with the position: a gear out of round";
-    runout.listed = false;
   }
 }
 
@@ -194,15 +187,14 @@ void add_one_sided_springs(PatternMaker& maker) {
   const Way way = way_of(place);
   for (const double share : kSlacks) {
     const auto add = [&](const std::string& side, const std::string& beyond) {
-      PlacePattern& cable =
-          maker.add(Regressor::position, fmt::format("taut_{}_{:.0f}", side, 100.0 * share),
-                    "pulls back beyond a position",
-                    {maker.one_sided("stiffness", place.metre, (1.0 - share) * range)},
-                    {maker.line("-stiffness*" + beyond)});
+      PlacePattern& cable = maker.add_caused(
+          Regressor::position, fmt::format("taut_{}_{:.0f}", side, 100.0 * share),
+          "pulls back beyond a position", "a cable that gets taut, something in the way",
+          {maker.one_sided("stiffness", place.metre, (1.0 - share) * range)},
+          maker.line("-stiffness*" + beyond));
       cable.constants = way.constants;
       cable.states = way.states;
       cable.shape = slack_shape(place.metre, share * range, range);
-      cable.form = "pulls back beyond a position: a cable that gets taut, something in the way";
     };
     add("up", fmt::format("max(0, {} - slack)", way.text));
     add("down", fmt::format("min(0, {} + slack)", way.text));
@@ -219,6 +211,29 @@ void add_springs(PatternMaker& maker) {
   spring.constants = way.constants;
   spring.states = way.states;
   add_one_sided_springs(maker);
+}
+
+/// Dry friction near one angle.
+void add_spots(PatternMaker& maker) {
+  const PatternPlace& place = maker.at();
+  const double range = range_of(place), width = kSpotWidth * range;
+  for (std::size_t k = 0; k < kSpots.size(); ++k) {
+    PlacePattern& spot = maker.add_caused(
+        Regressor::sign_of_speed, fmt::format("spot_{}", k),
+        "acts against the motion near a position", "a tight spot", {maker.one_sided("level")},
+        maker.line("-level*tanh(qd/rest)*exp(-((q - spot)/width)^2)"));
+    const double at = place.start + kSpots[k] * range;
+    spot.shape = {"spot", place.metre, at, width, at - 2.0 * width, at + 2.0 * width};
+    spot.constants = {maker.rest_line(), constant_line("width", place.metre, width)};
+  }
+}
+
+void add_weight(PatternMaker& maker) {
+  const PatternPlace& place = maker.at();
+  if (place.body.empty() || place.metre != "rad") return;
+  maker.add(Regressor::gravity_direction, "weight", "turns with the direction of gravity",
+            {maker.parameter("sine"), maker.parameter("cosine")},
+            {maker.line(fmt::format("sine*sin({0}.angle) + cosine*cos({0}.angle)", place.body))});
 }
 
 }  // namespace
@@ -239,31 +254,12 @@ void add_joint_patterns(PatternMaker& maker) {
   add_worn_frictions(maker);
   add_losses(maker);
   add_springs(maker);
-  if (place.of_group) return;  // each joint of one would have its own phase
+
+  if (place.of_group) return;  // each joint of one would have its own phase and place
   add_waves(maker);
   add_runouts(maker);
-}
-
-void add_placed_patterns(PatternMaker& maker) {
-  const PatternPlace& place = maker.at();
-  const double range = range_of(place);
-
-  for (std::size_t k = 0; k < kSpots.size(); ++k) {
-    PlacePattern& spot =
-        maker.add(Regressor::sign_of_speed, fmt::format("spot_{}", k),
-                  "acts against the motion near a position", {maker.one_sided("level")},
-                  {maker.line("-level*tanh(qd/rest)*exp(-((q - spot)/width)^2)")});
-    const double at = place.start + kSpots[k] * range, width = kSpotWidth * range;
-    spot.shape = {"spot", place.metre, at, width, at - 2.0 * width, at + 2.0 * width};
-    spot.constants = {maker.rest_line(), constant_line("width", place.metre, width)};
-    spot.form = "acts against the motion near a position: a tight spot";
-    spot.listed = false;
-  }
-
-  if (place.body.empty() || place.metre != "rad") return;
-  maker.add(Regressor::gravity_direction, "weight", "turns with the direction of gravity",
-            {maker.parameter("sine"), maker.parameter("cosine")},
-            {maker.line(fmt::format("sine*sin({0}.angle) + cosine*cos({0}.angle)", place.body))});
+  add_spots(maker);
+  add_weight(maker);
 }
 
 }  // namespace jaculus::diagnosis

@@ -5,9 +5,7 @@
 
 namespace jaculus::diagnosis {
 
-/// What a group's joints may have as well as one alone.
+/// What a group's joints may have as well as one alone, and of one what goes with its own angle.
 void add_joint_patterns(PatternMaker& maker);
-/// What one joint has: a tight spot, a weight beyond it.
-void add_placed_patterns(PatternMaker& maker);
 
 }  // namespace jaculus::diagnosis

@@ -46,6 +46,16 @@ PlacePattern& PatternMaker::add(Regressor regressor, const std::string& kind,
   return made.back();
 }
 
+PlacePattern& PatternMaker::add_caused(Regressor regressor, const std::string& kind,
+                                       const std::string& caption, const std::string& cause,
+                                       std::vector<PatternParameter> parameters,
+                                       const std::string& formula) {
+  PlacePattern& pattern = add(regressor, kind, caption, std::move(parameters), {formula});
+  pattern.form = caption + ": " + cause;
+  pattern.listed = false;
+  return pattern;
+}
+
 PatternParameter PatternMaker::parameter(const std::string& name, const std::string& per,
                                          double size) const {
   const std::string unit = per.empty() ? (place_.by_limit() ? "\"-\"" : place_.force)

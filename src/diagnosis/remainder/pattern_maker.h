@@ -37,6 +37,11 @@ class PatternMaker {
 
   PlacePattern& add(Regressor regressor, const std::string& kind, const std::string& caption,
                     std::vector<PatternParameter> parameters, std::vector<std::string> formulas);
+  /// The same of a form that the regressor says only in part: "caption: cause". The catalogue has
+  /// no effect of it.
+  PlacePattern& add_caused(Regressor regressor, const std::string& kind, const std::string& caption,
+                           const std::string& cause, std::vector<PatternParameter> parameters,
+                           const std::string& formula);
   /// A parameter in units of force over `per`, whose usual size is `size`.
   [[nodiscard]] PatternParameter parameter(const std::string& name, const std::string& per = {},
                                            double size = 1.0) const;

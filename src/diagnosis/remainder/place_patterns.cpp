@@ -18,7 +18,6 @@ namespace {
 
 using model::PlanarModel;
 
-constexpr double kTurn = 2.0 * std::numbers::pi;
 constexpr double kWaveSpread = 0.05, kWaveRange = 0.2;   ///< of a period
 constexpr double kSlackSpread = 0.5, kSlackRange = 3.0;  ///< of a slack; grids are 2 apart
 constexpr double kLeastSlack = 0.1;                      ///< of the range, where it begins at once
@@ -27,21 +26,21 @@ constexpr double kWidthSpread = 0.5, kWidthRange = 3.0;  ///< of a width
 PatternPlace joint_place(const PlanarModel& robot, const model::PlanarMotor& motor,
                          const UsualMotion& usual, const PatternSizes& sizes) {
   const int m = robot.motor_index(motor.joint);
-  const bool turns = robot.bodies[motor.body].kind == model::JointKind::revolute;
+  const bool turns = !robot.slides(motor);
   PatternPlace place{"joint", motor.joint, "{joint: " + motor.joint + "}"};
   place.key = turns ? "torque" : "force";
   place.force = turns ? "N m" : "N";
   place.metre = turns ? "rad" : "m";
   place.what = place.key + " at " + motor.joint;
-  place.limited = std::isfinite(components::largest_joint_torque(motor).value);
-  place.limit = place.limited ? components::largest_joint_torque(motor).value
-                              : large_force(robot, motor, sizes.lever);
+  const double limit = components::largest_joint_torque(motor).value;
+  place.limited = std::isfinite(limit);
+  place.limit = place.limited ? limit : large_force(robot, motor, sizes.lever);
   place.large = sizes.prior * place.limit;
   place.speed = std::max(1e-3, usual.motors.speed[m]);
   place.rest = sizes.rest_speed * place.speed;
   place.duration = usual.duration;
   place.body = robot.bodies[motor.body].name;
-  if (turns && !motor.ideal()) place.turn = kTurn / motor.gear;
+  if (turns && !motor.ideal()) place.turn = 2.0 * std::numbers::pi / motor.gear;
   place.start = usual.motors.start[m];
   place.range = usual.motors.range[m];
   return place;
@@ -85,7 +84,6 @@ void add_joints(const PlanarModel& robot, const UsualMotion& usual, const Patter
   for (const model::PlanarMotor& motor : robot.motors) {
     PatternMaker maker(joint_place(robot, motor, usual, sizes));
     add_joint_patterns(maker);
-    add_placed_patterns(maker);
     add_all(maker, all);
     if (index_of(leg_joints, motor.joint) >= 0) legs.push_back(maker.at());
     if (index_of(other_joints, motor.joint) >= 0) others.push_back(maker.at());
