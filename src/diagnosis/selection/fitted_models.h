@@ -1,6 +1,7 @@
 #pragma once
 // The models fitted so far in a search, and how more are added.
 
+#include <map>
 #include <set>
 #include <vector>
 
@@ -71,6 +72,10 @@ class FittedModels {
   /// The best fit of what is left where one member of a set is dropped, or none's.
   [[nodiscard]] const Fit& contained_in(const Members& members) const;
   void refine(ModelFit& model, std::vector<Vector> starts = {});
+  /// The next of the models by slopes that may come to lead; null where none may. `moved`: by how
+  /// much refining changed others; `widely`: those that lead by less than clear_lead as well.
+  [[nodiscard]] ModelFit* next_to_refine(const std::set<Members>& refined,
+                                         const std::map<Members, double>& moved, bool widely);
   /// Where a model would stand if tolerances, as far as they reach, were what a leading one's other
   /// effects are: the same robot by other names.
   [[nodiscard]] Vector by_tolerances(const ModelFit& lead, const ModelFit& model) const;

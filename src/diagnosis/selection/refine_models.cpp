@@ -4,38 +4,68 @@
 #include <algorithm>
 #include <iterator>
 #include <map>
+#include <optional>
 #include <set>
 
 #include "diagnosis/selection/fitted_models.h"
 
 namespace jaculus::diagnosis {
+namespace {
+
+/// What simulating changed of the largest of some models that `members` contains; nothing where it
+/// contains none.
+std::optional<double> moved_alike(const Members& members, const std::map<Members, double>& moved) {
+  std::optional<double> alike;
+  std::size_t most = 0;
+  for (const auto& [within, change] : moved) {
+    if (within.size() <= most ||
+        !std::includes(members.begin(), members.end(), within.begin(), within.end()))
+      continue;
+    most = within.size();
+    alike = change;
+  }
+  return alike;
+}
+
+}  // namespace
 
 void FittedModels::refine(const std::optional<Vector>& none_in_own) {
   if (problem_.hypotheses.tolerances.empty() || linear_.slopes.cols() == 0) return;
   std::set<Members> refined = {Members{}};
+  std::map<Members, double> moved;  // what simulating changed, of those with effects
   std::vector<Vector> own;
   if (none_in_own) own.push_back(*none_in_own);
   refine(models_.front(), own);
   for (int count = 0;; ++count) {
     if (count >= problem_.settings.refined && refined.contains(leading()->candidates)) break;
-    const double best = value(*leading());
-    ModelFit* next = nullptr;
-    for (ModelFit& model : models_)
-      if (model.fit.valid && !refined.contains(model.candidates) &&
-          (next == nullptr || value(model) > value(*next)))
-        next = &model;
-    // Slopes misjudge a model by more than what tells two apart.
-    const double behind = count < problem_.settings.refined
-                              ? problem_.settings.clear_lead
-                              : problem_.settings.indistinguishable_below;
-    if (next == nullptr || value(*next) < best - behind) break;
+    ModelFit* next = next_to_refine(refined, moved, count < problem_.settings.refined);
+    if (next == nullptr) break;
+    const double before = value(*next);
     refine(*next);
+    moved[next->candidates] = value(*next) - before;
     refined.insert(next->candidates);
   }
 
   refine_within(*leading(), refined);
   // Windows start from what was measured, so that no landing makes valleys there.
   if (!in_windows(problem_)) share_valleys(refined);
+}
+
+ModelFit* FittedModels::next_to_refine(const std::set<Members>& refined,
+                                       const std::map<Members, double>& moved, bool widely) {
+  const Settings& settings = problem_.settings;
+  const double best = value(*leading());
+  ModelFit* next = nullptr;
+  for (ModelFit& model : models_) {
+    if (!model.fit.valid || refined.contains(model.candidates)) continue;
+    const std::optional<double> alike = moved_alike(model.candidates, moved);
+    // Slopes misjudge a model by more than what tells two apart, but one and what it contains alike.
+    const double behind = widely && !alike ? settings.clear_lead : settings.indistinguishable_below;
+    const bool near = value(model) + alike.value_or(0.0) >= best - behind;
+    if (!near && &model != leading()) continue;
+    if (next == nullptr || value(model) > value(*next)) next = &model;
+  }
+  return next;
 }
 
 void FittedModels::refine_within(const ModelFit& larger, std::set<Members>& refined) {
