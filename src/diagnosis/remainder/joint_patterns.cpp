@@ -102,6 +102,7 @@ void add_losses(PatternMaker& maker) {
   rate.name = "rate";
   rate.unit = "1/s";
   rate.scale /= place.duration;
+  rate.upper /= place.duration;
   add("fading", "is a share of the motor's that grows with time", "it fades", rate,
       maker.share_line("-rate*t*tau"));
 

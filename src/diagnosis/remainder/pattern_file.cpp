@@ -2,14 +2,19 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace jaculus::diagnosis {
 namespace {
 
+constexpr double kReach = 10.0;  ///< of a size that is usual, where a fit may take it [chosen]
+
 std::string parameter_line(const PatternParameter& own, double scale) {
+  const double most = kReach * scale;
   return fmt::format("  {}: {{unit: {}, nominal: 0, bounds: [{:.4g}, {:.4g}], scale: {:.4g}}}\n",
-                     own.name, own.unit, own.lower * scale, own.upper * scale, scale);
+                     own.name, own.unit, std::max(own.lower, -most), std::min(own.upper, most),
+                     scale);
 }
 
 }  // namespace

@@ -73,7 +73,7 @@ PatternParameter PatternMaker::one_sided(const std::string& name, const std::str
 PatternParameter PatternMaker::lost() const {
   PatternParameter own = share();
   own.lower = 0.0;
-  own.upper = 1.0 / own.scale;
+  own.upper = 1.0;
   return own;
 }
 

@@ -33,7 +33,7 @@ namespace jaculus::diagnosis {
 struct PatternParameter {
   std::string name, unit;
   double scale = 1.0;
-  double lower = -10.0, upper = 10.0;  ///< where it may be [scales]
+  double lower = -kInfinity, upper = kInfinity;  ///< what it can be at all [unit]
 };
 
 /// A number that a form isn't linear in: a period, from where a spring acts, a width.
