@@ -39,7 +39,7 @@ const std::vector<Reliability>& reliabilities();
 
 /// What speaks against the one effect that is reported: another predicts held-out data nearly as
 /// well, the gap was small from the start, or not all of it went. Empty for other verdicts. With
-/// such reasons 12 of 15 counted verdicts were right, without 21 of 23: too few to part the
+/// such reasons 9 of 10 counted verdicts were right, without 20 of 21: too few to part the
 /// probability, so they are only said.
 std::vector<std::string> doubts(Verdict verdict, const HeldOut& gap,
                                 const std::vector<FoundEffect>& effects,
