@@ -46,11 +46,6 @@ bool has_one_push(const Problem& problem, const Whitening& whitening, const Mode
   return pushes == 1;
 }
 
-/// By how much the most probable model leads none [log weight].
-double lead_over_none(const SearchResult& search) {
-  return leading(search).log_weight() - search.models.front().log_weight();
-}
-
 /// The most probable of those that may stand in its place, none where all are out.
 template <typename MayStand>
 const ModelFit* rival(const SearchResult& search, const MayStand& may_stand) {
@@ -61,39 +56,10 @@ const ModelFit* rival(const SearchResult& search, const MayStand& may_stand) {
   return best;
 }
 
-/// By how much the most probable model leads another [log weight].
-double lead_over(const ModelFit* other, const SearchResult& search) {
-  return other == nullptr ? kInfinity : leading(search).log_weight() - other->log_weight();
-}
-
-double lead_over_effects(const Problem& problem, const SearchResult& search) {
-  const auto of_effects = [&](const ModelFit& model) {
-    return !problem.hypotheses.beyond_effects(model.candidates);
-  };
-  return lead_over(rival(search, of_effects), search);
-}
-
-/// Effects of the leading model, pushes and patterns left out.
-int effects_of_leading(const Problem& problem, const SearchResult& search) {
-  const std::vector<int>& members = leading(search).candidates;
-  return static_cast<int>(std::count_if(members.begin(), members.end(), [&](int c) {
-    return !problem.hypotheses.candidates[c].beyond_effects();
-  }));
-}
-
-/// Whether a push takes the place of effects, and clearly leads the best model of effects alone.
-bool is_simpler(const Problem& with, const SearchResult& with_pushes,
-                const SearchResult& effects_alone) {
-  return effects_of_leading(with, with_pushes) < count_of(leading(effects_alone).candidates) &&
-         lead_over_effects(with, with_pushes) > with.settings.clear_lead;
-}
-
-/// Whether the leading model's push is established, and takes the place of an effect where effects
-/// alone left nothing more.
-bool push_holds(const Problem& with, const Selection& again, const EffectsAlone& alone) {
-  return push_established(with, again.search, alone.search) &&
-         (leaves_more(alone.problem, leading(alone.search).fit) ||
-          is_simpler(with, again.search, alone.search));
+/// How many forces were tried of which a candidate is one: patterns, or pushes along so many
+/// coordinates. When a push acts and for how long are parameters, for which its evidence pays.
+int tried_like(const Problem& with, const Candidate& candidate, int patterns) {
+  return candidate.is_event() ? count_of(with.hypotheses.forces) : patterns;
 }
 
 /// A candidate as if it had not been one.
@@ -107,12 +73,12 @@ void leave_out(int candidate, SearchResult& search) {
 }
 
 /// The first member of the leading model that is no effect and doesn't hold; -1 where all do.
-int unfounded_member(const Problem& with, const EffectsAlone& alone, int tried,
-                     const Selection& again) {
-  for (const int c : leading(again.search).candidates) {
+int unfounded_member(const Problem& with, int patterns_tried, const SearchResult& search) {
+  for (const int c : leading(search).candidates) {
     const Candidate& own = with.hypotheses.candidates[c];
-    if (own.is_event() && !push_holds(with, again, alone)) return c;
-    if (own.is_pattern() && !pattern_established(with, again.search, c, tried)) return c;
+    if (own.beyond_effects() &&
+        !force_established(with, search, c, tried_like(with, own, patterns_tried)))
+      return c;
   }
   return -1;
 }
@@ -125,38 +91,31 @@ const ModelFit& leading(const SearchResult& search) {
       [](const ModelFit& a, const ModelFit& b) { return a.log_weight() < b.log_weight(); });
 }
 
-bool push_established(const Problem& problem, const SearchResult& with_pushes,
-                      const SearchResult& effects_alone) {
-  const Settings& settings = problem.settings;
-  if (!lacks(problem, leading(with_pushes).fit)) return true;
-  return lead_over_none(effects_alone) < settings.bare_mention &&
-         lead_over_effects(problem, with_pushes) > settings.clear_lead;
-}
-
-bool pattern_established(const Problem& problem, const SearchResult& search, int pattern,
-                         int tried) {
-  const std::vector<int> present = leading(search).candidates;
+bool force_established(const Problem& problem, const SearchResult& search, int candidate,
+                       int tried) {
+  const ModelFit& lead = leading(search);
+  const std::vector<int>& present = lead.candidates;
   const ModelFit* without = rival(search, [&](const ModelFit& model) {
     return std::all_of(model.candidates.begin(), model.candidates.end(), [&](int c) {
-      const bool stays = c != pattern && std::binary_search(present.begin(), present.end(), c);
-      return stays || !problem.hypotheses.candidates[c].is_pattern();
+      const bool stays = c != candidate && std::binary_search(present.begin(), present.end(), c);
+      return stays || !problem.hypotheses.candidates[c].beyond_effects();
     });
   });
+  if (without == nullptr) return true;
+
   const Settings& settings = problem.settings;
-  const bool more = without != nullptr && leaves_more(problem, without->fit);
-  const double least = more ? settings.worth : settings.clear_lead;
-  return lead_over(without, search) > least + std::log(std::max(1, tried));
+  const double least = leaves_more(problem, without->fit) ? settings.worth : settings.clear_lead;
+  return lead.log_weight() - without->log_weight() > least + std::log(std::max(1, tried));
 }
 
-void leave_out_unfounded(const Problem& with, const EffectsAlone& alone, int tried,
-                         Selection& again) {
+void leave_out_unfounded(const Problem& with, int patterns_tried, Selection& again) {
   // A push that is none in itself is no rival of a pattern either.
   std::erase_if(again.search.models, [&](const ModelFit& model) {
     return with.hypotheses.has_event(model.candidates) &&
            !has_one_push(with, again.comparison.whitening, model);
   });
-  for (int c = unfounded_member(with, alone, tried, again); c >= 0;
-       c = unfounded_member(with, alone, tried, again))
+  for (int c = unfounded_member(with, patterns_tried, again.search); c >= 0;
+       c = unfounded_member(with, patterns_tried, again.search))
     leave_out(c, again.search);
 
   const std::vector<int> members = leading(again.search).candidates;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <numeric>
-#include <set>
 
 #include "diagnosis/established_forces.h"
 #include "diagnosis/pattern_scan.h"
@@ -130,14 +129,6 @@ CandidatePatterns candidate_patterns(const Prepared& prepared, const Selection& 
   return patterns;
 }
 
-/// The effects that a search found worth a fit.
-std::vector<effects::Effect> fitted_effects(const Problem& problem, const SearchResult& search) {
-  std::set<int> fitted;
-  for (const ModelFit& model : search.models)
-    fitted.insert(model.candidates.begin(), model.candidates.end());
-  return problem.hypotheses.effects_of({fitted.begin(), fitted.end()});
-}
-
 /// The same data with these effects as candidates.
 Prepared with_effects(const Prepared& prepared, std::vector<effects::Effect> effects) {
   const Problem& problem = *prepared.built.problem;
@@ -148,31 +139,14 @@ Prepared with_effects(const Prepared& prepared, std::vector<effects::Effect> eff
   return out;
 }
 
-/// The prepared data with some effects, and what was found among them.
-struct SearchedAmong {
-  Prepared with;
-  Selection found;
-};
-
-SearchedAmong searched_among(const Prepared& prepared, std::vector<effects::Effect> effects,
-                             const std::vector<effects::Effect>& pushes,
-                             const std::vector<PlacePattern>& patterns,
-                             const ProblemBuilder& rebuild, const DiagnoseOptions& options) {
-  effects.insert(effects.end(), pushes.begin(), pushes.end());
-  for (const PlacePattern& pattern : patterns) effects.push_back(pattern_effect(pattern));
-  Prepared with = with_effects(prepared, std::move(effects));
-  Selection found = selected(with, rebuild, options);
-  return {std::move(with), std::move(found)};
-}
-
-/// The patterns of the leading model.
-std::vector<PlacePattern> leading_patterns(const SearchedAmong& searched,
+/// The patterns of a search's leading model.
+std::vector<PlacePattern> leading_patterns(const Problem& problem, const SearchResult& search,
                                            std::vector<PlacePattern> patterns) {
-  const std::vector<Candidate>& candidates = searched.with.built.problem->hypotheses.candidates;
-  const std::vector<int>& members = leading(searched.found.search).candidates;
+  const std::vector<int>& members = leading(search).candidates;
   std::erase_if(patterns, [&](const PlacePattern& pattern) {
-    return std::none_of(members.begin(), members.end(),
-                        [&](int c) { return candidates[c].name == pattern.name; });
+    return std::none_of(members.begin(), members.end(), [&](int c) {
+      return problem.hypotheses.candidates[c].name == pattern.name;
+    });
   });
   return patterns;
 }
@@ -198,26 +172,20 @@ Searched search_with_forces(Prepared prepared, const ProblemBuilder& rebuild,
   const CandidatePatterns likely = candidate_patterns(prepared, alone);
   if (pushes.empty() && likely.patterns.empty()) return {std::move(prepared), std::move(alone), {}};
 
-  const auto beyond_effects = [&](SearchedAmong& searched) {
-    if (searched.found.search.models.empty()) return false;
-    leave_out_unfounded(*searched.with.built.problem, {problem, alone.search}, likely.tried,
-                        searched.found);
-    return searched.with.built.problem->hypotheses.beyond_effects(
-        leading(searched.found.search).candidates);
-  };
-  SearchedAmong among = searched_among(prepared, fitted_effects(problem, alone.search), pushes,
-                                       likely.patterns, rebuild, options);
-  if (!beyond_effects(among)) return {std::move(prepared), std::move(alone), {}};
+  // Beside the whole catalogue: a pattern may do what an effect does that was not worth a fit.
+  std::vector<effects::Effect> all = all_effects(problem);
+  all.insert(all.end(), pushes.begin(), pushes.end());
+  for (const PlacePattern& pattern : likely.patterns) all.push_back(pattern_effect(pattern));
+  Prepared with = with_effects(prepared, std::move(all));
+  Selection found = selected(with, rebuild, options);
+  if (found.search.models.empty()) return {std::move(prepared), std::move(alone), {}};
 
-  // A pattern may do what an effect does that was not worth a fit about another leader: the whole
-  // catalogue is asked beside it.
-  std::vector<PlacePattern> patterns = leading_patterns(among, likely.patterns);
-  if (!patterns.empty()) {
-    if (options.progress) options.progress("the catalogue beside these");
-    among = searched_among(prepared, all_effects(problem), pushes, patterns, rebuild, options);
-    if (!beyond_effects(among)) return {std::move(prepared), std::move(alone), {}};
-  }
-  return {std::move(among.with), std::move(among.found), std::move(patterns)};
+  const Problem& among = *with.built.problem;
+  leave_out_unfounded(among, likely.tried, found);
+  if (!among.hypotheses.beyond_effects(leading(found.search).candidates))
+    return {std::move(prepared), std::move(alone), {}};
+  std::vector<PlacePattern> patterns = leading_patterns(among, found.search, likely.patterns);
+  return {std::move(with), std::move(found), std::move(patterns)};
 }
 
 }  // namespace jaculus::diagnosis

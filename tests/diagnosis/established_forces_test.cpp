@@ -46,55 +46,63 @@ SearchResult led(const std::vector<std::pair<std::vector<int>, double>>& models)
 
 double asked(const Settings& settings) { return settings.clear_lead + std::log(kTried); }
 
-TEST(EstablishedPattern, LeadsWhatHasNoneByMoreThanHowManyWereTried) {
+TEST(EstablishedForce, LeadsWhatHasNoneByMoreThanHowManyWereTried) {
   const Candidates c;
   const double most = asked(c.problem.settings);
   const auto established = [&](double nats) {
-    return pattern_established(c.problem, led({{{kFriction}, 40.0}, {{kCable}, 40.0 + nats}}),
-                               kCable, kTried);
+    return force_established(c.problem, led({{{kFriction}, 40.0}, {{kCable}, 40.0 + nats}}), kCable,
+                             kTried);
   };
   EXPECT_TRUE(established(most + 0.1));
   EXPECT_FALSE(established(most - 0.1));
 }
 
-TEST(EstablishedPattern, MayBeOfAnotherForm) {
+TEST(EstablishedForce, MayBeOfAnotherForm) {
   const Candidates c;
   EXPECT_TRUE(
-      pattern_established(c.problem, led({{{kWave}, 59.0}, {{kCable}, 60.0}}), kCable, kTried));
+      force_established(c.problem, led({{{kWave}, 59.0}, {{kCable}, 60.0}}), kCable, kTried));
 }
 
 // Each of two must be needed: one may not ride on the other.
-TEST(EstablishedPattern, IsAskedBesideAnother) {
+TEST(EstablishedForce, IsAskedBesideAnother) {
   const Candidates c;
   const SearchResult search =
       led({{{kFriction, kWave}, 59.0}, {{kCable, kWave}, 60.0}, {{kFriction}, 5.0}});
-  EXPECT_FALSE(pattern_established(c.problem, search, kCable, kTried));
-  EXPECT_TRUE(pattern_established(c.problem, search, kWave, kTried));
+  EXPECT_FALSE(force_established(c.problem, search, kCable, kTried));
+  EXPECT_TRUE(force_established(c.problem, search, kWave, kTried));
 }
 
 // Where what is without it leaves more, a force is missing anyhow.
-TEST(EstablishedPattern, NeedsAClearLeadOnlyInThePlaceOfWhatLeavesNothing) {
+TEST(EstablishedForce, NeedsAClearLeadOnlyInThePlaceOfWhatLeavesNothing) {
   const Candidates c;
   const double lead = c.problem.settings.worth + std::log(kTried) + 0.1;
   SearchResult search = led({{{kFriction}, 40.0}, {{kCable}, 40.0 + lead}});
-  EXPECT_FALSE(pattern_established(c.problem, search, kCable, kTried));
+  EXPECT_FALSE(force_established(c.problem, search, kCable, kTried));
   search.models[1].fit.log_complete = -1e6;
-  EXPECT_TRUE(pattern_established(c.problem, search, kCable, kTried));
+  EXPECT_TRUE(force_established(c.problem, search, kCable, kTried));
+}
+
+// Between a push and a pattern that are both needed the more probable one is told.
+TEST(EstablishedForce, IsNotAskedToLeadOneOfAnotherKind) {
+  Candidates c;
+  c.effects[kWave].pattern = false;
+  c.effects[kWave].event = true;
+  const SearchResult search = led({{{kFriction}, 5.0}, {{kCable}, 58.0}, {{kWave}, 60.0}});
+  EXPECT_TRUE(force_established(c.problem, search, kWave, kTried));
 }
 
 TEST(LeaveOut, WhatDoesNotHoldIsNoCandidateAnyMore) {
   const Candidates c;
-  const SearchResult none = led({});
   Selection found;
   found.search = led({{{kFriction}, 55.0}, {{kCable}, 60.0}, {{kWave}, 30.0}});
-  leave_out_unfounded(c.problem, {c.problem, none}, kTried, found);
+  leave_out_unfounded(c.problem, kTried, found);
   EXPECT_EQ(leading(found.search).candidates, std::vector<int>{kFriction});
   EXPECT_EQ(found.search.models.size(), 2U);
   EXPECT_EQ(found.search.indistinguishable[kFriction], std::vector<int>{kFriction});
   EXPECT_FALSE(found.search.probes[kCable].valid);
 
   found.search = led({{{kFriction}, 20.0}, {{kCable}, 60.0}, {{kWave}, 30.0}});
-  leave_out_unfounded(c.problem, {c.problem, none}, kTried, found);
+  leave_out_unfounded(c.problem, kTried, found);
   EXPECT_EQ(leading(found.search).candidates, std::vector<int>{kCable});
   EXPECT_EQ(found.search.models.size(), 3U);  // the wave, which doesn't lead, is left out
 }

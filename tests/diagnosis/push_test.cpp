@@ -75,42 +75,5 @@ TEST(PushUnderAScript, IsNotMadeOfAnEffect) {
   EXPECT_TRUE(found.events.empty());
 }
 
-/// None, and models that lead it by so many nats, beside forces worth `lacking` nats.
-SearchResult led(const std::vector<std::pair<std::vector<int>, double>>& models, double lacking) {
-  SearchResult search;
-  search.models.resize(1);
-  for (const auto& [members, lead] : models) {
-    search.models.emplace_back();
-    search.models.back().candidates = members;
-    search.models.back().fit.log_evidence = lead;
-  }
-  for (ModelFit& model : search.models) {
-    model.fit.valid = true;
-    if (model.candidates.empty()) model.fit.log_evidence = 0.0;
-    model.fit.log_complete = model.fit.log_evidence - lacking;
-  }
-  return search;
-}
-
-TEST(PushUnderAScript, IsEstablishedBesideMoreOnlyWhereNoEffectExplainsAnything) {
-  const std::shared_ptr<Problem> problem = test::toy_problem(test::toy_truth(0.5, 0.0));
-  effects::Effect push, effect;
-  push.event = true;
-  problem->hypotheses.candidates[0].effect = &push;
-  problem->hypotheses.candidates[1].effect = &effect;
-  const auto established = [&](double lead, double lacking, double by_effects) {
-    return push_established(*problem, led({{{0}, lead}}, lacking),
-                            led({{{1}, by_effects}}, lacking));
-  };
-  EXPECT_TRUE(established(5.0, 0.0, 4.0));
-  EXPECT_TRUE(established(25.0, 100.0, 0.5));
-  EXPECT_FALSE(established(25.0, 100.0, 13.0));
-  EXPECT_FALSE(established(8.0, 100.0, 0.5));
-
-  // What leads is the effect beside it, which only looks so with a push among the candidates.
-  const SearchResult beside = led({{{1}, 20.0}, {{0, 1}, 22.0}}, 100.0);
-  EXPECT_FALSE(push_established(*problem, beside, led({}, 100.0)));
-}
-
 }  // namespace
 }  // namespace jaculus::diagnosis

@@ -22,8 +22,8 @@ constexpr std::size_t kAtOnce = 200;    ///< pushes whose columns stand side by 
 constexpr double kLengthScale = 0.1;    ///< [s]
 constexpr double kLargestPeak = 30.0;   ///< in forces that count as large [-]
 
-/// What acts longer than half of a motion is no push.
-double longest_push(double duration) { return std::min(kLongest, 0.5 * duration); }
+/// What acts as long as the motion takes is no push: it has to begin or end within.
+double longest_push(double duration) { return std::min(kLongest, duration); }
 
 /// A push of one size.
 struct ScannedPush {

@@ -59,7 +59,7 @@ ModelFit* FittedModels::next_to_refine(const std::set<Members>& refined,
   for (ModelFit& model : models_) {
     if (!model.fit.valid || refined.contains(model.candidates)) continue;
     const std::optional<double> alike = moved_alike(model.candidates, moved);
-    // Slopes misjudge a model by more than what tells two apart, but one and what it contains alike.
+    // Slopes misjudge a model by more than what tells two apart, but alike what it contains.
     const double behind = widely && !alike ? settings.clear_lead : settings.indistinguishable_below;
     const bool near = value(model) + alike.value_or(0.0) >= best - behind;
     if (!near && &model != leading()) continue;
