@@ -16,10 +16,10 @@ const ModelFit& leading(const SearchResult& search);
 bool force_established(const Problem& problem, const SearchResult& search, int candidate,
                        int tried);
 
-/// Leaves out models with a push that not every trial had, or that is as long as the motion; then pushes and patterns of what leads that are not established, one after the other, as
-/// if they had been no candidates. What leads then is asked in turn. In the end what doesn't lead
-/// is left out too: of a push that holds and a pattern that does as well the more probable one is
-/// told.
+/// Leaves out models with a push that not every trial had, or that is as long as the motion; then
+/// pushes and patterns of what leads that are not established, one after the other, as if they had
+/// been no candidates. What leads then is asked in turn. In the end what doesn't lead is left out
+/// too: of a push that holds and a pattern that does as well the more probable one is told.
 void leave_out_unfounded(const Problem& with, int patterns_tried, Selection& again);
 
 }  // namespace jaculus::diagnosis
