@@ -160,14 +160,17 @@ TEST(PlacePatterns, AreEffectsThatEveryRobotCanHave) {
     ASSERT_FALSE(patterns.empty()) << name;
     bool body = false, feet = false, waves = false;
     for (const PlacePattern& pattern : patterns) {
-      std::vector<double> scales;
-      for (const PatternParameter& own : pattern.parameters) scales.push_back(own.scale);
-      for (const bool free_shape : {false, true})
-        EXPECT_NO_THROW(
-            effects::parse_user_effect(pattern_file(pattern, scales, free_shape), pattern.name)
-                .require(robot))
-            << name << '\n'
-            << pattern_file(pattern, scales, free_shape);
+      // Found twenty times as large as expected, too: a loss is all there is at most.
+      for (const double found : {1.0, 20.0}) {
+        std::vector<double> scales;
+        for (const PatternParameter& own : pattern.parameters) scales.push_back(found * own.scale);
+        for (const bool free_shape : {false, true})
+          EXPECT_NO_THROW(
+              effects::parse_user_effect(pattern_file(pattern, scales, free_shape), pattern.name)
+                  .require(robot))
+              << name << '\n'
+              << pattern_file(pattern, scales, free_shape);
+      }
       body = body || pattern.place == "body";
       feet = feet || pattern.place == "feet";
       waves = waves || (pattern.at == robot.motors.front().joint && pattern.shape &&

@@ -10,7 +10,8 @@ namespace {
 
 constexpr double kReach = 10.0;  ///< of a size that is usual, where a fit may take it [chosen]
 
-std::string parameter_line(const PatternParameter& own, double scale) {
+std::string parameter_line(const PatternParameter& own, double found) {
+  const double scale = std::min(found, std::max(own.upper, -own.lower));
   const double most = kReach * scale;
   return fmt::format("  {}: {{unit: {}, nominal: 0, bounds: [{:.4g}, {:.4g}], scale: {:.4g}}}\n",
                      own.name, own.unit, std::max(own.lower, -most), std::min(own.upper, most),
