@@ -12,8 +12,6 @@ constexpr const char* kCounted =
     "the three newest blinded batches of 40 cluttered cases: by e4856cb, 1127cf9 and 255c93e";
 constexpr const char* kDoubted =
     "the same batches: 9 of 10 where something speaks against it, else 20 of 21";
-constexpr const char* kSeveral =
-    "the same batches: several (all right 3 of 7, 13 of 17 effects) and partial (2 of 5, 2 of 7)";
 
 bool names(const std::vector<std::string>& members, const std::string& effect) {
   return std::find(members.begin(), members.end(), effect) != members.end();
@@ -75,8 +73,8 @@ double share_of(const std::vector<Ranked>& ranking, const std::vector<bool>& rep
 const std::vector<Reliability>& reliabilities() {
   static const std::vector<Reliability> table = {
       {Verdict::effect, false, 29, 31, 0.4, 0.1, 0.5, kDoubted},
-      {Verdict::several, false, 5, 12, 0.5, 0.1, 0.4, kSeveral, 15, 24},
-      {Verdict::partial, false, 5, 12, 0.5, 0.1, 0.4, kSeveral, 15, 24},
+      {Verdict::several, false, 3, 7, 0.5, 0.1, 0.4, kCounted, 13, 17},
+      {Verdict::partial, false, 2, 5, 0.5, 0.1, 0.4, kCounted, 2, 7},
       {Verdict::ambiguous, false, 8, 10, 0.5, 0.1, 0.4, kCounted},
       {Verdict::none, true, 9, 13, 0.4, 0.0, 0.6, kCounted},
       {Verdict::none, false, 23, 38, 0.4, 0.0, 0.6, kCounted},
