@@ -150,7 +150,7 @@ Program::Program(const EffectSpec& spec) : spec_(spec), readings_(readings_of(sp
   for (std::size_t i = 0; i < spec_.constants.size(); ++i)
     numbers_[spec_.parameters.size() + i] = spec_.constants[i].value;
 
-  for (const SpecState& s : spec_.states) initials_.push_back(compile(s.initial, constant));
+  for (const SpecState& s : spec_.states) initials_.push_back(compile(s.initial, constant, false));
   for (std::size_t i = 0; i < spec_.values.size(); ++i)
     values_.push_back(compile(spec_.values[i].formula, first_value_ + i));
   if (spec_.code) return;  // it computes all that follows
@@ -161,7 +161,7 @@ Program::Program(const EffectSpec& spec) : spec_(spec), readings_(readings_of(sp
     for (const Formula& formula : action.formulas)
       acts_.push_back({compile(formula, slots_.size()), before});
   }
-  if (spec_.delay) delay_ = compile(*spec_.delay, constant);
+  if (spec_.delay) delay_ = compile(*spec_.delay, constant, false);
   if (spec_.reading) reading_ = compile(*spec_.reading, slots_.size());
   find_early();
 }
@@ -171,8 +171,9 @@ std::size_t Program::add_slot(const std::string& name, const Dimension& dimensio
   return slots_.size() - 1;
 }
 
-/// Compiles a formula over the first `slots` numbers; names of later ones are told as such.
-std::size_t Program::compile(const Formula& formula, std::size_t slots) {
+/// Compiles a formula over the first `slots` numbers, readings among them where it is `of_motion`;
+/// names of later ones are told as such.
+std::size_t Program::compile(const Formula& formula, std::size_t slots, bool of_motion) {
   Expression::Symbols symbols;
   std::vector<std::string> names;
   for (std::size_t i = 0; i < slots; ++i) {
@@ -182,7 +183,7 @@ std::size_t Program::compile(const Formula& formula, std::size_t slots) {
   for (const UsedName& used : names_in(formula.text)) {
     if (std::find(names.begin(), names.end(), used.name) != names.end()) continue;
     std::vector<std::string> allowed = names;
-    if (slots > first_reading_)
+    if (of_motion)
       for (const std::string& name : reading_names(spec_.place))
         if (std::find(allowed.begin(), allowed.end(), name) == allowed.end())
           allowed.push_back(name);
@@ -195,7 +196,7 @@ std::size_t Program::compile(const Formula& formula, std::size_t slots) {
         fmt::format("{} '{}'{}; allowed: {}{}", later ? "not known yet:" : "unknown name",
                     used.name, near && !later ? fmt::format(", did you mean '{}'?", *near) : "",
                     fmt::join(allowed, ", "),
-                    slots > first_reading_ && spec_.place.kind != PlaceKind::sensor
+                    of_motion && spec_.place.kind != PlaceKind::sensor
                         ? ", and JOINT.q or BODY.x of others"
                         : ""));
   }

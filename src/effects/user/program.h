@@ -68,7 +68,7 @@ class Program {
 
  private:
   std::size_t add_slot(const std::string& name, const Dimension& dimension);
-  std::size_t compile(const Formula& formula, std::size_t slots);
+  std::size_t compile(const Formula& formula, std::size_t slots, bool of_motion = true);
   void find_early();
 
   const EffectSpec spec_;
