@@ -117,7 +117,7 @@ std::string gap_text(const Diagnosis& d) {
 
 std::string events_text(const Diagnosis& d) {
   std::string text;
-  if (!d.events.empty()) text += "forces that acted once (peak):\n";
+  if (!d.events.empty()) text += "forces that acted briefly (peak):\n";
   for (const ForceEvent& e : d.events) {
     const std::string place = e.along.empty() ? e.joint : e.joint + " " + e.along;
     text += fmt::format("  {:<10} {:<12} {:6.2f} to {:.2f} s  {:.3g}",
@@ -125,8 +125,9 @@ std::string events_text(const Diagnosis& d) {
     if (std::isfinite(e.peak_ci95.lower))
       text += fmt::format(" [{}, {}]", shown_number(e.peak_ci95.lower),
                           shown_number(e.peak_ci95.upper));
-    text += fmt::format(" {}{}\n", e.unit,
-                        e.every_trial && !e.trial.empty() ? " (in most other trials too)" : "");
+    text += fmt::format(
+        " {}{}\n", e.unit,
+        e.every_trial && !e.trial.empty() ? " (at that time in most other trials too)" : "");
   }
   return text;
 }

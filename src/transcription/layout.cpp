@@ -76,7 +76,7 @@ int append_input(Writer& w, int phase, int number) {
     const double limit = left_to_move(w.problem, w.model, motor);
     w.append(fmt::format("{}, {} {}: {} torque", w.problem.phases[phase].name,
                          w.layout.held ? "interval" : "node", number, motor.joint),
-             !w.model.slides(motor) ? "N m" : "N", {-limit, limit},
+             w.model.slides(motor) ? "N" : "N m", {-limit, limit},
              std::isfinite(limit) ? limit : 1.0);
   }
   return column;
