@@ -1,6 +1,7 @@
 #include "diagnosis/established_forces.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 namespace jaculus::diagnosis {
@@ -72,15 +73,14 @@ void leave_out(int candidate, SearchResult& search) {
   for (std::vector<int>& alike : search.indistinguishable) std::erase(alike, candidate);
 }
 
-/// The first member of the leading model that is no effect and doesn't hold; -1 where all do.
-int unfounded_member(const Problem& with, int patterns_tried, const SearchResult& search) {
-  for (const int c : leading(search).candidates) {
+/// Whether every force of the leading model that is no effect holds.
+bool all_hold(const Problem& with, int patterns_tried, const SearchResult& search) {
+  const std::vector<int>& members = leading(search).candidates;
+  return std::all_of(members.begin(), members.end(), [&](int c) {
     const Candidate& own = with.hypotheses.candidates[c];
-    if (own.beyond_effects() &&
-        !force_established(with, search, c, tried_like(with, own, patterns_tried)))
-      return c;
-  }
-  return -1;
+    return !own.beyond_effects() ||
+           force_established(with, search, c, tried_like(with, own, patterns_tried));
+  });
 }
 
 }  // namespace
@@ -114,9 +114,11 @@ void leave_out_unfounded(const Problem& with, int patterns_tried, Selection& aga
     return with.hypotheses.has_event(model.candidates) &&
            !has_one_push(with, again.comparison.whitening, model);
   });
-  for (int c = unfounded_member(with, patterns_tried, again.search); c >= 0;
-       c = unfounded_member(with, patterns_tried, again.search))
-    leave_out(c, again.search);
+  while (!all_hold(with, patterns_tried, again.search)) {
+    const std::vector<int> lead = leading(again.search).candidates;
+    std::erase_if(again.search.models,
+                  [&](const ModelFit& model) { return model.candidates == lead; });
+  }
 
   const std::vector<int> members = leading(again.search).candidates;
   for (int c = 0; c < count_of(with.hypotheses.candidates); ++c)

@@ -11,15 +11,16 @@ const ModelFit& leading(const SearchResult& search);
 /// Whether the leading model leads the best one without one of its pushes or patterns, and without
 /// any in its place, by the logarithm of how many were tried, for each was as likely before, and by
 /// settings.worth where that one leaves more, so that a force is missing anyhow; by
-/// settings.clear_lead where it leaves nothing. Which of several forms it is may be open all the
-/// same.
+/// settings.clear_lead where it leaves nothing, or where something is lacking beside a push: what
+/// lasts a moment has some half sine that is like it. Which of several forms it is may be open all
+/// the same.
 bool force_established(const Problem& problem, const SearchResult& search, int candidate,
                        int tried);
 
 /// Leaves out models with a push that not every trial had, or that is as long as the motion; then
-/// pushes and patterns of what leads that are not established, one after the other, as if they had
-/// been no candidates. What leads then is asked in turn. In the end what doesn't lead is left out
-/// too: of a push that holds and a pattern that does as well the more probable one is told.
+/// what leads with a push or a pattern that is not established, one model after the other. In the
+/// end pushes and patterns that don't lead are left out as if they had been no candidates: of a
+/// push that holds and a pattern that does as well the more probable one is told.
 void leave_out_unfounded(const Problem& with, int patterns_tried, Selection& again);
 
 }  // namespace jaculus::diagnosis

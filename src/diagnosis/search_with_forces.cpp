@@ -11,7 +11,7 @@ namespace jaculus::diagnosis {
 namespace {
 
 Selection selected(const Prepared& prepared, const ProblemBuilder& rebuild,
-                   const DiagnoseOptions& options) {
+                   const DiagnoseOptions& options, std::vector<ModelFit> known = {}) {
   const Problem& problem = *prepared.built.problem;
   const int most = problem.settings.search_windows;
   Comparison comparison = first_comparison(problem, prepared.noise);
@@ -30,7 +30,7 @@ Selection selected(const Prepared& prepared, const ProblemBuilder& rebuild,
                                   options.progress);
     }
   }
-  return select_models(problem, std::move(comparison), options.progress);
+  return select_models(problem, std::move(comparison), options.progress, std::move(known));
 }
 
 /// Whether the leading model leaves more, or needs several effects: one force that no effect is may
@@ -158,6 +158,26 @@ std::vector<effects::Effect> all_effects(const Problem& problem) {
   return problem.hypotheses.effects_of(all);
 }
 
+/// The models that none leads clearly, in the parameters of a problem with more candidates: what
+/// forces have to lead is the best that is known without them.
+std::vector<ModelFit> leading_models(const Problem& problem, const SearchResult& search,
+                                     const Problem& more) {
+  const double least = leading(search).log_weight() - problem.settings.clear_lead;
+  std::vector<ModelFit> models;
+  for (const ModelFit& model : search.models) {
+    if (!model.fit.valid || model.candidates.empty() || model.log_weight() < least) continue;
+    ModelFit carried;
+    for (const int c : model.candidates)
+      carried.candidates.push_back(
+          more.hypotheses.candidate(problem.hypotheses.candidates[c].name));
+    std::sort(carried.candidates.begin(), carried.candidates.end());
+    carried.fit.p = carried_over({&problem, model.candidates, model.fit.p}, more.hypotheses);
+    carried.fit.valid = carried.candidates.front() >= 0;
+    models.push_back(std::move(carried));
+  }
+  return models;
+}
+
 }  // namespace
 
 Searched search_with_forces(Prepared prepared, const ProblemBuilder& rebuild,
@@ -177,10 +197,10 @@ Searched search_with_forces(Prepared prepared, const ProblemBuilder& rebuild,
   all.insert(all.end(), pushes.begin(), pushes.end());
   for (const PlacePattern& pattern : likely.patterns) all.push_back(pattern_effect(pattern));
   Prepared with = with_effects(prepared, std::move(all));
-  Selection found = selected(with, rebuild, options);
+  const Problem& among = *with.built.problem;
+  Selection found = selected(with, rebuild, options, leading_models(problem, alone.search, among));
   if (found.search.models.empty()) return {std::move(prepared), std::move(alone), {}};
 
-  const Problem& among = *with.built.problem;
   leave_out_unfounded(among, likely.tried, found);
   if (!among.hypotheses.beyond_effects(leading(found.search).candidates))
     return {std::move(prepared), std::move(alone), {}};

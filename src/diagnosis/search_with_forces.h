@@ -16,14 +16,13 @@ namespace jaculus::diagnosis {
 struct Searched {
   Prepared prepared;
   Selection selection;  ///< without models where prepared has reasons, or none can't be fitted
-  std::vector<PlacePattern> patterns;  ///< that were candidates in the end
+  std::vector<PlacePattern> patterns;  ///< those of the leading model
 };
 
 /// Effects first. Where the leading model leaves more (fit.h) or needs several effects, under a
-/// plan and with one dataset, the search is made again among the effects that it found worth a fit,
-/// likely pushes (push_scan.h) and likely patterns (pattern_scan.h). It counts if a model with some
-/// leads it that hold (established_forces.h). Patterns that lead are then set beside the whole
-/// catalogue.
+/// plan and with one dataset, the search is made again with likely pushes (push_scan.h) and likely
+/// patterns (pattern_scan.h) beside the whole catalogue, and with the models that led before. It
+/// counts if a model with some leads it that hold (established_forces.h).
 Searched search_with_forces(Prepared prepared, const ProblemBuilder& rebuild,
                             const DiagnoseOptions& options);
 

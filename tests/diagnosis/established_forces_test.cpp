@@ -107,5 +107,14 @@ TEST(LeaveOut, WhatDoesNotHoldIsNoCandidateAnyMore) {
   EXPECT_EQ(found.search.models.size(), 3U);  // the wave, which doesn't lead, is left out
 }
 
+// Neither is needed beside the other: the more probable one is told, not the other one.
+TEST(LeaveOut, OfTwoThatExplainTheSameTheMoreProbableStays) {
+  const Candidates c;
+  Selection found;
+  found.search = led({{{kWave}, 49.0}, {{kCable}, 50.0}, {{kCable, kWave}, 52.0}});
+  leave_out_unfounded(c.problem, kTried, found);
+  EXPECT_EQ(leading(found.search).candidates, std::vector<int>{kCable});
+}
+
 }  // namespace
 }  // namespace jaculus::diagnosis

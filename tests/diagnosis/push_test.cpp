@@ -3,8 +3,6 @@
 #include <gtest/gtest.h>
 
 #include "diagnosis/effects_by_name.h"
-#include "diagnosis/established_forces.h"
-#include "diagnosis/toy.h"
 #include "jaculus/core/installation.h"
 #include "jaculus/diagnosis/diagnose.h"
 #include "jaculus/effects/effect.h"

@@ -73,12 +73,15 @@ class FittedModels {
   [[nodiscard]] const Fit& contained_in(const Members& members) const;
   void refine(ModelFit& model, std::vector<Vector> starts = {});
   /// The next of the models by slopes that may come to lead; null where none may. `moved`: by how
-  /// much refining changed others; `widely`: those that lead by less than clear_lead as well.
+  /// much refining changed others; `widely`: those that are led by less than clear_lead as well.
   [[nodiscard]] ModelFit* next_to_refine(const std::set<Members>& refined,
                                          const std::map<Members, double>& moved, bool widely);
   /// Where a model would stand if tolerances, as far as they reach, were what a leading one's other
   /// effects are: the same robot by other names.
   [[nodiscard]] Vector by_tolerances(const ModelFit& lead, const ModelFit& model) const;
+  /// What forces that are no effects have to lead: the best models of effects alone, until the best
+  /// is refined.
+  void refine_effects_alone(std::set<Members>& refined);
   /// The models that a refined one is compared with where one of its effects is dropped: by slopes
   /// they would be judged at a poorer optimum than it is.
   void refine_within(const ModelFit& larger, std::set<Members>& refined);

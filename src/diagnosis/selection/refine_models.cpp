@@ -12,17 +12,17 @@
 namespace jaculus::diagnosis {
 namespace {
 
-/// What simulating changed of the largest of some models that `members` contains; nothing where it
-/// contains none.
+/// What simulating changed of the largest of some models that `members` contains, the most of those
+/// as large; nothing where it contains none.
 std::optional<double> moved_alike(const Members& members, const std::map<Members, double>& moved) {
   std::optional<double> alike;
   std::size_t most = 0;
   for (const auto& [within, change] : moved) {
-    if (within.size() <= most ||
+    if (within.size() < most ||
         !std::includes(members.begin(), members.end(), within.begin(), within.end()))
       continue;
+    alike = within.size() > most ? change : std::max(change, alike.value_or(change));
     most = within.size();
-    alike = change;
   }
   return alike;
 }
@@ -42,10 +42,11 @@ void FittedModels::refine(const std::optional<Vector>& none_in_own) {
     if (next == nullptr) break;
     const double before = value(*next);
     refine(*next);
-    moved[next->candidates] = value(*next) - before;
+    if (!next->fit.by_slopes()) moved[next->candidates] = value(*next) - before;
     refined.insert(next->candidates);
   }
 
+  if (problem_.hypotheses.beyond_effects()) refine_effects_alone(refined);
   refine_within(*leading(), refined);
   // Windows start from what was measured, so that no landing makes valleys there.
   if (!in_windows(problem_)) share_valleys(refined);
@@ -66,6 +67,18 @@ ModelFit* FittedModels::next_to_refine(const std::set<Members>& refined,
     if (next == nullptr || value(model) > value(*next)) next = &model;
   }
   return next;
+}
+
+void FittedModels::refine_effects_alone(std::set<Members>& refined) {
+  for (int count = 0; count < problem_.settings.refined; ++count) {
+    ModelFit* best = nullptr;
+    for (ModelFit& model : models_)
+      if (model.fit.valid && !problem_.hypotheses.beyond_effects(model.candidates) &&
+          (best == nullptr || value(model) > value(*best)))
+        best = &model;
+    if (best == nullptr || !refined.insert(best->candidates).second) return;
+    refine(*best);
+  }
 }
 
 void FittedModels::refine_within(const ModelFit& larger, std::set<Members>& refined) {

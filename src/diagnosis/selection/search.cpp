@@ -320,6 +320,7 @@ SearchResult search_models(const Problem& problem, const Comparison& comparison,
     if (options.progress) options.progress("single effects");
     models.extend(none, out.probes, problem.settings.kept_singles);
     if (options.earlier != nullptr) models.fit_again(rivals_that_led(*options.earlier, problem));
+    models.fit_again(options.known);
     fit_indistinguishable(problem.settings, random, out.probes, probed, models);
     search_about_leaders(problem, options, models);
     if (options.largest > 1)
@@ -335,10 +336,11 @@ SearchResult search_models(const Problem& problem, const Comparison& comparison,
 }
 
 Selection select_models(const Problem& problem, Comparison comparison,
-                        const std::function<void(const std::string&)>& progress) {
+                        const std::function<void(const std::string&)>& progress,
+                        std::vector<ModelFit> known) {
   const int first = in_windows(problem) ? problem.settings.largest_set : 1;
   const SearchResult singles =
-      search_models(problem, comparison, {first, nullptr, false, {}, {}, progress});
+      search_models(problem, comparison, {first, nullptr, false, {}, {}, {}, progress});
   if (singles.models.empty()) return {std::move(comparison), singles};
   const Posterior posterior = posterior_of(singles, problem.settings);
   const bool fixed = problem.hypotheses.tolerances.empty();
@@ -361,7 +363,7 @@ Selection select_models(const Problem& problem, Comparison comparison,
   }
   const int largest =
       in_windows(problem) ? problem.settings.largest_set : problem.settings.largest_model;
-  const SearchOptions options{largest, &singles, same_space, {}, none, progress};
+  const SearchOptions options{largest, &singles, same_space, {}, none, std::move(known), progress};
   SearchResult search = search_models(problem, comparison, options);
   search.predictions += singles.predictions;
   return {std::move(comparison), std::move(search), std::move(about_none)};
@@ -385,7 +387,7 @@ Selection select_models_from(const Problem& problem, Comparison comparison, Sear
   ToldAnew told = told_anew(problem, comparison, none, leader ? &*leader : nullptr, 1);
   comparison = std::move(told.comparison);
   leave_out_led_models(problem.settings, part);
-  SearchOptions options{problem.settings.largest_set, &part, false, 1, {}, progress};
+  SearchOptions options{problem.settings.largest_set, &part, false, 1, {}, {}, progress};
   if (told.about_none) options.none = told.about_none->fit.p;
   SearchResult search = search_models(problem, comparison, options);
   search.predictions += part.predictions;

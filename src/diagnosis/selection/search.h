@@ -18,6 +18,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "diagnosis/selection/comparison.h"
 #include "diagnosis/selection/posterior.h"
@@ -32,6 +33,8 @@ struct SearchOptions {
   std::optional<int> rounds{};            ///< of moves at most; else settings.search_rounds
   /// Where the model without effects stands in a space of its own; nothing where it has none.
   std::optional<Vector> none{};
+  /// Models of another search of these data, in this problem's parameters, that shall not be missed.
+  std::vector<ModelFit> known{};
   std::function<void(const std::string&)> progress{};
 };
 SearchResult search_models(const Problem& problem, const Comparison& comparison,
@@ -46,8 +49,10 @@ struct Selection {
   SearchResult search;                       ///< no models where none can't be fitted
   std::optional<Relinearised> about_none{};  ///< the space about none, where it was worked out
 };
+/// `known`: as SearchOptions has them.
 Selection select_models(const Problem& problem, Comparison comparison,
-                        const std::function<void(const std::string&)>& progress);
+                        const std::function<void(const std::string&)>& progress,
+                        std::vector<ModelFit> known = {});
 /// The same from what a search on a part of the data found (data/observations.h, with_windows): its
 /// leading models are fitted to all data; about what leads then, all candidates are screened and
 /// the search moves once more.
