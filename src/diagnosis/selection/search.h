@@ -33,7 +33,7 @@ struct SearchOptions {
   std::optional<int> rounds{};            ///< of moves at most; else settings.search_rounds
   /// Where the model without effects stands in a space of its own; nothing where it has none.
   std::optional<Vector> none{};
-  /// Models of another search of these data, in this problem's parameters, that shall not be missed.
+  /// Models of another search of these data that shall not be missed, in this problem's parameters.
   std::vector<ModelFit> known{};
   std::function<void(const std::string&)> progress{};
 };
