@@ -109,6 +109,8 @@ TEST(UserEffect, FaultsAreToldWithTheirPlace) {
   expect("unit: rad/s", "unit: rpm", "7: parameters.rate.unit", "allowed: rad/s");
   expect("  rate:", "  tau:", "7: parameters.tau", "what formulas read of the robot");
   expect("  rate:", "  sin:", "7: parameters.sin", "a function");
+  expect("  rate:", "  idle: {unit: N m, nominal: 0, bounds: [0, 1], scale: 0.1}\n  rate:",
+         "7: parameters.idle", "no formula has it");
   expect("  x:", "  level:", "11: states.level", "something in this file");
   expect("initial: 0", "initial: qd", "11: states.x.initial", "not known yet");
   expect("derivative", "rate", "11: states.x: unknown key", "derivative");

@@ -81,6 +81,7 @@ Bounds bounds_of(const yaml::Node& node, const Dimension& dimension) {
 SpecParameter parameter_of(const std::string& name, const yaml::Node& node) {
   node.only({"unit", "nominal", "bounds", "scale", "probe"});
   SpecParameter p;
+  p.node = node;
   p.own.name = name;
   p.own.unit = node.at("unit").text();
   p.dimension = dimension_of(node.at("unit"));

@@ -43,6 +43,7 @@ struct EffectPlace {
 struct SpecParameter {
   EffectParameter own;
   Dimension dimension;
+  yaml::Node node;
 };
 struct SpecConstant {
   std::string name;

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "effects/families.h"
+#include "effects/user/expression.h"
 #include "effects/user/fit.h"
 #include "effects/user/program.h"
 #include "effects/user/units.h"
@@ -189,6 +190,19 @@ std::vector<Effect> entries_on(const Spec& spec, const PlanarModel& model,
   return all;
 }
 
+/// InputError at the first parameter that no formula has.
+void check_used(const EffectSpec& spec, const Program& program) {
+  for (const SpecParameter& parameter : spec.parameters) {
+    const auto has_it = [&](const Program::Compiled& compiled) {
+      const std::vector<UsedName> names = names_in(compiled.formula->text);
+      return std::any_of(names.begin(), names.end(),
+                         [&](const UsedName& used) { return used.name == parameter.own.name; });
+    };
+    if (std::none_of(program.formulas().begin(), program.formulas().end(), has_it))
+      throw parameter.node.error("no formula has it; allowed: parameters that do something");
+  }
+}
+
 /// `file`: as entries have it, empty where a program has the effect.
 UserEffect user_effect(const Spec& spec, const std::string& file) {
   Program program(*spec);
@@ -199,6 +213,7 @@ UserEffect user_effect(const Spec& spec, const std::string& file) {
   });
   if (!others && !spec->code) check_units(program);
   check_nominal(*spec, program);
+  if (!spec->code) check_used(*spec, program);
 
   UserEffect user{
       entry(spec, [spec](const PlanarModel& model) { return joints_of(spec->place, model); }), file,
