@@ -28,8 +28,12 @@ std::string listed(const std::vector<std::string>& parts, const std::string& las
 
 std::string per_cent(double share) { return fmt::format("{:.0f} %", 100.0 * share); }
 
+/// As a sentence begins; what begins with a name of the user's ("two_days: ...") stays.
 std::string capital(std::string text) {
-  if (!text.empty()) text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
+  const std::string first = text.substr(0, text.find(' '));
+  const bool name = first.find_first_of("_:") != std::string::npos;
+  if (!text.empty() && !name)
+    text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
   return text;
 }
 

@@ -141,7 +141,7 @@ class ColumnMapReader {
     if (!parse_number(text, value))
       throw reader_.error(fmt::format(
           "column '{}': '{}' is not a number; allowed: a finite number, an empty cell, or what "
-          "the map calls a gap",
+          "the map calls a gap (`gaps: [NA]`); lines before the names go by `skip_lines`",
           shown(names_[place]), shown(text)));
     return value;
   }
@@ -150,8 +150,10 @@ class ColumnMapReader {
     if (std::isnan(time))
       throw reader_.error("time: an empty cell given; allowed: a time in every row");
     if (!times_.empty() && !(time > times_.back()))
-      throw reader_.error(fmt::format("time: {:.10g} s follows {:.10g} s; allowed: rising times",
-                                      time, times_.back()));
+      throw reader_.error(
+          fmt::format("time: {:.10g} s follows {:.10g} s; allowed: rising times, so "
+                      "that a row which repeats a stamp has to go",
+                      time, times_.back()));
     times_.push_back(time);
   }
 
