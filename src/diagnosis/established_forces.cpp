@@ -47,14 +47,21 @@ bool has_one_push(const Problem& problem, const Whitening& whitening, const Mode
   return pushes == 1;
 }
 
-/// The most probable of those that may stand in its place, none where all are out.
-template <typename MayStand>
-const ModelFit* rival(const SearchResult& search, const MayStand& may_stand) {
+/// The most probable model without a candidate, and without any push or pattern that the leading
+/// model doesn't have. That without effects is one of them.
+const ModelFit& best_without(const Problem& problem, const SearchResult& search, int candidate) {
+  const std::vector<int>& present = leading(search).candidates;
+  const auto may_have = [&](int c) {
+    const bool stays = c != candidate && std::binary_search(present.begin(), present.end(), c);
+    return stays || !problem.hypotheses.candidates[c].beyond_effects();
+  };
   const ModelFit* best = nullptr;
   for (const ModelFit& model : search.models)
-    if (may_stand(model) && (best == nullptr || model.log_weight() > best->log_weight()))
+    if (std::all_of(model.candidates.begin(), model.candidates.end(), may_have) &&
+        (best == nullptr || model.log_weight() > best->log_weight()))
       best = &model;
-  return best;
+  assert(best != nullptr);
+  return *best;
 }
 
 /// How many forces were tried of which a candidate is one: patterns, or pushes along so many
@@ -93,19 +100,10 @@ const ModelFit& leading(const SearchResult& search) {
 
 bool force_established(const Problem& problem, const SearchResult& search, int candidate,
                        int tried) {
-  const ModelFit& lead = leading(search);
-  const std::vector<int>& present = lead.candidates;
-  const ModelFit* without = rival(search, [&](const ModelFit& model) {
-    return std::all_of(model.candidates.begin(), model.candidates.end(), [&](int c) {
-      const bool stays = c != candidate && std::binary_search(present.begin(), present.end(), c);
-      return stays || !problem.hypotheses.candidates[c].beyond_effects();
-    });
-  });
-  if (without == nullptr) return true;
-
   const Settings& settings = problem.settings;
-  const double least = leaves_more(problem, without->fit) ? settings.worth : settings.clear_lead;
-  return lead.log_weight() - without->log_weight() > least + std::log(std::max(1, tried));
+  const ModelFit& without = best_without(problem, search, candidate);
+  const double least = leaves_more(problem, without.fit) ? settings.worth : settings.clear_lead;
+  return leading(search).log_weight() - without.log_weight() > least + std::log(std::max(1, tried));
 }
 
 void leave_out_unfounded(const Problem& with, int patterns_tried, Selection& again) {

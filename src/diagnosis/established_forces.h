@@ -11,9 +11,8 @@ const ModelFit& leading(const SearchResult& search);
 /// Whether the leading model leads the best one without one of its pushes or patterns, and without
 /// any in its place, by the logarithm of how many were tried, for each was as likely before, and by
 /// settings.worth where that one leaves more, so that a force is missing anyhow; by
-/// settings.clear_lead where it leaves nothing, or where something is lacking beside a push: what
-/// lasts a moment has some half sine that is like it. Which of several forms it is may be open all
-/// the same.
+/// settings.clear_lead where it leaves nothing. Which of several forms it is may be open all the
+/// same.
 bool force_established(const Problem& problem, const SearchResult& search, int candidate,
                        int tried);
 

@@ -160,8 +160,8 @@ std::vector<effects::Effect> all_effects(const Problem& problem) {
 
 /// The models that none leads clearly, in the parameters of a problem with more candidates: what
 /// forces have to lead is the best that is known without them.
-std::vector<ModelFit> leading_models(const Problem& problem, const SearchResult& search,
-                                     const Problem& more) {
+std::vector<ModelFit> known_models(const Problem& problem, const SearchResult& search,
+                                   const Problem& more) {
   const double least = leading(search).log_weight() - problem.settings.clear_lead;
   std::vector<ModelFit> models;
   for (const ModelFit& model : search.models) {
@@ -198,7 +198,7 @@ Searched search_with_forces(Prepared prepared, const ProblemBuilder& rebuild,
   for (const PlacePattern& pattern : likely.patterns) all.push_back(pattern_effect(pattern));
   Prepared with = with_effects(prepared, std::move(all));
   const Problem& among = *with.built.problem;
-  Selection found = selected(with, rebuild, options, leading_models(problem, alone.search, among));
+  Selection found = selected(with, rebuild, options, known_models(problem, alone.search, among));
   if (found.search.models.empty()) return {std::move(prepared), std::move(alone), {}};
 
   leave_out_unfounded(among, likely.tried, found);
