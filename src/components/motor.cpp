@@ -37,10 +37,10 @@ MotorFriction motor_friction(const model::PlanarMotor& motor, double joint_rate)
 }
 
 MotorFriction against_dry_friction(const model::PlanarMotor& motor, double joint_rate) {
-  constexpr double kSmoothing = 0.1;  // s [rad/s]
-  const double t = std::tanh(joint_rate / kSmoothing);
-  const double slope = motor.dry_friction / kSmoothing * (1.0 - t * t);
-  return {motor.dry_friction * t, slope, -2.0 * slope * t / kSmoothing};
+  constexpr double s = kDryFrictionSmoothing;
+  const double t = std::tanh(joint_rate / s);
+  const double slope = motor.dry_friction / s * (1.0 - t * t);
+  return {motor.dry_friction * t, slope, -2.0 * slope * t / s};
 }
 
 MotorPower motor_power(const model::PlanarMotor& motor, double joint_torque, double joint_rate) {

@@ -125,25 +125,27 @@ TEST(Stepper, TakesTheImplicitMethodWhereStabilityWouldShortenSteps) {
 /// after 10 ms, and the number of evaluations.
 struct BreakAway {
   double inertia, friction, smoothing, torque;  ///< [kg m^2, N m, rad/s, N m]
+  double jump = 0.0;                            ///< more torque in every second hold [N m]
 
   [[nodiscard]] FastPart part(const State& y) const {
     const double t = std::tanh(y[1] / smoothing);
-    FastPart part{{}, friction / smoothing * (1.0 - t * t)};
+    FastPart part{{}, friction / smoothing * (1.0 - t * t), 0.0, {}, y[1], smoothing};
     part.row[0] = 1.0;
     part.response[0] = 1.0 / inertia;
     return part;
   }
-  [[nodiscard]] State moved(double tolerance, int& evaluations) const {
+  [[nodiscard]] State moved(double tolerance, int& evaluations, double from = 0.0) const {
+    double own = torque;
     const auto f = [&](double, const State& y, State& dydt) {
       ++evaluations;
       dydt[0] = y[1];
-      dydt[1] = (torque - friction * std::tanh(y[1] / smoothing)) / inertia;
+      dydt[1] = (own - friction * std::tanh(y[1] / smoothing)) / inertia;
       return true;
     };
     Stepper stepper(100.0 * tolerance, tolerance, 1, 2,
                     [&](const State& y, std::vector<FastPart>& out) { out = {part(y)}; });
     Step step;
-    step.y = {0.0, 0.0};
+    step.y = {0.0, from};
     step.dydt.resize(2);
     f(0.0, step.y, step.dydt);
     while (step.t < 0.01) {
@@ -154,6 +156,9 @@ struct BreakAway {
       step.t = step.end;
       step.y = step.y_end;
       step.dydt = step.dydt_end;
+      if (jump == 0.0 || step.t < hold) continue;
+      own = own == torque ? torque + jump : torque;
+      f(step.t, step.y, step.dydt);
     }
     return step.y;
   }
@@ -169,6 +174,30 @@ TEST(Stepper, LosesNothingOfTheTorqueByWhichAJointBreaksAway) {
     EXPECT_NEAR(y[1], exact[1], 1e-3 * exact[1]);
     EXPECT_LT(evaluations, 300);
   }
+}
+
+TEST(Stepper, HoldsAJointUnderTorquesThatJumpInFewEvaluations) {
+  // It settles within 30 us of each jump: a stable explicit method takes 20 steps and more a hold.
+  const BreakAway joint{1e-3, 0.4, 5e-3, 0.1, 0.1};
+  int evaluations = 0, exact_evaluations = 0;
+  const State y = joint.moved(1e-8, evaluations), exact = joint.moved(1e-12, exact_evaluations);
+  EXPECT_GT(exact[0], 1e-5);
+  // Some forty steps of 1e-8, nearly all of one sign; it creeps by 2e-5.
+  EXPECT_NEAR(y[0], exact[0], 1e-6);
+  EXPECT_NEAR(y[1], exact[1], 1e-5);
+  EXPECT_LT(evaluations, 300);
+}
+
+TEST(Stepper, MeetsTheRateAtWhichFrictionTurnsWithoutASearch) {
+  // From 1 rad/s to rest in 2.5 ms, where friction holds it.
+  const BreakAway joint{1e-3, 0.4, 5e-4, 0.0};
+  int evaluations = 0, exact_evaluations = 0;
+  const State y = joint.moved(1e-8, evaluations, 1.0),
+              exact = joint.moved(1e-12, exact_evaluations, 1.0);
+  EXPECT_NEAR(exact[0], 1.25e-3, 2e-6);
+  EXPECT_NEAR(y[0], exact[0], 2e-8);
+  EXPECT_LT(std::abs(y[1]), 1e-5);
+  EXPECT_LT(evaluations, 200);
 }
 
 /// The accelerations that friction makes, by the equations with it and without.

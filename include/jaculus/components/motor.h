@@ -79,6 +79,8 @@ MotorCurrent motor_current_derivatives(const model::PlanarMotor& motor, double j
 /// Voltage [V] of one motor at a joint torque [N m] and joint rate [rad/s].
 MotorVoltage motor_voltage(const model::PlanarMotor& motor, double joint_torque, double joint_rate);
 
+/// Joint rate at which a motor's dry friction turns, s of s(w) [rad/s].
+inline constexpr double kDryFrictionSmoothing = 0.1;
 /// Friction at a joint rate [rad/s] of one motor.
 MotorFriction motor_friction(const model::PlanarMotor& motor, double joint_rate);
 /// What a motor gives against the dry part of it [N m], of the rate's sign.

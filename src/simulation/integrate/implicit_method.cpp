@@ -1,12 +1,18 @@
 #include "simulation/integrate/implicit_method.h"
 
+#include <Eigen/QR>
 #include <algorithm>
+#include <cmath>
 
 namespace jaculus::simulation::detail {
 
 namespace {
 
 constexpr double kGamma = 0.4358665215084590;
+/// Share of the smoothed sign's width within which the rate is told to come to rest. Newton's step
+/// to there, a/r, ends at a root where it is at most 1/(2 L) (Kantorovich), L = 2/width the most
+/// that a smoothed sign's slope changes beside itself.
+constexpr double kRests = 0.25;
 
 /// As published, k_i = h f(y + sum alpha_ij k_j) + h J sum gamma_ij k_j, and with u = Gamma k,
 /// which needs no product by J.
@@ -53,8 +59,7 @@ void add(double share, const State& x, State& sum) {
 
 /// `inverse`: gamma h.
 void ImplicitMethod::factorise(const FastParts& fast, double inverse) {
-  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxSize, kMaxSize> rates =
-      Eigen::MatrixXd::Identity(size_, size_) / inverse;
+  SmallMatrix rates = SmallMatrix::Identity(size_, size_) / inverse;
   for (const FastPart& part : fast.parts) {
     const double slope = part.damping + inverse * part.stiffness;
     for (int j = 0; j < size_; ++j)
@@ -109,6 +114,38 @@ void ImplicitMethod::take(const RightHandSide& f, const FastParts& fast, const F
   if (!fast.last(at_end_, inverse)) return;
   for (double& x : error) x /= inverse;
   solve(fast, inverse, error);
+  forget(fast, step.dydt_end.data() + size_, error.data() + size_);
+}
+
+/// By parts as they are at the step's end, with the responses of its start.
+void ImplicitMethod::forget(const FastParts& fast, const double* accelerations,
+                            double* rates) const {
+  std::vector<const FastPart*> settling;
+  std::vector<double> kept;
+  for (std::size_t k = 0; k < fast.parts.size(); ++k) {
+    const FastPart& part = fast.parts[k];
+    const double rate = at_end_[k].damping * part.mobility(size_);
+    const double way = std::abs(dot(part.row, accelerations, size_)) / rate;
+    if (!(rate > kGrantedRate) || (part.width > 0.0 && way > kRests * part.width)) continue;
+    settling.push_back(&part);
+    kept.push_back(kGrantedRate / rate);
+  }
+  const int n = count_of(settling);
+  if (n == 0 || n > kMaxSize) return;
+
+  // Parts pull on one another through the bodies between them.
+  SmallMatrix mobility(n, n);
+  SmallVector speed(n);
+  for (int i = 0; i < n; ++i) {
+    speed[i] = dot(settling[i]->row, rates, size_);
+    for (int k = 0; k < n; ++k)
+      mobility(i, k) = dot(settling[i]->row, settling[k]->response.data(), size_);
+  }
+  const SmallVector impulse = mobility.completeOrthogonalDecomposition().solve(speed);
+  for (int k = 0; k < n; ++k) {
+    for (int i = 0; i < size_; ++i)
+      rates[i] -= (1.0 - kept[k]) * impulse[k] * settling[k]->response[i];
+  }
 }
 
 void ImplicitMethod::dense(const Step& step, double t, State& out) const {

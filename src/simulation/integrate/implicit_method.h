@@ -11,9 +11,13 @@
 //     (I/(gamma h) - J) u_i = f(t + c_i h, y + sum_j a_ij u_j) + sum_j c_ij u_j/h,
 //     y(t + h) = y + sum_i m_i u_i,   error = (I - gamma h J)^-1 sum_i e_i u_i.
 // An error of a fast part is forgotten as the part settles: the inverse counts what is left of it
-// (as RADAU5 does; Hairer and Wanner, Solving Ordinary Differential Equations II, section IV.8). A
-// part that is fast no more at the step's end (a joint that breaks away) forgets nothing: where one
-// has changed by a factor of two the error is sum_i e_i u_i itself.
+// (as RADAU5 does; Hairer and Wanner, Solving Ordinary Differential Equations II, section IV.8).
+// What is left of a rate that settles by r = damping a^T row in a second moves its coordinate by
+// error/r and no more. Rates are granted g = kGrantedRate times what coordinates are, as errors of
+// theirs last for some 1/g; so this one counts by g/r. That holds of a joint that is about to rest:
+// one whose friction can't hold it passes through, with its error. A part that is fast no more at
+// the step's end (a joint that breaks away) forgets nothing: where one has changed by a factor of
+// two the error is sum_i e_i u_i itself.
 // What is stiff beside these parts (compliant ground, users' laws, a motor's damping behind a stiff
 // hinge) is as in an explicit method.
 // Coefficients: ROS34PW2 (Rang and Angermann, New Rosenbrock W-methods of order 3 for partial
@@ -46,16 +50,22 @@ class ImplicitMethod {
   void dense(const Step& step, double t, State& out) const;
 
   static constexpr double kEvaluations = 4.0;  ///< of a step
+  /// Absolute tolerance of rates beside that of coordinates [1/s].
+  static constexpr double kGrantedRate = 100.0;
 
  private:
+  using SmallMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxSize, kMaxSize>;
+  using SmallVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxSize, 1>;
+
   void factorise(const FastParts& fast, double inverse);
   void solve(const FastParts& fast, double inverse, State& x) const;
+  /// Takes off an error of the rates what parts that come to rest will have forgotten.
+  void forget(const FastParts& fast, const double* accelerations, double* rates) const;
 
   int size_ = 0;  ///< coordinates
   std::array<State, 4> u_;
   /// I/(gamma h) + sum (damping + gamma h stiffness) a r^T: of the rates, coordinates eliminated
-  Eigen::PartialPivLU<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxSize, kMaxSize>>
-      factors_;
+  Eigen::PartialPivLU<SmallMatrix> factors_;
   State at_, rate_;
   std::vector<FastPart> at_end_;
 };

@@ -58,6 +58,7 @@ class Stepper {
   bool accept(double order, double& next, const Step& step);
   static bool set_length(double next, double left, Step& step);
   [[nodiscard]] double paying_length() const;
+  [[nodiscard]] double turning_length(const Step& step) const;
   double worst_error(const Step& step);
   [[nodiscard]] bool bends(const Step& step) const;
 

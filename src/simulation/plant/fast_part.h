@@ -16,12 +16,16 @@ struct FastPart {
   double damping = 0.0;    ///< [N m s/rad, N s/m]
   double stiffness = 0.0;  ///< [N m/rad, N/m]
   Row response{};          ///< with the contacts that are closed [1/(kg m^2) and the like]
+  double speed = 0.0;      ///< of dry friction: the joint's rate [rad/s, m/s]
+  double width = 0.0;      ///< of the rate's smoothed sign; 0: no dry friction [rad/s, m/s]
 
+  /// Acceleration of its own rate by a unit of its force, with n coordinates.
+  [[nodiscard]] double mobility(int n) const { return std::max(0.0, dot(row, response.data(), n)); }
   /// How fast it settles or swings, with n coordinates [1/s].
   [[nodiscard]] double rate(int n) const { return rate_of(*this, n); }
   /// The same with the slopes of this part at another state, its response as here.
   [[nodiscard]] double rate_of(const FastPart& there, int n) const {
-    const double a = std::max(0.0, dot(row, response.data(), n));
+    const double a = mobility(n);
     return std::max(there.damping * a, std::sqrt(there.stiffness * a));
   }
 };
