@@ -158,13 +158,17 @@ std::vector<effects::Effect> all_effects(const Problem& problem) {
   return problem.hypotheses.effects_of(all);
 }
 
-/// The models that none leads clearly, in the parameters of a problem with more candidates: what
-/// forces have to lead is the best that is known without them.
+/// The models that none leads clearly, the most probable first, in the parameters of a problem with
+/// more candidates: what forces have to lead is the best that is known without them.
 std::vector<ModelFit> known_models(const Problem& problem, const SearchResult& search,
                                    const Problem& more) {
-  const double least = leading(search).log_weight() - problem.settings.clear_lead;
+  std::vector<ModelFit> found = search.models;
+  std::stable_sort(found.begin(), found.end(), [](const ModelFit& a, const ModelFit& b) {
+    return a.log_weight() > b.log_weight();
+  });
+  const double least = found.front().log_weight() - problem.settings.clear_lead;
   std::vector<ModelFit> models;
-  for (const ModelFit& model : search.models) {
+  for (const ModelFit& model : found) {
     if (!model.fit.valid || model.candidates.empty() || model.log_weight() < least) continue;
     ModelFit carried;
     for (const int c : model.candidates)

@@ -47,8 +47,9 @@ class FittedModels {
   /// The leading models again, best first, and none, with tolerances simulated: slopes served to
   /// find them. Each sets out from where it is, from where slopes were told or from the nuisances
   /// of what leads, with the tolerances that are what its effects are, none from where it stands in
-  /// its own space (`none_in_own`) too; under a plan they then try each other's.
-  void refine(const std::optional<Vector>& none_in_own);
+  /// its own space (`none_in_own`) too; under a plan they then try each other's. `led`: what led a
+  /// search without forces, and is refined with them whatever slopes make of it; may be empty.
+  void refine(const std::optional<Vector>& none_in_own, const Members& led);
   /// The same of these candidates.
   void extend(const ModelFit& base, const std::vector<Probe>& probes, const Members& which);
 
@@ -79,9 +80,9 @@ class FittedModels {
   /// Where a model would stand if tolerances, as far as they reach, were what a leading one's other
   /// effects are: the same robot by other names.
   [[nodiscard]] Vector by_tolerances(const ModelFit& lead, const ModelFit& model) const;
-  /// What forces that are no effects have to lead: the best models of effects alone, until the best
-  /// is refined.
-  void refine_effects_alone(std::set<Members>& refined);
+  /// What forces that are no effects have to lead: the model that led without them, and the best of
+  /// effects alone, until the best is refined.
+  void refine_effects_alone(const Members& led, std::set<Members>& refined);
   /// The models that a refined one is compared with where one of its effects is dropped: by slopes
   /// they would be judged at a poorer optimum than it is.
   void refine_within(const ModelFit& larger, std::set<Members>& refined);

@@ -29,7 +29,7 @@ std::optional<double> moved_alike(const Members& members, const std::map<Members
 
 }  // namespace
 
-void FittedModels::refine(const std::optional<Vector>& none_in_own) {
+void FittedModels::refine(const std::optional<Vector>& none_in_own, const Members& led) {
   if (problem_.hypotheses.tolerances.empty() || linear_.slopes.cols() == 0) return;
   std::set<Members> refined = {Members{}};
   std::map<Members, double> moved;  // what simulating changed, of those with effects
@@ -46,7 +46,7 @@ void FittedModels::refine(const std::optional<Vector>& none_in_own) {
     refined.insert(next->candidates);
   }
 
-  if (problem_.hypotheses.beyond_effects()) refine_effects_alone(refined);
+  if (problem_.hypotheses.beyond_effects()) refine_effects_alone(led, refined);
   refine_within(*leading(), refined);
   // Windows start from what was measured, so that no landing makes valleys there.
   if (!in_windows(problem_)) share_valleys(refined);
@@ -69,7 +69,9 @@ ModelFit* FittedModels::next_to_refine(const std::set<Members>& refined,
   return next;
 }
 
-void FittedModels::refine_effects_alone(std::set<Members>& refined) {
+void FittedModels::refine_effects_alone(const Members& led, std::set<Members>& refined) {
+  for (ModelFit& model : models_)
+    if (model.candidates == led && model.fit.valid && refined.insert(led).second) refine(model);
   for (int count = 0; count < problem_.settings.refined; ++count) {
     ModelFit* best = nullptr;
     for (ModelFit& model : models_)

@@ -327,7 +327,9 @@ SearchResult search_models(const Problem& problem, const Comparison& comparison,
       search_from_leader(problem, comparison.whitening, out.probes, options, models);
   }
 
-  if (options.earlier != nullptr && !beyond_reach(problem, models)) models.refine(options.none);
+  const Members led = options.known.empty() ? Members{} : options.known.front().candidates;
+  if (options.earlier != nullptr && !beyond_reach(problem, models))
+    models.refine(options.none, led);
   out.indistinguishable = indistinguishable_sets(random, models, out.probes, probed,
                                                  problem.settings.indistinguishable_below);
   out.models = models.all();

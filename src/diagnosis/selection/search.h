@@ -33,7 +33,8 @@ struct SearchOptions {
   std::optional<int> rounds{};            ///< of moves at most; else settings.search_rounds
   /// Where the model without effects stands in a space of its own; nothing where it has none.
   std::optional<Vector> none{};
-  /// Models of another search of these data that shall not be missed, in this problem's parameters.
+  /// Models of another search of these data that shall not be missed, in this problem's parameters,
+  /// the leading one first.
   std::vector<ModelFit> known{};
   std::function<void(const std::string&)> progress{};
 };
