@@ -138,8 +138,8 @@ bool Stepper::attempt_implicit(const RightHandSide& f, double limit, double leas
 }
 
 /// The longest step that ends where a joint's dry friction begins to turn, or within which it turns
-/// by a part: what lies beyond does not show in slopes on this side. The joint's acceleration at the
-/// step's start tells.
+/// by a part: what lies beyond does not show in slopes on this side. The joint's acceleration where
+/// the step starts tells.
 double Stepper::turning_length(const Step& step) const {
   double longest = kInfinity;
   if (fast_ == nullptr) return longest;
