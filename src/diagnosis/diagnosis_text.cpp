@@ -147,13 +147,13 @@ std::string diagnosis_text(const Diagnosis& d) {
   text += agreement_text(d.agreement);
 
   if (!d.ranking.empty())
-    text += fmt::format("\n{:<44} {:>12} {:>9}\n", "ranking, most probable first", "log evidence",
-                        "held out");
+    text += fmt::format("\n{:<44} {:>6} {:>12} {:>9}\n", "ranking, most probable first", "p",
+                        "log evidence", "held out");
   std::size_t rows = 0;
   for (const Ranked& r : d.ranking) {
     if (++rows > 10) break;
-    text += fmt::format("{:<44} {:>12} {:>9}\n", r.effect, shown_number(r.log_evidence),
-                        shown_number(r.held_out_error));
+    text += fmt::format("{:<44} {:>6.2f} {:>12} {:>9}\n", r.effect, r.probability,
+                        shown_number(r.log_evidence), shown_number(r.held_out_error));
   }
 
   if (d.next)

@@ -4,6 +4,8 @@
 #include <cassert>
 #include <cmath>
 
+#include "diagnosis/validation/held_out.h"
+
 namespace jaculus::diagnosis {
 namespace {
 
@@ -123,6 +125,25 @@ void leave_out_unfounded(const Problem& with, int patterns_tried, Selection& aga
     if (with.hypotheses.candidates[c].beyond_effects() &&
         !std::binary_search(members.begin(), members.end(), c))
       leave_out(c, again.search);
+}
+
+bool predicts_as_well(const Problem& problem, const Selection& found) {
+  const Settings& settings = problem.settings;
+  const ModelFit& lead = leading(found.search);
+  const ModelFit* alone = &found.search.models.front();
+  for (const ModelFit& model : found.search.models)
+    if (!problem.hypotheses.beyond_effects(model.candidates) &&
+        model.log_weight() > alone->log_weight())
+      alone = &model;
+  if (!problem.hypotheses.beyond_effects(lead.candidates) ||
+      lead.log_weight() - alone->log_weight() >= settings.clear_lead)
+    return true;
+
+  const Posterior posterior = posterior_of(found.search, settings);
+  HeldOutGaps gaps(problem, found.comparison, posterior,
+                   as_stated(problem, found.comparison.whitening), found.search.models.front().fit);
+  const HeldOut with = gaps.of(lead), without = gaps.of(*alone);
+  return !with.valid || !without.valid || no_worse(with.after, without.after, settings);
 }
 
 }  // namespace jaculus::diagnosis

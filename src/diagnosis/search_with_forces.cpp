@@ -206,7 +206,8 @@ Searched search_with_forces(Prepared prepared, const ProblemBuilder& rebuild,
   if (found.search.models.empty()) return {std::move(prepared), std::move(alone), {}};
 
   leave_out_unfounded(among, likely.tried, found);
-  if (!among.hypotheses.beyond_effects(leading(found.search).candidates))
+  if (!among.hypotheses.beyond_effects(leading(found.search).candidates) ||
+      !predicts_as_well(among, found))
     return {std::move(prepared), std::move(alone), {}};
   std::vector<PlacePattern> patterns = leading_patterns(among, found.search, likely.patterns);
   return {std::move(with), std::move(found), std::move(patterns)};

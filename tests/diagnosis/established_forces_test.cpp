@@ -6,6 +6,8 @@
 
 #include <cmath>
 
+#include "diagnosis/toy.h"
+
 namespace jaculus::diagnosis {
 namespace {
 
@@ -114,6 +116,46 @@ TEST(LeaveOut, OfTwoThatExplainTheSameTheMoreProbableStays) {
   found.search = led({{{kWave}, 49.0}, {{kCable}, 50.0}, {{kCable, kWave}, 52.0}});
   leave_out_unfounded(c.problem, kTried, found);
   EXPECT_EQ(leading(found.search).candidates, std::vector<int>{kCable});
+}
+
+/// Data of one toy effect, fitted by it and by another that is called a push; the push leads by so
+/// many nats, whatever its fit.
+struct WithPush {
+  std::shared_ptr<Problem> problem;
+  effects::Effect effect, push;
+  Selection found;
+
+  WithPush(const Vector& truth, double lead) : problem(test::toy_problem(truth)) {
+    push.event = true;
+    problem->hypotheses.candidates[0].effect = &effect;
+    problem->hypotheses.candidates[1].effect = &push;
+    found.comparison =
+        comparison_about(*problem, estimate_noise(*problem, problem->hypotheses.nominal()));
+    found.search.probes.resize(4);
+    found.search.indistinguishable.resize(4);
+    const double nats[] = {0.0, 40.0, 40.0 + lead};
+    for (const std::vector<int>& members : {std::vector<int>{}, {0}, {1}}) {
+      ModelFit model;
+      model.candidates = members;
+      model.fit = fit_model(*problem, found.comparison.whitening, members,
+                            {Vector::Zero(4), Vector::Constant(4, 0.1)});
+      model.fit.log_evidence = model.fit.log_complete = nats[found.search.models.size()];
+      found.search.models.push_back(model);
+    }
+  }
+};
+
+TEST(PredictsAsWell, IsAskedOfALeadThatIsNotClear) {
+  const double clear = Settings{}.clear_lead;
+  const Vector by_effect = test::toy_truth(0.5, 0.0), by_push = test::toy_truth(0.0, 0.3);
+  const auto well = [](const Vector& truth, double lead) {
+    const WithPush own(truth, lead);
+    return predicts_as_well(*own.problem, own.found);
+  };
+  EXPECT_FALSE(well(by_effect, clear - 1.0));
+  EXPECT_TRUE(well(by_effect, clear + 1.0));
+  EXPECT_TRUE(well(by_push, clear - 1.0));
+  EXPECT_TRUE(well(by_effect, -1.0));  // no push leads
 }
 
 }  // namespace
