@@ -118,33 +118,32 @@ void ImplicitMethod::take(const RightHandSide& f, const FastParts& fast, const F
 }
 
 /// By parts as they are at the step's end, with the responses of its start.
-void ImplicitMethod::forget(const FastParts& fast, const double* accelerations,
-                            double* rates) const {
-  std::vector<const FastPart*> settling;
-  std::vector<double> kept;
-  for (std::size_t k = 0; k < fast.parts.size(); ++k) {
+void ImplicitMethod::forget(const FastParts& fast, const double* accelerations, double* rates) {
+  const auto rate_of = [&](int k) { return at_end_[k].damping * fast.parts[k].mobility(size_); };
+  settling_.clear();
+  for (int k = 0; k < count_of(fast.parts); ++k) {
     const FastPart& part = fast.parts[k];
-    const double rate = at_end_[k].damping * part.mobility(size_);
-    const double way = std::abs(dot(part.row, accelerations, size_)) / rate;
-    if (!(rate > kGrantedRate) || (part.width > 0.0 && way > kRests * part.width)) continue;
-    settling.push_back(&part);
-    kept.push_back(kGrantedRate / rate);
+    if (!(rate_of(k) > kGrantedRate)) continue;
+    const double way = std::abs(dot(part.row, accelerations, size_)) / rate_of(k);
+    if (part.width == 0.0 || way <= kRests * part.width) settling_.push_back(k);
   }
-  const int n = count_of(settling);
+  // More than coordinates: no joint's friction comes so often; the error counts whole.
+  const int n = count_of(settling_);
   if (n == 0 || n > kMaxSize) return;
 
   // Parts pull on one another through the bodies between them.
   SmallMatrix mobility(n, n);
   SmallVector speed(n);
   for (int i = 0; i < n; ++i) {
-    speed[i] = dot(settling[i]->row, rates, size_);
+    const Row& row = fast.parts[settling_[i]].row;
+    speed[i] = dot(row, rates, size_);
     for (int k = 0; k < n; ++k)
-      mobility(i, k) = dot(settling[i]->row, settling[k]->response.data(), size_);
+      mobility(i, k) = dot(row, fast.parts[settling_[k]].response.data(), size_);
   }
   const SmallVector impulse = mobility.completeOrthogonalDecomposition().solve(speed);
   for (int k = 0; k < n; ++k) {
-    for (int i = 0; i < size_; ++i)
-      rates[i] -= (1.0 - kept[k]) * impulse[k] * settling[k]->response[i];
+    const double forgotten = (1.0 - kGrantedRate / rate_of(settling_[k])) * impulse[k];
+    for (int i = 0; i < size_; ++i) rates[i] -= forgotten * fast.parts[settling_[k]].response[i];
   }
 }
 

@@ -60,7 +60,7 @@ class ImplicitMethod {
   void factorise(const FastParts& fast, double inverse);
   void solve(const FastParts& fast, double inverse, State& x) const;
   /// Takes off an error of the rates what parts that come to rest will have forgotten.
-  void forget(const FastParts& fast, const double* accelerations, double* rates) const;
+  void forget(const FastParts& fast, const double* accelerations, double* rates);
 
   int size_ = 0;  ///< coordinates
   std::array<State, 4> u_;
@@ -68,6 +68,7 @@ class ImplicitMethod {
   Eigen::PartialPivLU<SmallMatrix> factors_;
   State at_, rate_;
   std::vector<FastPart> at_end_;
+  std::vector<int> settling_;  ///< parts whose errors are forgotten
 };
 
 }  // namespace jaculus::simulation::detail

@@ -163,23 +163,20 @@ void PassiveForces::list_fast_parts(const Mechanism& mechanism,
   for (const Friction& f : friction_) {
     const Rubbing joint = rubbing(f, mechanism, motors, q, v, state);
     const double slope = (1.0 - joint.sign * joint.sign) * joint.level / f.law->smoothing_rate;
-    parts.push_back({*joint.row,
-                     f.count * (slope + f.law->viscous),
-                     0.0,
-                     {},
-                     joint.rate,
-                     f.law->smoothing_rate});
+    parts.push_back({.row = *joint.row,
+                     .damping = f.count * (slope + f.law->viscous),
+                     .speed = joint.rate,
+                     .width = f.law->smoothing_rate});
   }
 
   for (const MotorRub& rub : rubbing_) {
     const double rate = mechanism.motor_rate(rub.motor, v);
     const double slope = components::motor_friction(rub.data, rate).d_rate;
-    parts.push_back({mechanism.motor_row[rub.motor],
-                     -rub.data.count * slope,
-                     0.0,
-                     {},
-                     rate,
-                     rub.data.dry_friction != 0.0 ? components::kDryFrictionSmoothing : 0.0});
+    const bool dry = rub.data.dry_friction != 0.0;
+    parts.push_back({.row = mechanism.motor_row[rub.motor],
+                     .damping = -rub.data.count * slope,
+                     .speed = rate,
+                     .width = dry ? components::kDryFrictionSmoothing : 0.0});
   }
 
   for (std::size_t k = 0; k < springs_.size(); ++k) {
