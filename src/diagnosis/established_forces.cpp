@@ -57,11 +57,9 @@ const ModelFit& best_without(const Problem& problem, const SearchResult& search,
     const bool stays = c != candidate && std::binary_search(present.begin(), present.end(), c);
     return stays || !problem.hypotheses.candidates[c].beyond_effects();
   };
-  const ModelFit* best = nullptr;
-  for (const ModelFit& model : search.models)
-    if (std::all_of(model.candidates.begin(), model.candidates.end(), may_have) &&
-        (best == nullptr || model.log_weight() > best->log_weight()))
-      best = &model;
+  const ModelFit* best = most_probable(search.models, [&](const ModelFit& model) {
+    return std::all_of(model.candidates.begin(), model.candidates.end(), may_have);
+  });
   assert(best != nullptr);
   return *best;
 }
@@ -95,9 +93,7 @@ bool all_hold(const Problem& with, int patterns_tried, const SearchResult& searc
 }  // namespace
 
 const ModelFit& leading(const SearchResult& search) {
-  return *std::max_element(
-      search.models.begin(), search.models.end(),
-      [](const ModelFit& a, const ModelFit& b) { return a.log_weight() < b.log_weight(); });
+  return *most_probable(search.models, [](const ModelFit&) { return true; });
 }
 
 bool force_established(const Problem& problem, const SearchResult& search, int candidate,
@@ -130,19 +126,15 @@ void leave_out_unfounded(const Problem& with, int patterns_tried, Selection& aga
 bool predicts_as_well(const Problem& problem, const Selection& found) {
   const Settings& settings = problem.settings;
   const ModelFit& lead = leading(found.search);
-  const ModelFit* alone = &found.search.models.front();
-  for (const ModelFit& model : found.search.models)
-    if (!problem.hypotheses.beyond_effects(model.candidates) &&
-        model.log_weight() > alone->log_weight())
-      alone = &model;
-  if (!problem.hypotheses.beyond_effects(lead.candidates) ||
-      lead.log_weight() - alone->log_weight() >= settings.clear_lead)
-    return true;
+  const ModelFit& alone = *most_probable(found.search.models, [&](const ModelFit& model) {
+    return !problem.hypotheses.beyond_effects(model.candidates);
+  });
+  if (lead.log_weight() - alone.log_weight() >= settings.clear_lead) return true;
 
   const Posterior posterior = posterior_of(found.search, settings);
   HeldOutGaps gaps(problem, found.comparison, posterior,
                    as_stated(problem, found.comparison.whitening), found.search.models.front().fit);
-  const HeldOut with = gaps.of(lead), without = gaps.of(*alone);
+  const HeldOut with = gaps.of(lead), without = gaps.of(alone);
   return !with.valid || !without.valid || no_worse(with.after, without.after, settings);
 }
 

@@ -22,10 +22,10 @@ bool force_established(const Problem& problem, const SearchResult& search, int c
 /// push that holds and a pattern that does as well the more probable one is told.
 void leave_out_unfounded(const Problem& with, int patterns_tried, Selection& again);
 
-/// Whether the leading model, where it has a push or a pattern and leads effects alone by less than
-/// settings.clear_lead, predicts trials held out no worse than the best of these. Evidence that is
-/// not clear rests on how the model's misfit is described; what was fitted to a shape that all
-/// trials share need not be what made it.
+/// Whether the leading model predicts trials held out no worse than the best of effects alone,
+/// where it leads that by less than settings.clear_lead. Evidence that is not clear rests on how
+/// the model's misfit is described; what was fitted to a shape that all trials share need not be
+/// what made it.
 bool predicts_as_well(const Problem& problem, const Selection& found);
 
 }  // namespace jaculus::diagnosis

@@ -162,13 +162,10 @@ std::vector<effects::Effect> all_effects(const Problem& problem) {
 /// more candidates: what forces have to lead is the best that is known without them.
 std::vector<ModelFit> known_models(const Problem& problem, const SearchResult& search,
                                    const Problem& more) {
-  std::vector<ModelFit> found = search.models;
-  std::stable_sort(found.begin(), found.end(), [](const ModelFit& a, const ModelFit& b) {
-    return a.log_weight() > b.log_weight();
-  });
-  const double least = found.front().log_weight() - problem.settings.clear_lead;
+  const double least = leading(search).log_weight() - problem.settings.clear_lead;
   std::vector<ModelFit> models;
-  for (const ModelFit& model : found) {
+  for (const ModelFit* own : most_probable_first(search.models)) {
+    const ModelFit& model = *own;
     if (!model.fit.valid || model.candidates.empty() || model.log_weight() < least) continue;
     ModelFit carried;
     for (const int c : model.candidates)

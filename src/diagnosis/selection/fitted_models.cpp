@@ -66,30 +66,21 @@ const ModelFit* FittedModels::find(const Members& members) const {
 }
 
 const ModelFit* FittedModels::best(int size) const {
-  const ModelFit* best = nullptr;
-  for (const ModelFit& model : models_) {
-    if (count_of(model.candidates) != size || !model.fit.valid) continue;
-    if (best == nullptr || value(model) > value(*best)) best = &model;
-  }
-  return best;
+  return most_probable(models_, [size](const ModelFit& model) {
+    return count_of(model.candidates) == size && model.fit.valid;
+  });
 }
 
 const ModelFit* FittedModels::leading() const {
-  const ModelFit* best = nullptr;
-  for (const ModelFit& model : models_)
-    if (model.fit.valid && (best == nullptr || value(model) > value(*best))) best = &model;
-  return best;
+  return most_probable(models_, [](const ModelFit& model) { return model.fit.valid; });
 }
 
 std::vector<ModelFit> FittedModels::close_to(const ModelFit& from, int count) const {
   std::vector<ModelFit> close;
-  for (const ModelFit& model : models_)
-    if (model.candidates.size() == from.candidates.size() && model.fit.valid)
-      close.push_back(model);
-
-  std::stable_sort(close.begin(), close.end(),
-                   [&](const ModelFit& a, const ModelFit& b) { return value(a) > value(b); });
-  if (count_of(close) > count) close.resize(count);
+  for (const ModelFit* model : most_probable_first(models_))
+    if (count_of(close) < count && model->candidates.size() == from.candidates.size() &&
+        model->fit.valid)
+      close.push_back(*model);
   return close;
 }
 

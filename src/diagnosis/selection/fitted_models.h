@@ -73,6 +73,8 @@ class FittedModels {
   /// The best fit of what is left where one member of a set is dropped, or none's.
   [[nodiscard]] const Fit& contained_in(const Members& members) const;
   void refine(ModelFit& model, std::vector<Vector> starts = {});
+  /// The model of these members, where it is fitted and was not refined yet.
+  void refine_once(const Members& members, std::set<Members>& refined);
   /// The next of the models by slopes that may come to lead; null where none may. `moved`: by how
   /// much refining changed others; `widely`: those that are led by less than clear_lead as well.
   [[nodiscard]] ModelFit* next_to_refine(const std::set<Members>& refined,

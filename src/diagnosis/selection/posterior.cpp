@@ -12,6 +12,15 @@ double ModelFit::log_weight() const {
   return log_prior + std::max(fit.log_evidence, fit.log_complete);
 }
 
+std::vector<const ModelFit*> most_probable_first(const std::vector<ModelFit>& models) {
+  std::vector<const ModelFit*> sorted;
+  for (const ModelFit& model : models) sorted.push_back(&model);
+  std::stable_sort(sorted.begin(), sorted.end(), [](const ModelFit* a, const ModelFit* b) {
+    return a->log_weight() > b->log_weight();
+  });
+  return sorted;
+}
+
 const ModelFit* Posterior::find(const std::vector<int>& candidates) const {
   for (const ModelFit& model : models)
     if (model.candidates == candidates && model.fit.valid) return &model;

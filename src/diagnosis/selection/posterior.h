@@ -28,6 +28,18 @@ struct ModelFit {
   [[nodiscard]] double log_weight() const;
 };
 
+/// The most probable of the models of which a condition holds, of equals the first; null where it
+/// holds of none. `models`: const or not, as what is returned.
+template <typename Models, typename Condition>
+auto most_probable(Models& models, const Condition& holds) -> decltype(models.data()) {
+  decltype(models.data()) best = nullptr;
+  for (auto& model : models)
+    if (holds(model) && (best == nullptr || model.log_weight() > best->log_weight())) best = &model;
+  return best;
+}
+/// All of them, of equals as they stand.
+std::vector<const ModelFit*> most_probable_first(const std::vector<ModelFit>& models);
+
 /// What a search found (search.h).
 struct SearchResult {
   std::vector<ModelFit> models;  ///< none first, then as fitted; without probabilities

@@ -56,28 +56,28 @@ ModelFit* FittedModels::next_to_refine(const std::set<Members>& refined,
                                        const std::map<Members, double>& moved, bool widely) {
   const Settings& settings = problem_.settings;
   const double best = value(*leading());
-  ModelFit* next = nullptr;
-  for (ModelFit& model : models_) {
-    if (!model.fit.valid || refined.contains(model.candidates)) continue;
+  return most_probable(models_, [&](const ModelFit& model) {
+    if (!model.fit.valid || refined.contains(model.candidates)) return false;
     const std::optional<double> alike = moved_alike(model.candidates, moved);
     // Slopes misjudge a model by more than what tells two apart, but alike what it contains.
     const double behind = widely && !alike ? settings.clear_lead : settings.indistinguishable_below;
     const bool near = value(model) + alike.value_or(0.0) >= best - behind;
-    if (!near && &model != leading()) continue;
-    if (next == nullptr || value(model) > value(*next)) next = &model;
-  }
-  return next;
+    return near || &model == leading();
+  });
+}
+
+void FittedModels::refine_once(const Members& members, std::set<Members>& refined) {
+  for (ModelFit& model : models_)
+    if (model.candidates == members && model.fit.valid && refined.insert(members).second)
+      refine(model);
 }
 
 void FittedModels::refine_effects_alone(const Members& led, std::set<Members>& refined) {
-  for (ModelFit& model : models_)
-    if (model.candidates == led && model.fit.valid && refined.insert(led).second) refine(model);
+  refine_once(led, refined);
   for (int count = 0; count < problem_.settings.refined; ++count) {
-    ModelFit* best = nullptr;
-    for (ModelFit& model : models_)
-      if (model.fit.valid && !problem_.hypotheses.beyond_effects(model.candidates) &&
-          (best == nullptr || value(model) > value(*best)))
-        best = &model;
+    ModelFit* best = most_probable(models_, [&](const ModelFit& model) {
+      return model.fit.valid && !problem_.hypotheses.beyond_effects(model.candidates);
+    });
     if (best == nullptr || !refined.insert(best->candidates).second) return;
     refine(*best);
   }
@@ -85,11 +85,7 @@ void FittedModels::refine_effects_alone(const Members& led, std::set<Members>& r
 
 void FittedModels::refine_within(const ModelFit& larger, std::set<Members>& refined) {
   const Members all = larger.candidates;
-  for (const int dropped : all) {
-    const Members rest = without_one(all, dropped);
-    for (ModelFit& model : models_)
-      if (model.candidates == rest && model.fit.valid && refined.insert(rest).second) refine(model);
-  }
+  for (const int dropped : all) refine_once(without_one(all, dropped), refined);
 }
 
 void FittedModels::share_valleys(const std::set<Members>& refined) {

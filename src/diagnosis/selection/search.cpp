@@ -247,12 +247,9 @@ const ModelFit* clear_leader(const Posterior& posterior, const Settings& setting
 
 /// The best models of a search, as many as are fitted in one move.
 std::vector<ModelFit> leading_models(const SearchResult& search, const Problem& problem) {
-  std::vector<ModelFit> models = search.models;
-  std::stable_sort(models.begin(), models.end(), [](const ModelFit& a, const ModelFit& b) {
-    return a.log_weight() > b.log_weight();
-  });
-  const int kept = problem.settings.kept_singles;
-  if (count_of(models) > kept) models.resize(kept);
+  std::vector<ModelFit> models;
+  for (const ModelFit* model : most_probable_first(search.models))
+    if (count_of(models) < problem.settings.kept_singles) models.push_back(*model);
   return models;
 }
 
