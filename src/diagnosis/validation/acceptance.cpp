@@ -23,18 +23,16 @@ bool needed(const HeldOut& with, const HeldOut& without, const Settings& setting
          left(without) >= settings.named_beside * left(with);
 }
 
-/// Whether a set is so much more probable than the smaller one, which the search fitted too, that
+/// Whether a set is so much more probable than a smaller one, each with tolerances of its own, that
 /// held-out data need not be predicted better with it, but no worse: tolerances may take the place
 /// of a member at a price that held-out data don't ask. Under a plan alone: under a logged input
 /// tolerances are few, and evidence asks for delays that move nothing.
-bool more_probable(HeldOutGaps& gaps, const ModelFit& model, const std::vector<int>& smaller) {
+bool more_probable(HeldOutGaps& gaps, const ModelFit& model, const ModelFit& smaller) {
   if (in_windows(gaps.problem())) return false;
   const Settings& settings = gaps.settings();
-  const ModelFit* with = gaps.posterior().find(model.candidates);
-  const ModelFit* without = gaps.posterior().find(smaller);
-  if (with == nullptr || without == nullptr) return false;
-  return with->log_weight() - without->log_weight() >= settings.strong_odds &&
-         no_worse(gaps.of(*with).after, gaps.of(*without).after, settings);
+  const ModelFit &with = gaps.fitted(model), &without = gaps.fitted(smaller);
+  return with.log_weight() - without.log_weight() >= settings.strong_odds &&
+         no_worse(gaps.of(with).after, gaps.of(without).after, settings);
 }
 
 /// Whether a condition that no fit saw is predicted better without a member, and all together no
@@ -73,7 +71,7 @@ ModelFit without_idle_members(HeldOutGaps& gaps, ModelFit model) {
     }
 
     if (!best || needed(all, gaps.of(*best), gaps.settings()) ||
-        more_probable(gaps, model, best->candidates) || needed_as_stated(*best))
+        more_probable(gaps, model, *best) || needed_as_stated(*best))
       break;
     model = std::move(*best);
   }
@@ -83,13 +81,16 @@ ModelFit without_idle_members(HeldOutGaps& gaps, ModelFit model) {
 ModelFit without_harmful_members(HeldOutGaps& gaps, ModelFit model) {
   if (gaps.of(model).over != "conditions") return model;
   while (model.candidates.size() > 1 && gaps.of(model).valid) {
-    // Tolerances stay in the smaller sets, so they do in this one.
+    // Tolerances stay in the smaller sets, so they do in this one. What would be stated has
+    // tolerances of its own, so it must do as well by these.
     const HeldOut all = gaps.of(gaps.held(model, model.candidates));
+    const HeldOut stated = gaps.of(gaps.fitted(model));
     std::optional<ModelFit> best;
     for (const int dropped : model.candidates) {
       const ModelFit& less = without_member(gaps, model, dropped);
       if (!less.fit.valid || !gaps.of(less).valid ||
-          !harms_a_condition(all, gaps.of(less), gaps.settings()))
+          !harms_a_condition(all, gaps.of(less), gaps.settings()) ||
+          !harms_a_condition(stated, gaps.of(gaps.fitted(less)), gaps.settings()))
         continue;
       if (!best || gaps.of(less).after < gaps.of(*best).after) best = less;
     }
@@ -112,7 +113,7 @@ ModelFit without_members_of_no_share(HeldOutGaps& gaps, ModelFit model) {
     if (least < 0) break;
 
     const ModelFit less = without_member(gaps, model, model.candidates[least]);
-    if (!less.fit.valid || more_probable(gaps, model, less.candidates)) break;
+    if (!less.fit.valid || more_probable(gaps, model, less)) break;
     model = less;
   }
   return model;
