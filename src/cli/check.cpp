@@ -169,6 +169,7 @@ int run_check(const CheckOptions& options) {
                    : names_robot(file)  ? check_robot(file, options.strict, text)
                                         : check_problem_file(file, options.common, text));
     json.back()["file"] = file;
+    passed = passed && json.back().value("contradictions", Json::array()).empty();
   }
 
   if (options.common.json) {

@@ -5,14 +5,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
+#include "cli/dataset_doubts.h"
 #include "jaculus/core/error.h"
 #include "jaculus/core/json.h"
 #include "jaculus/model/unusual.h"
 #include "jaculus/simulation/experiment.h"
 #include "jaculus/trajectory/leap_accelerations.h"
-#include "jaculus/trajectory/log_checks.h"
 #include "report/document/text_table.h"
 
 namespace jaculus::cli {
@@ -20,7 +19,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
-using trajectory::Quantity;
 
 std::string format_of(const fs::path& path) {
   if (!fs::is_regular_file(path) || (path.extension() != ".yaml" && path.extension() != ".yml"))
@@ -37,43 +35,6 @@ double duration_of(const trajectory::Table& plan) {
 
 std::string shown(double value) {
   return std::isfinite(value) ? fmt::format("{:.3f}", value) : "-";
-}
-
-const std::vector<std::string> kOfNoJoint = {"x",   "y",     "z",         "roll",
-                                             "yaw", "pitch", "imu_pitch", "bus"};
-
-/// Whether a channel is of no joint, coordinate or foot of this robot.
-bool is_strange(const std::string& channel, const model::PlanarModel& model) {
-  const std::string of = trajectory::parse_channel(channel).of;
-  const auto foot = [&](const model::PlanarPoint& own) { return own.name == of; };
-  return !channel.ends_with("temperature") && model.body_of_joint(of) < 0 &&
-         model.coordinate_index(of) < 0 &&
-         std::find(kOfNoJoint.begin(), kOfNoJoint.end(), of) == kOfNoJoint.end() &&
-         std::none_of(model.feet.begin(), model.feet.end(), foot);
-}
-
-/// "pendlum, did you mean 'pendulum'?".
-std::string with_nearest(const std::string& channel, const model::PlanarModel& model) {
-  std::vector<std::string> joints;
-  for (const model::PlanarBody& body : model.bodies)
-    if (!body.joint.empty()) joints.push_back(body.joint);
-  const auto near = yaml::nearest_name(trajectory::parse_channel(channel).of, joints);
-  return near ? fmt::format("{}, did you mean '{}'?", channel, *near) : channel;
-}
-
-/// Channels that this robot can't have: the plan or the log is of another robot.
-std::vector<std::string> strange_channels(const trajectory::Dataset& dataset,
-                                          const model::PlanarModel& model) {
-  std::vector<std::string> strange;
-  for (const trajectory::Trial& trial : dataset.trials) {
-    for (const trajectory::Stream& stream : trial.streams) {
-      for (const std::string& channel : stream.channels) {
-        const bool known = std::find(strange.begin(), strange.end(), channel) != strange.end();
-        if (!known && is_strange(channel, model)) strange.push_back(channel);
-      }
-    }
-  }
-  return strange;
 }
 
 Json streams_of(const trajectory::Dataset& dataset, std::string& text) {
@@ -222,15 +183,8 @@ Json check_dataset(const fs::path& path, std::string& text) {
       name_of(dataset.experiment), dataset.trials.size());
   const std::vector<std::string> unusual = unusual_values(dataset, robot);
   text += head_text(dataset, robot, unusual);
-  const std::vector<std::string> strange = strange_channels(dataset, robot.planar);
-  for (const std::string& channel : strange)
-    text +=
-        fmt::format("  note: channel of no joint or sensor of this robot, which nothing uses: {}\n",
-                    with_nearest(channel, robot.planar));
-  std::vector<std::string> contradictions = trajectory::rate_notes(dataset);
-  for (const trajectory::RateContradiction& found : trajectory::rate_contradictions(dataset))
-    contradictions.push_back(to_text(found));
-  for (const std::string& found : contradictions) text += "  contradiction: " + found + "\n";
+  const DatasetDoubts doubts = dataset_doubts(dataset, robot);
+  text += to_text(doubts);
   Json json = {{"dataset", name_of(dataset.experiment)},
                {"robot", robot.name},
                {"trials", dataset.trials.size()}};
@@ -239,8 +193,8 @@ Json check_dataset(const fs::path& path, std::string& text) {
   json["notes"] = dataset.notes;
   json["robot_notes"] = robot.notes;
   json["unusual"] = unusual;
-  json["strange_channels"] = strange;
-  json["contradictions"] = contradictions;
+  json["strange_channels"] = doubts.strange_channels;
+  json["contradictions"] = doubts.contradictions;
 
   return json;
 }

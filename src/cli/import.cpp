@@ -12,6 +12,7 @@
 #include <optional>
 
 #include "cli/command.h"
+#include "cli/dataset_doubts.h"
 #include "jaculus/core/error.h"
 #include "jaculus/trajectory/column_map.h"
 #include "jaculus/trajectory/leap_speed.h"
@@ -214,6 +215,10 @@ int run_import(const std::string& kind, const ImportOptions& options) {
                                          options.files.size(), kind,
                                          options.files.size() == 1 ? "" : "s", options.start)
                            : options.provenance;
+  const DatasetDoubts doubts = dataset_doubts(dataset, model::read_robot(robot));
+  text += to_text(doubts);
+  json["strange_channels"] = doubts.strange_channels;
+  json["contradictions"] = doubts.contradictions;
   prepare_folder(options.common.out);
   trajectory::write_dataset(dataset, options.common.out);
   if (options.common.json) {
@@ -226,8 +231,8 @@ int run_import(const std::string& kind, const ImportOptions& options) {
 }
 
 CLI::App* add_kind(CLI::App& parent, const std::string& kind, const std::string& help,
-                   const std::string& start, const std::shared_ptr<ImportOptions>& options,
-                   Action& chosen) {
+                   const std::string& start, const std::string& example,
+                   const std::shared_ptr<ImportOptions>& options, Action& chosen) {
   CLI::App* command = parent.add_subcommand(kind, help);
   command->add_option("files", options->files, "logs, a trial each")->required();
   command->add_option("--out", options->common.out, "folder of the dataset");
@@ -248,6 +253,7 @@ CLI::App* add_kind(CLI::App& parent, const std::string& kind, const std::string&
                       "seconds of the file, or CHANNEL>VALUE");
   command->add_option("--cut", options->cut,
                       "FROM,TO: seconds about time zero that are kept; default: everything");
+  command->footer("Example:\n  jaculus import " + example);
   command->callback([kind, options, &chosen] {
     chosen = [kind, options] { return run_import(kind, *options); };
   });
@@ -281,18 +287,21 @@ void add_python_kinds(CLI::App& parent, Action& chosen) {
 void add_import(CLI::App& app, Action& chosen) {
   CLI::App* command =
       app.add_subcommand("import", "Logs of real robots into a dataset; prints what was assumed.");
-  command->footer(
-      "Example:\n  jaculus import optitrack take1.csv take2.csv --robot minitaur_tail --plan "
-      "plan.csv --cut=-0.3,1 "
-      "--out leaps\n"
-      "  jaculus import openlog LOG1.TXT --format minitaur_log.yaml --robot minitaur --plan "
-      "plan.csv --out joints");
+  const std::string optitrack_example =
+      "optitrack take1.csv take2.csv --robot minitaur_tail --plan plan.csv --cut=-0.3,1 --out "
+      "leaps";
+  const std::string openlog_example =
+      "openlog LOG1.TXT --format minitaur_log.yaml --robot minitaur --plan plan.csv --out joints";
+  const std::string csv_example =
+      "csv log1.csv log2.csv --map columns.yaml --robot my_arm --experiment pendulum --out swings";
+  command->footer("Example:\n  jaculus import " + optitrack_example + "\n  jaculus import " +
+                  openlog_example + "\n  jaculus import " + csv_example);
   command->require_subcommand(1);
   auto mocap = std::make_shared<ImportOptions>();
   CLI::App* optitrack =
       add_kind(*command, "optitrack",
                "Motion capture as OptiTrack's Motive exports it, CSV of version 1.1 and later.",
-               "rule", mocap, chosen);
+               "rule", optitrack_example, mocap, chosen);
   optitrack->add_option("--up", mocap->up, "axis of the file that points up")
       ->check(one_of(trajectory::mocap_ups().names()));
 
@@ -307,12 +316,13 @@ void add_import(CLI::App& app, Action& chosen) {
       ->check(CLI::PositiveNumber);
   auto log = std::make_shared<ImportOptions>();
   add_kind(*command, "openlog", "Binary logs of records, by a description of their layout.",
-           "first", log, chosen)
+           "first", openlog_example, log, chosen)
       ->add_option("--format", log->description,
                    "layout of the records (YAML, format: jaculus-openlog/1)")
       ->required();
   auto csv = std::make_shared<ImportOptions>();
-  add_kind(*command, "csv", "Any CSV through a map of its columns.", "first", csv, chosen)
+  add_kind(*command, "csv", "Any CSV through a map of its columns.", "first", csv_example, csv,
+           chosen)
       ->add_option("--map", csv->description,
                    "columns of the channels (YAML, format: jaculus-columns/1)")
       ->required();

@@ -59,7 +59,7 @@ std::string meaning_of(double slope) {
       {kDegrees, ", as degrees beside rad/s would"},
       {1.0 / kDegrees, ", as radians beside deg/s would"},
       {1000.0, ", as mm beside m/s would"},
-      {0.001, ", as m beside mm/s would"}};
+      {0.001, ", as m beside mm/s or a time in ms would"}};
   for (const auto& [factor, text] : known)
     if (std::abs(slope / factor - 1.0) < kUnitWithin) return text;
   return "";

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <string>
 
 #include "cli/program.h"
@@ -90,6 +91,59 @@ TEST(Check, HintsAtAScaleThatTheExperimentCanJudge) {
   const Outcome right = run_program({"check", effect("0.05")});
   EXPECT_EQ(right.exit_code, 0) << right.out;
   EXPECT_FALSE(holds(right.out, "hint:")) << right.out;
+}
+
+TEST(Check, EndsWithOneBesideALogThatTheRobotCantMake) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(run_program({"simulate", kProblems + "pendulum_trials.yaml", "--trials", "1", "--quiet",
+                         "--out", folder / "swing"})
+                .exit_code,
+            0);
+  const std::string map = folder.write(
+      "map.yaml",
+      "format: jaculus-columns/1\nchannels:\n  time: {column: \"time [s]\", unit: s}\n"
+      "  pendulum: {column: \"pendulum [rad]\", unit: rad}\n"
+      "  pendulum_velocity: {column: \"pendulum_velocity [rad/s]\", unit: rad/s}\n"
+      "  pendulum_torque: {column: \"pendulum_torque [N m]\", unit: N m, scale: 1000}\n"
+      "  pendlum_current: {column: \"pendulum_torque [N m]\", unit: A}\n");
+  const Outcome imported =
+      run_program({"import", "csv", folder / "swing" / "trial_01" / "joints.csv", "--map", map,
+                   "--robot", "ak80_pendulum", "--experiment", "pendulum", "--controller",
+                   "{kind: measured, input: torque}", "--out", folder / "wrong"});
+  EXPECT_EQ(imported.exit_code, 0) << imported.err;
+
+  const Outcome checked = run_program({"check", folder / "wrong"});
+  EXPECT_EQ(checked.exit_code, 1);
+  for (const Outcome& outcome : {imported, checked}) {
+    EXPECT_TRUE(holds(outcome.out, "_torque reaches")) << outcome.out;
+    EXPECT_TRUE(holds(outcome.out, "the motor gives 12 N m at most")) << outcome.out;
+    EXPECT_TRUE(holds(outcome.out, "pendlum_current, did you mean 'pendulum'?")) << outcome.out;
+  }
+}
+
+TEST(Simulate, SaysWhereAJointLeavesItsRange) {
+  const TemporaryFolder folder;
+  const Outcome free =
+      run_program({"simulate", kProblems + "pendulum_trials.yaml", "--trials", "1"});
+  EXPECT_FALSE(holds(free.out, "leaves its range")) << free.out;
+
+  // The same robot with ends at its hinge.
+  const std::string model = source_folder().string() + "/models/ak80_pendulum/";
+  std::string urdf = bytes_of(model + "robot.urdf");
+  const auto put = [&](const std::string& what, const std::string& by) {
+    ASSERT_NE(urdf.find(what), std::string::npos) << what;
+    urdf.replace(urdf.find(what), what.size(), by);
+  };
+  put("type=\"continuous\"", "type=\"revolute\"");
+  put("<limit ", "<limit lower=\"-0.1\" upper=\"0.1\" ");
+  std::filesystem::create_directory(folder / "robot");
+  folder.write("robot/robot.urdf", urdf);
+  folder.write("robot/robot.yaml", bytes_of(model + "robot.yaml"));
+  const std::string file =
+      experiment(folder, "pendulum_trials.yaml", "robot: ak80_pendulum", "robot: robot");
+  const Outcome held = run_program({"simulate", file, "--trials", "1"});
+  EXPECT_EQ(held.exit_code, 0) << held.err;
+  EXPECT_TRUE(holds(held.out, "note: pendulum leaves its range of -0.1 to 0.1")) << held.out;
 }
 
 }  // namespace
