@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "jaculus/core/error.h"
@@ -42,6 +43,45 @@ Json figures_json(const simulation::LeapFigures& figures) {
   return json;
 }
 
+/// Where a joint of the truth is first outside its range, and how far it goes; null where it stays.
+Json range_left(const simulation::Simulation& truth, const std::string& joint, const Bounds& range,
+                const Eigen::RowVectorXd& values) {
+  constexpr double kTouches = 1e-6;  // [rad or m] a stop holds a joint at its range's end
+  const auto outside = [&](double value) {
+    return std::max({range.lower - value, value - range.upper, 0.0});
+  };
+  double furthest = 0.0, first = kNaN;
+  for (Eigen::Index k = 0; k < values.size(); ++k) {
+    if (outside(values[k]) <= kTouches) continue;
+    if (std::isnan(first)) first = truth.time[k];
+    furthest = std::max(furthest, outside(values[k]));
+  }
+  if (std::isnan(first)) return nullptr;
+  return {{"joint", joint},
+          {"time_s", first},
+          {"beyond", furthest},
+          {"range", {json_number(range.lower), json_number(range.upper)}}};
+}
+
+/// Joints that leave the range of the robot's files: the plant stops them only where it has a stop.
+/// Those that follow from a loop are left out, for the loop bounds them.
+Json ranges_left(const model::PlanarModel& model, const simulation::Simulation& truth) {
+  Json left = Json::array();
+  const auto add = [&](const std::string& joint, const Bounds& range,
+                       const Eigen::RowVectorXd& values) {
+    const Json found = range_left(truth, joint, range, values);
+    if (!found.is_null()) left.push_back(found);
+  };
+  for (int i = 0; i < model.size(); ++i)
+    add(model.coordinates[i].name, model.coordinates[i].range, truth.q.row(i));
+  for (const model::JointRange& own : model.joint_ranges) {
+    const auto row = model.joint_map.row(own.body);
+    if (row.isZero()) continue;
+    add(own.joint, own.range, ((row * truth.q).array() + model.joint_offset[own.body]).matrix());
+  }
+  return left;
+}
+
 Json trial_json(const simulation::Experiment& experiment, const model::PlanarModel& model,
                 const simulation::TrialRun& run) {
   Json json = {{"name", run.trial.name},
@@ -63,6 +103,7 @@ Json trial_json(const simulation::Experiment& experiment, const model::PlanarMod
     json["events"].push_back({{"time_s", event.time},
                               {"kind", kinds[static_cast<int>(event.kind)]},
                               {"what", event.what}});
+  json["ranges_left"] = ranges_left(model, run.truth);
   if (experiment.setup.experiment == trajectory::ExperimentKind::leap)
     json["leap"] = figures_json(simulation::leap_figures(experiment, model, run));
 

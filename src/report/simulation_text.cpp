@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
+#include <utility>
 
 #include "jaculus/report/dataset_report.h"
 #include "report/document/text_table.h"
@@ -79,6 +81,26 @@ std::string trials_text(const Json& trials) {
   return table.text();
 }
 
+/// One line for each joint that leaves its range, of the trial where it goes furthest.
+std::string ranges_text(const Json& trials) {
+  std::map<std::string, std::pair<Json, std::string>> furthest;
+  for (const Json& trial : trials)
+    for (const Json& left : trial.value("ranges_left", Json::array())) {
+      auto& own = furthest[left["joint"].get<std::string>()];
+      if (own.first.is_null() || own.first["beyond"] < left["beyond"])
+        own = {left, trial["name"].get<std::string>()};
+    }
+
+  std::string text;
+  for (const auto& [joint, own] : furthest)
+    text += fmt::format(
+        "note: {} leaves its range of {} to {} by {} from {} s on ({}); nothing stops it there\n",
+        joint, json_cell(own.first["range"][0], "{:.4g}"),
+        json_cell(own.first["range"][1], "{:.4g}"), json_cell(own.first["beyond"], "{:.3g}"),
+        json_cell(own.first["time_s"], "{:.3g}"), own.second);
+  return text;
+}
+
 }  // namespace
 
 std::string simulation_text(const simulation::Experiment& experiment, const Json& summary) {
@@ -89,6 +111,7 @@ std::string simulation_text(const simulation::Experiment& experiment, const Json
                   name_of(c.quantity), c.rate_hz, summary["effects"].get<std::string>());
   for (const std::string& note : experiment.setup.notes) text += "note: " + note + "\n";
   text += trials_text(summary["trials"]);
+  text += ranges_text(summary["trials"]);
 
   for (const Json& trial : summary["trials"])
     if (trial.contains("message"))
