@@ -59,15 +59,26 @@ Check check_fading(const std::vector<Influence>& list) {
   }
   check.passed =
       check.passed && list.front().size > 0.0 && list.back().size < kFades * list.front().size;
+  if (!check.passed)
+    check.found +=
+        fmt::format("; each must be less than the one before, the last {:g} of the first", kFades);
   return check;
 }
 
 Check check_return(const std::string& what, const EffectParameter& p, const FirstParameter& fit,
                    double truth, double tolerance) {
-  return {what,
-          fmt::format("{} {:.4g} +- {:.2g} {}, true {:.4g}", p.name, fit.value, fit.deviation,
-                      p.unit, truth),
-          std::abs(fit.value - truth) <= tolerance};
+  if (std::isnan(fit.value))
+    return {what, "no simulation from its scale on ended, so that nothing was fitted", false};
+  Check check{what,
+              fmt::format("{} {:.4g} +- {:.2g} {}, true {:.4g}", p.name, fit.value, fit.deviation,
+                          p.unit, truth),
+              std::abs(fit.value - truth) <= tolerance};
+  if (!check.passed)
+    check.found += fmt::format(
+        "; off by {:.2g}, allowed {:.2g}: the motion jumps with it, or "
+        "several values look alike",
+        std::abs(fit.value - truth), tolerance);
+  return check;
 }
 
 }  // namespace

@@ -20,6 +20,9 @@ constexpr double kMostInfluence = 3000.0;
 constexpr double kGoodInfluence = 10.0;
 constexpr double kFactor = 2.0;
 constexpr int kMostSteps = 24;  // factors of two, 1.7e7 in all
+// A scale is a guess, but no one's is off by more than a prefix of units. Where so small a step
+// shows that plainly, the motion itself takes any change apart.
+constexpr double kPrefix = 1e-3;
 
 /// The influence of a step in one parameter beside the others at their probing steps.
 class Probe {
@@ -91,8 +94,13 @@ std::string hint_for(const Probe& probe) {
                           samples);
   const std::string what = small ? "too small to be seen in this experiment"
                                  : "so large that nothing of the motion is left";
-  const std::string then = better > 0.0 ? fmt::format("try about {:g} {}", rounded(better), p.unit)
-                                        : std::string("within its bounds no other is better");
+  const std::string then = better <= 0.0 ? std::string("within its bounds no other is better")
+                           : large && better < kPrefix * std::abs(step)
+                               ? fmt::format(
+                                     "even {:.1g} {} is plain in it, so that the motion takes "
+                                     "any change apart: a shorter one shows more",
+                                     better, p.unit)
+                               : fmt::format("try about {:g} {}", rounded(better), p.unit);
   return fmt::format("scale {:g} {} of {} is {}: {}; {}", p.scale, p.unit, p.name, what, found,
                      then);
 }
