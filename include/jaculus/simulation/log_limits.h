@@ -20,8 +20,8 @@
 
 namespace jaculus::simulation {
 
-/// One sentence for each channel, by streams and channels in the order of their names. `model`: with
-/// the dataset's bus voltage (dataset_plant).
+/// One sentence for each channel, by streams and channels in the order of their names. `model`:
+/// with the dataset's bus voltage (dataset_plant).
 std::vector<std::string> values_out_of_reach(const trajectory::Dataset& dataset,
                                              const model::PlanarModel& model);
 
