@@ -239,7 +239,10 @@ std::string effects_sentence(const Diagnosis& d) {
 std::string which_sentence(const Diagnosis& d) {
   const std::vector<std::string> pushes = push_phrases(d);
   if (pushes.empty()) return effects_sentence(d);
-  return fmt::format("{} acted in every trial. {}", capital(listed(pushes)), effects_sentence(d));
+  return fmt::format(
+      "{} acted in every trial: something hits or catches the robot each time, or the model lacks "
+      "what acts then. {}",
+      capital(listed(pushes)), effects_sentence(d));
 }
 
 /// Channels whose error before is farthest above noise.
