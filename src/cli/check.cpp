@@ -6,14 +6,19 @@
 
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <utility>
 
 #include "cli/check_dataset.h"
 #include "cli/command.h"
 #include "jaculus/core/error.h"
 #include "jaculus/effects/user_effect.h"
 #include "jaculus/model/describe.h"
+#include "jaculus/model/robot.h"
 #include "jaculus/model/unusual.h"
+#include "jaculus/simulation/experiment.h"
 #include "jaculus/studies/study.h"
+#include "jaculus/trajectory/dataset.h"
 #include "jaculus/transcription/describe.h"
 #include "jaculus/transcription/nonlinear_program.h"
 #include "report/document/text_table.h"
@@ -147,11 +152,34 @@ Json check_problem_file(const fs::path& file, const Common& common, std::string&
   return json;
 }
 
-int run_check(const CheckOptions& options) {
+/// The help on a kind of file; nothing for what is no kind.
+std::optional<std::string> explanation_of(const std::string& kind) {
+  if (kind == "problem") return transcription::explain_problem();
+  if (kind == "robot") return model::explain_robot();
+  if (kind == "experiment") return simulation::explain_experiment();
+  if (kind == "dataset") return trajectory::explain_dataset();
+  return std::nullopt;
+}
+
+/// Prints the help on the kinds that are named, on problems where none is, and takes them out.
+void explain(CheckOptions& options) {
+  std::string text;
+  std::vector<std::string> files;
+  for (const std::string& name : options.files) {
+    if (const auto found = explanation_of(name)) {
+      text += (text.empty() ? "" : "\n") + *found;
+    } else {
+      files.push_back(name);
+    }
+  }
+  if (text.empty()) text = transcription::explain_problem();
+  print(options.common.json ? Json{{"explanation", text}}.dump(1) + "\n" : text);
+  options.files = std::move(files);
+}
+
+int run_check(CheckOptions options) {
   if (options.explain) {
-    print(options.common.json
-              ? Json{{"explanation", transcription::explain_problem()}}.dump(1) + "\n"
-              : transcription::explain_problem());
+    explain(options);
     if (options.files.empty()) return kDone;
   }
 
@@ -190,8 +218,10 @@ void add_check(CLI::App& app, Action& chosen) {
   command->footer("Example:\n  jaculus check problems/leap_tail.yaml minitaur_tail");
   command->add_option("files", options->files,
                       "files of problems, studies or effects, robot folders or robot names");
-  command->add_flag("--explain", options->explain,
-                    "print every key of a problem file with its meaning, unit and default");
+  command->add_flag(
+      "--explain", options->explain,
+      "print every key with its meaning, unit and default: of a problem, or of what is named, "
+      "problem, robot, experiment, dataset");
   command->add_option("--experiment", options->experiment,
                       "experiment in which effects are tried, instead of the one that they name");
   command->add_flag("--strict", options->strict,

@@ -33,6 +33,8 @@ DatasetOutline read_outline(const yaml::Node& file);
 /// controller. Other keys are the caller's.
 DatasetOutline read_dataset_setup(const yaml::Node& file);
 extern const std::vector<std::string> kSetupKeys;
+/// The help on these keys.
+std::string explain_setup();
 
 /// The block `controller`; what it leaves open goes to `notes`.
 StatedController read_stated_controller(const yaml::Node& node, std::vector<std::string>& notes);

@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <sstream>
 #include <string>
+#include <vector>
 
 #include "cli/program.h"
 #include "support/input_error.h"
@@ -119,6 +121,45 @@ TEST(Check, EndsWithOneBesideALogThatTheRobotCantMake) {
     EXPECT_TRUE(holds(outcome.out, "the motor gives 12 N m at most")) << outcome.out;
     EXPECT_TRUE(holds(outcome.out, "pendlum_current, did you mean 'pendulum'?")) << outcome.out;
   }
+}
+
+/// The keys that a reader allows where it meets one that is none.
+std::vector<std::string> allowed_keys(const std::string& message) {
+  const std::size_t at = message.find("allowed: ");
+  EXPECT_NE(at, std::string::npos) << message;
+  std::stringstream list(message.substr(at + 9, message.find('\n', at) - at - 9));
+  std::vector<std::string> keys;
+  for (std::string key; std::getline(list, key, ',');)
+    keys.push_back(key.substr(key.find_first_not_of(' ')));
+  return keys;
+}
+
+TEST(Check, ExplainsEveryKeyThatReadersTake) {
+  const TemporaryFolder folder;
+  struct Case {
+    const char *kind, *what, *by;
+  };
+  const Outcome simulated = run_program({"simulate", kProblems + "pendulum_trials.yaml", "--trials",
+                                         "1", "--quiet", "--out", folder / "swing"});
+  ASSERT_EQ(simulated.exit_code, 0);
+  const std::string set = folder / "swing" / "dataset.yaml";
+  for (const Case& c : {Case{"experiment", "duration: 3 s", "zzz: 3 s"},
+                        {"experiment", "rate_hz: 500}\nduration", "zzz: 500}\nduration"},
+                        {"experiment", "rate_hz: 500, channels", "zzz: 500, channels"},
+                        {"dataset", "provenance:", "zzz:"},
+                        {"dataset", "rate_hz: 500}", "zzz: 500}"}}) {
+    const bool dataset = std::string(c.kind) == "dataset";
+    std::string text = bytes_of(dataset ? set : kProblems + "pendulum_trials.yaml");
+    const std::size_t at = text.find(c.what);
+    ASSERT_NE(at, std::string::npos) << c.what << " in " << text;
+    text.replace(at, std::string(c.what).size(), c.by);
+    const std::string file =
+        dataset ? folder.write("swing/dataset.yaml", text) : folder.write("e.yaml", text);
+    const std::string help = run_program({"check", "--explain", c.kind}).out;
+    for (const std::string& key : allowed_keys(run_program({"check", file}).err))
+      EXPECT_TRUE(holds(help, " " + key + " ") || holds(help, " " + key + ", ")) << key;
+  }
+  EXPECT_TRUE(holds(run_program({"check", "--explain", "robot"}).out, "rest_pose"));
 }
 
 TEST(Simulate, SaysWhereAJointLeavesItsRange) {

@@ -122,6 +122,8 @@ struct Dataset {
 /// or of another dimension, a stream that begins after the plan's end. A channel of NaN alone is
 /// kept. A trial may lack a stream's file where another trial has it (a note says so).
 Dataset read_dataset(const std::filesystem::path& folder);
+/// Every key of dataset.yaml with its meaning, unit and default.
+std::string explain_dataset();
 
 /// Writes dataset.yaml last, so that a folder without it is one that was interrupted.
 /// `dataset.folder` is set to it. The robot is written as stated: a relative path must hold from
