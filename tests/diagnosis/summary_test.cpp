@@ -33,11 +33,11 @@ Diagnosis friction() {
 }
 
 TEST(Summary, LeadsWithWhatExplainsMost) {
-  EXPECT_EQ(
-      summary_of(friction()).which,
-      "Dry friction (torque 0.17 N m, 0.15 to 0.2) explains 73 % of the held-out gap's "
-      "energy, with link mass (factor 1.21, 1.1 to 1.3) 96 %; these data can't tell link mass "
-      "from torque constant.");
+  EXPECT_EQ(summary_of(friction()).which,
+            "Dry friction (torque 0.17 N m, 0.15 to 0.2) explains 73 % of the held-out gap's "
+            "energy, together with link mass (factor 1.21, 1.1 to 1.3) 96 %; these data can't tell "
+            "link mass "
+            "from torque constant.");
 }
 
 TEST(Summary, GivesTheGapInUnits) {

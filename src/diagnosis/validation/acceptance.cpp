@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include "diagnosis/selection/neighbouring_sets.h"
 #include "diagnosis/validation/shares.h"
@@ -55,25 +57,27 @@ double largest_share(const EffectShare& share) {
 ModelFit without_idle_members(HeldOutGaps& gaps, ModelFit model) {
   // What is left out together must be idle together, so each smaller set is set beside the first:
   // with its tolerances where they are, as theirs stay.
+  const ModelFit first = model;
   const HeldOut all = gaps.of(gaps.held(model, model.candidates)), stated = gaps.of(model);
   // Where datasets judge one another, a smaller set must predict them by tolerances of its own too:
   // with those of the larger one it has a part of what that one explains.
-  const auto needed_as_stated = [&](const ModelFit& less) {
-    return stated.over == "conditions" &&
-           needed(stated, gaps.of(gaps.fitted(less)), gaps.settings());
+  const auto idle = [&](const ModelFit& less) {
+    return !needed(all, gaps.of(less), gaps.settings()) && !more_probable(gaps, first, less) &&
+           !(stated.over == "conditions" &&
+             needed(stated, gaps.of(gaps.fitted(less)), gaps.settings()));
   };
   while (model.candidates.size() > 1 && gaps.of(model).valid) {
-    std::optional<ModelFit> best;
+    std::vector<ModelFit> smaller;
     for (const int dropped : model.candidates) {
       const ModelFit& less = without_member(gaps, model, dropped);
-      if (!less.fit.valid || !gaps.of(less).valid) continue;
-      if (!best || gaps.of(less).after < gaps.of(*best).after) best = less;
+      if (less.fit.valid && gaps.of(less).valid) smaller.push_back(less);
     }
-
-    if (!best || needed(all, gaps.of(*best), gaps.settings()) ||
-        more_probable(gaps, model, *best) || needed_as_stated(*best))
-      break;
-    model = std::move(*best);
+    std::stable_sort(smaller.begin(), smaller.end(), [&](const ModelFit& a, const ModelFit& b) {
+      return gaps.of(a).after < gaps.of(b).after;
+    });
+    const auto best = std::find_if(smaller.begin(), smaller.end(), idle);
+    if (best == smaller.end()) break;
+    model = *best;
   }
   return model;
 }
@@ -82,7 +86,7 @@ ModelFit without_harmful_members(HeldOutGaps& gaps, ModelFit model) {
   if (gaps.of(model).over != "conditions") return model;
   while (model.candidates.size() > 1 && gaps.of(model).valid) {
     // Tolerances stay in the smaller sets, so they do in this one. What would be stated has
-    // tolerances of its own, so it must do as well by these.
+    // tolerances of its own: harm must show by these too.
     const HeldOut all = gaps.of(gaps.held(model, model.candidates));
     const HeldOut stated = gaps.of(gaps.fitted(model));
     std::optional<ModelFit> best;
@@ -101,20 +105,22 @@ ModelFit without_harmful_members(HeldOutGaps& gaps, ModelFit model) {
 }
 
 ModelFit without_members_of_no_share(HeldOutGaps& gaps, ModelFit model) {
+  const ModelFit first = model;
   while (model.candidates.size() > 1) {
     const auto shares = shares_of(gaps, model);
-    int least = -1;
-    double value = gaps.settings().remainder_share;
-    for (int i = 0; i < count_of(shares); ++i) {
-      if (!shares[i] || largest_share(*shares[i]) >= value) continue;
-      least = i;
-      value = largest_share(*shares[i]);
-    }
-    if (least < 0) break;
+    std::vector<std::pair<double, int>> small;  // shares and members, the least first
+    for (int i = 0; i < count_of(shares); ++i)
+      if (shares[i] && largest_share(*shares[i]) < gaps.settings().remainder_share)
+        small.emplace_back(largest_share(*shares[i]), model.candidates[i]);
+    std::sort(small.begin(), small.end());
 
-    const ModelFit less = without_member(gaps, model, model.candidates[least]);
-    if (!less.fit.valid || more_probable(gaps, model, less)) break;
-    model = less;
+    const auto may_go = [&](const std::pair<double, int>& own) {
+      const ModelFit& less = without_member(gaps, model, own.second);
+      return less.fit.valid && !more_probable(gaps, first, less);
+    };
+    const auto least = std::find_if(small.begin(), small.end(), may_go);
+    if (least == small.end()) break;
+    model = ModelFit(without_member(gaps, model, least->second));
   }
   return model;
 }

@@ -251,16 +251,20 @@ const ModelFit& HeldOutGaps::held(const ModelFit& model, const std::vector<int>&
 }
 
 const ModelFit& HeldOutGaps::fitted(const ModelFit& held) {
-  if (const ModelFit* known = posterior_.find(held.candidates)) return *known;
+  const ModelFit* searched = posterior_.find(held.candidates);
+  if (searched != nullptr && !searched->fit.by_slopes()) return *searched;
   const auto known = fitted_.find(held.candidates);
   if (known != fitted_.end()) return known->second;
 
-  ModelFit model = held;
+  // By slopes alone a set is misjudged by more than what tells two apart.
+  ModelFit model = searched != nullptr ? *searched : held;
+  std::vector<Vector> starts = {held.fit.p};
+  if (searched != nullptr) starts.push_back(searched->fit.p);
   FitOptions options;
   options.scales = held.fit.scales;
   model.fit = fit_model(problem_, comparison_.whitening,
-                        problem_.hypotheses.freed_by(held.candidates), {held.fit.p}, options);
-  if (!model.fit.valid) model = held;
+                        problem_.hypotheses.freed_by(held.candidates), starts, options);
+  if (!model.fit.valid) model = searched != nullptr ? *searched : held;
   return fitted_.emplace(held.candidates, std::move(model)).first->second;
 }
 
