@@ -164,7 +164,7 @@ std::string explaining(const Diagnosis& d) {
   const double all = 1.0 - energy_left(d.gap.before, d.gap.after);
   const double tolerances = effects[0].share->tolerances;
   if (!others.empty())
-    text += fmt::format(", with {} {}", listed(others), clipped(all - tolerances));
+    text += fmt::format(", together with {} {}", listed(others), clipped(all - tolerances));
   if (tolerances >= kWorthAWord)
     text += fmt::format(", beside the builder's tolerances ({})", clipped(tolerances));
   return text;
