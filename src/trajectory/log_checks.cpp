@@ -1,10 +1,10 @@
 #include "jaculus/trajectory/log_checks.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <numbers>
 #include <set>
 #include <utility>
@@ -59,7 +59,9 @@ std::string meaning_of(double slope) {
       {kDegrees, ", as degrees beside rad/s would"},
       {1.0 / kDegrees, ", as radians beside deg/s would"},
       {1000.0, ", as mm beside m/s would"},
-      {0.001, ", as m beside mm/s or a time in ms would"}};
+      {0.001, ", as m beside mm/s or a time in ms would"},
+      {1e-6, ", as a time in us would"},
+      {std::numbers::pi / 30.0, ", as radians beside turns a minute would"}};
   for (const auto& [factor, text] : known)
     if (std::abs(slope / factor - 1.0) < kUnitWithin) return text;
   return "";
@@ -77,30 +79,37 @@ double median_spacing(const Stream& stream) {
 }  // namespace
 
 std::vector<RateContradiction> rate_contradictions(const Dataset& dataset) {
-  std::map<std::pair<std::string, std::string>, WayAndRate> all;
-  for (const Trial& trial : dataset.trials)
-    for (const Stream& stream : trial.streams)
-      for (const std::string& channel : stream.channels) {
-        const int rate = stream.channel(channel_name(channel, Quantity::velocity));
-        if (rate >= 0)
-          add_spans(stream, stream.channel(channel), rate, all[{stream.name, channel}]);
-      }
-
   std::vector<RateContradiction> found;
-  for (const auto& [names, sums] : all) {
-    if (!(sums.dd > 0.0) || !(sums.ii > 0.0)) continue;
+  const auto add = [&](const Trial& trial, const Stream& stream, const std::string& channel) {
+    const int rate = stream.channel(channel_name(channel, Quantity::velocity));
+    if (rate < 0) return;
+    WayAndRate sums;
+    add_spans(stream, stream.channel(channel), rate, sums);
+    if (!(sums.dd > 0.0) || !(sums.ii > 0.0)) return;
     const double slope = sums.di / sums.ii, correlation = sums.di / std::sqrt(sums.dd * sums.ii);
     const bool agrees = slope > 1.0 / kLargestFactor && slope < kLargestFactor;
-    if (std::abs(correlation) > kCorrelated && !agrees)
-      found.push_back({names.first, names.second, slope, correlation});
-  }
+    if (!(std::abs(correlation) > kCorrelated) || agrees) return;
+    const auto alike = std::find_if(found.begin(), found.end(), [&](const RateContradiction& own) {
+      return own.stream == stream.name && own.channel == channel &&
+             std::abs(own.slope / slope - 1.0) < kUnitWithin;
+    });
+    if (alike != found.end()) {
+      alike->trials.push_back(trial.name);
+    } else {
+      found.push_back({stream.name, channel, slope, correlation, {trial.name}});
+    }
+  };
+  for (const Trial& trial : dataset.trials)
+    for (const Stream& stream : trial.streams)
+      for (const std::string& channel : stream.channels) add(trial, stream, channel);
   return found;
 }
 
 std::string to_text(const RateContradiction& found) {
   return fmt::format(
-      "{0}.{1} moves {2:.3g} times as far as {1}_velocity says (correlation {3:.2f}){4}",
-      found.stream, found.channel, found.slope, found.correlation, meaning_of(found.slope));
+      "{0}.{1} moves {2:.3g} times as far as {1}_velocity says (correlation {3:.2f}, {5}){4}",
+      found.stream, found.channel, found.slope, found.correlation, meaning_of(found.slope),
+      fmt::join(found.trials, ", "));
 }
 
 std::vector<std::string> rate_notes(const Dataset& dataset) {

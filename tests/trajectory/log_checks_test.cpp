@@ -56,6 +56,18 @@ TEST(LogChecks, NameSignsAndUnits) {
   }
 }
 
+TEST(LogChecks, NameTheTrialsThatHaveAnotherUnit) {
+  Dataset dataset = swing(1.0, 1.0);
+  for (const char* name : {"trial_02", "trial_03"}) {
+    dataset.trials.push_back(swing(180.0 / M_PI, 1.0).trials.front());
+    dataset.trials.back().name = name;
+  }
+  const auto found = rate_contradictions(dataset);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].trials, (std::vector<std::string>{"trial_02", "trial_03"}));
+  EXPECT_NE(to_text(found[0]).find("trial_02, trial_03"), std::string::npos);
+}
+
 TEST(LogChecks, SayNothingOfNoise) {
   // At rest a rate of noise says nothing of an angle of noise.
   Dataset still = swing(1.0, 1.0);

@@ -5,7 +5,7 @@
 // whichever is longer, the way D = A(t1) - A(t0) and the integral I of the rate by the trapezoidal
 // rule,
 //   slope b = sum D I/sum I^2,   correlation c = sum D I/sqrt(sum D^2 sum I^2),
-// over all trials. They contradict one another where |c| is above 0.95 and b is outside [1/2, 2]: a
+// over a trial. They contradict one another where |c| is above 0.95 and b is outside [1/2, 2]: a
 // sign, degrees beside radians, a rate before the gear. Differences of noise have no such
 // correlation.
 
@@ -18,9 +18,10 @@ namespace jaculus::trajectory {
 
 /// A position and a rate that contradict one another.
 struct RateContradiction {
-  std::string stream, channel;  ///< the position's
-  double slope = 1.0;           ///< b [-]
-  double correlation = 0.0;     ///< c [-]
+  std::string stream, channel;        ///< the position's
+  double slope = 1.0;                 ///< b [-]
+  double correlation = 0.0;           ///< c [-]
+  std::vector<std::string> trials{};  ///< that have it, b alike within a tenth
 };
 std::vector<RateContradiction> rate_contradictions(const Dataset& dataset);
 /// "joints.swing moves -1.00 times ...".
