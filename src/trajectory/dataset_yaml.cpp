@@ -199,6 +199,10 @@ InputScript read_steps_script(const yaml::Node& node, Quantity quantity) {
   }
 
   if (script.joints.empty()) throw node.error("no joint given; allowed: a map of joints");
+  if (*times.begin() < 0.0)
+    throw node.error(fmt::format("a time of {:g} s given; allowed: from the command's start, 0, on",
+                                 *times.begin()));
+  times.insert(0.0);  // nothing is commanded before a first step
   const std::vector<double> grid(times.begin(), times.end());
   script.time = Eigen::Map<const Vector>(grid.data(), grid.size());
   script.values = Matrix::Zero(all.size(), script.time.size());
