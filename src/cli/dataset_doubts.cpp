@@ -58,8 +58,8 @@ DatasetDoubts dataset_doubts(const trajectory::Dataset& dataset, const model::Ro
                     with_nearest(channel, model)));
   for (const trajectory::RateContradiction& found : trajectory::rate_contradictions(dataset))
     doubts.contradictions.push_back(to_text(found));
-  for (const std::string& found : simulation::values_out_of_reach(dataset, model))
-    doubts.contradictions.push_back(found);
+  for (const simulation::OutOfReach& found : simulation::values_out_of_reach(dataset, model))
+    (found.impossible ? doubts.contradictions : doubts.notes).push_back(found.text);
   return doubts;
 }
 

@@ -11,8 +11,9 @@ namespace jaculus::cli {
 
 struct DatasetDoubts {
   std::vector<std::string> strange_channels;  ///< of no joint or sensor of this robot
-  std::vector<std::string> notes;             ///< one sentence on each of these
-  std::vector<std::string> contradictions;    ///< one sentence each
+  /// one sentence on each of these, and on values beyond limits that are stated and nothing holds
+  std::vector<std::string> notes;
+  std::vector<std::string> contradictions;  ///< one sentence each
 };
 
 DatasetDoubts dataset_doubts(const trajectory::Dataset& dataset, const model::Robot& robot);

@@ -14,6 +14,7 @@
 #include "cli/command.h"
 #include "cli/dataset_doubts.h"
 #include "jaculus/core/error.h"
+#include "jaculus/simulation/experiment.h"
 #include "jaculus/trajectory/column_map.h"
 #include "jaculus/trajectory/leap_speed.h"
 #include "jaculus/trajectory/openlog.h"
@@ -189,6 +190,7 @@ int run_import(const std::string& kind, const ImportOptions& options) {
   // elsewhere.
   if (fs::path(options.robot).has_parent_path() || fs::is_directory(options.robot))
     dataset.robot = fs::absolute(robot).lexically_normal().string();
+  const model::Robot in_dataset = simulation::dataset_robot(dataset);
   const std::vector<std::string> setup_notes = dataset.notes;
   Json json = {{"files", Json::array()}, {"assumed", setup_notes}};
   std::string text;
@@ -215,7 +217,7 @@ int run_import(const std::string& kind, const ImportOptions& options) {
                                          options.files.size(), kind,
                                          options.files.size() == 1 ? "" : "s", options.start)
                            : options.provenance;
-  const DatasetDoubts doubts = dataset_doubts(dataset, model::read_robot(robot));
+  const DatasetDoubts doubts = dataset_doubts(dataset, in_dataset);
   text += to_text(doubts);
   json["strange_channels"] = doubts.strange_channels;
   json["contradictions"] = doubts.contradictions;

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <tuple>
 
 namespace jaculus::simulation {
 namespace {
@@ -49,6 +50,10 @@ trajectory::Dataset swing(double by_angle, double by_rate, double by_torque) {
 
 TEST(LogLimits, FindNothingInALogThatTheRobotCanMake) {
   EXPECT_TRUE(values_out_of_reach(swing(1.0, 1.0, 1.0), pendulum()).empty());
+  // One bad angle, which spoils two rates.
+  trajectory::Dataset spiked = swing(1.0, 1.0, 1.0);
+  spiked.trials[0].streams[0].values(0, 50) = 40.0;
+  EXPECT_TRUE(values_out_of_reach(spiked, pendulum()).empty());
   // A torque that reads half as much again is a scale, not another unit.
   EXPECT_TRUE(values_out_of_reach(swing(1.0, 1.0, 1.5), pendulum()).empty());
 }
@@ -56,24 +61,49 @@ TEST(LogLimits, FindNothingInALogThatTheRobotCanMake) {
 TEST(LogLimits, NameTorquesThatNoMotorGives) {
   const auto found = values_out_of_reach(swing(1.0, 1.0, 100.0), pendulum());
   ASSERT_EQ(found.size(), 1u);
-  EXPECT_EQ(found[0], "joints.swing_torque reaches 100 N m; the motor gives 1.2 N m at most");
+  EXPECT_NE(found[0].text.find("N m; the motor gives 1.2 N m at most"), std::string::npos);
+  EXPECT_TRUE(found[0].impossible);
 }
 
 TEST(LogLimits, NameAnglesInDegreesEvenWhereTheirRatesAreToo) {
   const double degrees = 180.0 / M_PI;
   const auto found = values_out_of_reach(swing(degrees, degrees, 1.0), pendulum());
   ASSERT_EQ(found.size(), 2u);
-  EXPECT_NE(found[0].find("joints.swing moves at"), std::string::npos) << found[0];
-  EXPECT_EQ(found[1],
-            "joints.swing_velocity reaches 360 rad/s; without load the motor turns at 40 rad/s "
-            "at most");
+  EXPECT_NE(found[0].text.find("joints.swing moves at"), std::string::npos) << found[0].text;
+  EXPECT_NE(found[1].text.find("without load the motor drives it at 40 rad/s at most"),
+            std::string::npos)
+      << found[1].text;
+}
 
-  // A joint with a range tells by itself.
-  model::PlanarModel ranged = pendulum();
-  ranged.coordinates[0].range = {-1.5, 1.5};
-  const auto spans = values_out_of_reach(swing(degrees, 1.0, 1.0), ranged);
-  ASSERT_EQ(spans.size(), 1u);
-  EXPECT_EQ(spans[0], "joints.swing spans 115 rad; the joint's range is 3 rad");
+TEST(LogLimits, CallNothingImpossibleThatOnlyStatedLimitsHold) {
+  // A range without a stop, and the speed that plans of an ideal motor keep below.
+  model::PlanarModel ideal = pendulum();
+  ideal.motors[0] = model::PlanarMotor{.joint = "swing", .voltage = kInfinity, .speed_limit = 1.0};
+  ideal.coordinates[0].range = {-0.1, 0.1};
+  const auto limited = values_out_of_reach(swing(1.0, 1.0, 1.0), ideal);
+  ASSERT_EQ(limited.size(), 2u);
+  for (const OutOfReach& own : limited) EXPECT_FALSE(own.impossible) << own.text;
+
+  ideal.motors[0].speed_limit = kInfinity;
+  const auto ranged = values_out_of_reach(swing(1.0, 1.0, 1.0), ideal);
+  ASSERT_EQ(ranged.size(), 1u);
+  EXPECT_EQ(ranged[0].text, "joints.swing spans 2 rad; the joint's range is 0.2 rad");
+  EXPECT_FALSE(ranged[0].impossible);
+}
+
+TEST(LogLimits, KnowADutyAVoltageAndACurrent) {
+  trajectory::Dataset dataset = swing(1.0, 1.0, 50.0);
+  trajectory::Stream& stream = dataset.trials[0].streams[0];
+  for (const auto& [quantity, unit, says] :
+       {std::tuple("duty", "-", "; a duty is 1 at most"),
+        std::tuple("voltage", "V", " V; the bus has 24 V at most"),
+        std::tuple("current", "A", " A; the motor takes 2 A at most")}) {
+    stream.channels[2] = std::string("swing_") + quantity;
+    stream.units[2] = unit;
+    const auto found = values_out_of_reach(dataset, pendulum());
+    ASSERT_EQ(found.size(), 1u) << quantity;
+    EXPECT_NE(found[0].text.find(says), std::string::npos) << found[0].text;
+  }
 }
 
 TEST(LogLimits, SayNothingOfAMotorWhoseLimitsAreNotStated) {

@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <map>
 #include <optional>
 #include <string_view>
+#include <utility>
 
 #include "jaculus/components/motor.h"
 #include "jaculus/trajectory/quantity.h"
@@ -20,19 +22,22 @@ using trajectory::Quantity;
 // of a bus do not reach.
 constexpr double kLargestFactor = 2.0;  // [-]
 constexpr double kSpan = 0.05;          // [s]
-constexpr double kBeyond = 0.99;        // of the samples
-constexpr int kFewest = 20;             // samples, for a share to mean something
+constexpr double kBeyond = 0.01;        // of the samples, and at least
+constexpr int kFewest = 3;              // of them: one that is bad spoils two rates
 
 /// What a channel may reach: its size, its rate, its span.
 struct Reach {
   double value = kInfinity, rate = kInfinity, span = kInfinity;
-  std::string_view by;  ///< what sets it
+  std::string_view by;   ///< what sets it
+  bool planned = false;  ///< whether plans alone keep below it
 };
 
-/// Joint rate without load [rad/s or m/s].
-double free_rate(const model::PlanarMotor& motor) {
-  if (motor.ideal() || !std::isfinite(motor.voltage)) return motor.speed_limit / motor.gear;
-  return motor.voltage / (motor.torque_constant * motor.gear);
+/// Joint rate without load, or as plans limit it where nothing tells that [rad/s or m/s].
+Reach rate_of(const model::PlanarMotor& motor) {
+  if (motor.ideal() || !std::isfinite(motor.voltage))
+    return {.value = motor.speed_limit / motor.gear, .by = "plans keep below", .planned = true};
+  return {.value = motor.voltage / (motor.torque_constant * motor.gear),
+          .by = "without load the motor drives it at"};
 }
 
 double stall_torque(const model::PlanarMotor& motor) {
@@ -69,12 +74,15 @@ std::optional<Reach> reach_of(const std::string& channel, const model::PlanarMod
     case Quantity::voltage:
       return Reach{.value = motor.voltage, .by = "the bus has"};
     case Quantity::duty:
-      return Reach{.value = 1.0, .by = "of a duty there is"};
+      return Reach{.value = 1.0, .by = "a duty is"};
     case Quantity::velocity:
-      return Reach{.value = free_rate(motor), .by = "without load the motor turns at"};
+      return rate_of(motor);
     case Quantity::position: {
       const Bounds range = range_of(model, name.of);
-      return Reach{.rate = free_rate(motor), .span = range.upper - range.lower, .by = ""};
+      Reach reach = rate_of(motor);
+      reach.rate = std::exchange(reach.value, kInfinity);
+      reach.span = range.upper - range.lower;
+      return reach;
     }
     default:
       return std::nullopt;
@@ -102,44 +110,60 @@ void add(const trajectory::Stream& stream, int channel, Sizes& sizes) {
   }
 }
 
-/// The value below which a share of them lies; nothing of too few.
-std::optional<double> quantile(std::vector<double> values, double share) {
-  if (std::ssize(values) < kFewest) return std::nullopt;
-  const auto at = values.begin() + std::lround(share * static_cast<double>(values.size() - 1));
+/// The value that a share of them passes, and some at least; nothing of too few.
+std::optional<double> passed(std::vector<double> values) {
+  const auto n = std::ssize(values);
+  const auto beyond = std::max<std::ptrdiff_t>(
+      kFewest, static_cast<std::ptrdiff_t>(std::ceil(kBeyond * static_cast<double>(n))));
+  if (n <= beyond) return std::nullopt;
+  const auto at = values.end() - beyond - 1;
   std::nth_element(values.begin(), at, values.end());
   return *at;
 }
 
 std::optional<double> largest(std::vector<double> values) {
   for (double& value : values) value = std::abs(value);
-  return quantile(std::move(values), kBeyond);
+  return passed(std::move(values));
 }
 
-/// "reaches 512 N m; the motor gives 5.1 N m at most"; empty where it may be.
-std::string beyond(const Sizes& sizes, const Reach& reach) {
+/// Between what a share of them passes at either end.
+std::optional<double> span_of(std::vector<double> values) {
+  const auto high = passed(values);
+  for (double& value : values) value = -value;
+  const auto low = passed(std::move(values));
+  return high && low ? std::optional(*high + *low) : std::nullopt;
+}
+
+/// "12 N m", "1" of what has no unit.
+std::string with_unit(double value, const std::string& unit) {
+  return unit == "-" ? fmt::format("{:.3g}", value) : fmt::format("{:.3g} {}", value, unit);
+}
+
+/// "reaches 512 N m; the motor gives 5.1 N m at most"; nothing where it may be.
+std::optional<OutOfReach> beyond(const Sizes& sizes, const Reach& reach) {
   const auto passes = [](std::optional<double> size, double limit) {
     return size && std::isfinite(limit) && limit > 0.0 && *size > kLargestFactor * limit;
   };
   const std::string& unit = sizes.unit;
   if (const auto size = largest(sizes.values); passes(size, reach.value))
-    return fmt::format("reaches {:.3g} {}; {} {:.3g} {} at most", *size, unit, reach.by,
-                       reach.value, unit);
-
-  const auto low = quantile(sizes.values, 1.0 - kBeyond), high = quantile(sizes.values, kBeyond);
-  if (low && passes(*high - *low, reach.span))
-    return fmt::format("spans {:.3g} {}; the joint's range is {:.3g} {}", *high - *low, unit,
-                       reach.span, unit);
-
+    return OutOfReach{fmt::format("reaches {}; {} {} at most", with_unit(*size, unit), reach.by,
+                                  with_unit(reach.value, unit)),
+                      !reach.planned};
   if (const auto rate = largest(sizes.rates); passes(rate, reach.rate))
-    return fmt::format("moves at {:.3g} {}/s; without load the motor turns at {:.3g} {}/s at most",
-                       *rate, unit, reach.rate, unit);
-  return {};
+    return OutOfReach{fmt::format("moves at {}/s; {} {}/s at most", with_unit(*rate, unit),
+                                  reach.by, with_unit(reach.rate, unit)),
+                      !reach.planned};
+  if (const auto span = span_of(sizes.values); passes(span, reach.span))
+    return OutOfReach{fmt::format("spans {}; the joint's range is {}", with_unit(*span, unit),
+                                  with_unit(reach.span, unit)),
+                      false};
+  return std::nullopt;
 }
 
 }  // namespace
 
-std::vector<std::string> values_out_of_reach(const trajectory::Dataset& dataset,
-                                             const model::PlanarModel& model) {
+std::vector<OutOfReach> values_out_of_reach(const trajectory::Dataset& dataset,
+                                            const model::PlanarModel& model) {
   std::map<std::pair<std::string, std::string>, Sizes> all;
   for (const trajectory::Trial& trial : dataset.trials)
     for (const trajectory::Stream& stream : trial.streams)
@@ -147,10 +171,12 @@ std::vector<std::string> values_out_of_reach(const trajectory::Dataset& dataset,
         if (reach_of(channel, model))
           add(stream, stream.channel(channel), all[{stream.name, channel}]);
 
-  std::vector<std::string> found;
+  std::vector<OutOfReach> found;
   for (const auto& [name, sizes] : all) {
-    const std::string text = beyond(sizes, *reach_of(name.second, model));
-    if (!text.empty()) found.push_back(fmt::format("{}.{} {}", name.first, name.second, text));
+    auto own = beyond(sizes, *reach_of(name.second, model));
+    if (!own) continue;
+    own->text = fmt::format("{}.{} {}", name.first, name.second, own->text);
+    found.push_back(std::move(*own));
   }
   return found;
 }
