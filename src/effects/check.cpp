@@ -68,7 +68,7 @@ Check check_fading(const std::vector<Influence>& list) {
 Check check_return(const std::string& what, const EffectParameter& p, const FirstParameter& fit,
                    double truth, double tolerance) {
   if (std::isnan(fit.value))
-    return {what, "no simulation from its scale on ended, so that nothing was fitted", false};
+    return {what, "its simulations did not end, so that nothing was fitted", false};
   Check check{what,
               fmt::format("{} {:.4g} +- {:.2g} {}, true {:.4g}", p.name, fit.value, fit.deviation,
                           p.unit, truth),

@@ -44,15 +44,15 @@ Json figures_json(const simulation::LeapFigures& figures) {
 }
 
 /// Where a joint of the truth is first outside its range, and how far it goes; null where it stays.
-Json range_left(const simulation::Simulation& truth, const std::string& joint, const Bounds& range,
-                const Eigen::RowVectorXd& values) {
+Json range_left(const simulation::Simulation& truth, const std::string& joint, bool turns,
+                const Bounds& range, const Eigen::RowVectorXd& values) {
   constexpr double kTouches = 1e-6;  // [rad or m] a stop holds a joint at its range's end
   const auto outside = [&](double value) {
     return std::max({range.lower - value, value - range.upper, 0.0});
   };
   double furthest = 0.0, first = kNaN;
   for (Eigen::Index k = 0; k < values.size(); ++k) {
-    if (outside(values[k]) <= kTouches) continue;
+    if (!(outside(values[k]) > kTouches)) continue;
     if (std::isnan(first)) first = truth.time[k];
     furthest = std::max(furthest, outside(values[k]));
   }
@@ -60,24 +60,28 @@ Json range_left(const simulation::Simulation& truth, const std::string& joint, c
   return {{"joint", joint},
           {"time_s", first},
           {"beyond", furthest},
+          {"unit", turns ? "rad" : "m"},
           {"range", {json_number(range.lower), json_number(range.upper)}}};
 }
 
 /// Joints that leave the range of the robot's files: the plant stops them only where it has a stop.
-/// Those that follow from a loop are left out, for the loop bounds them.
+/// Those that follow from a loop are no function of the coordinates alone and are not looked at.
 Json ranges_left(const model::PlanarModel& model, const simulation::Simulation& truth) {
   Json left = Json::array();
-  const auto add = [&](const std::string& joint, const Bounds& range,
+  const auto add = [&](const std::string& joint, bool turns, const Bounds& range,
                        const Eigen::RowVectorXd& values) {
-    const Json found = range_left(truth, joint, range, values);
+    const Json found = range_left(truth, joint, turns, range, values);
     if (!found.is_null()) left.push_back(found);
   };
   for (int i = 0; i < model.size(); ++i)
-    add(model.coordinates[i].name, model.coordinates[i].range, truth.q.row(i));
+    add(model.coordinates[i].name, model.coordinates[i].angular, model.coordinates[i].range,
+        truth.q.row(i));
   for (const model::JointRange& own : model.joint_ranges) {
     const auto row = model.joint_map.row(own.body);
     if (row.isZero()) continue;
-    add(own.joint, own.range, ((row * truth.q).array() + model.joint_offset[own.body]).matrix());
+    const bool turns = model.bodies[own.body].kind == model::JointKind::revolute;
+    add(own.joint, turns, own.range,
+        ((row * truth.q).array() + model.joint_offset[own.body]).matrix());
   }
   return left;
 }

@@ -94,10 +94,13 @@ std::string ranges_text(const Json& trials) {
   std::string text;
   for (const auto& [joint, own] : furthest)
     text += fmt::format(
-        "note: {} leaves its range of {} to {} by {} from {} s on ({}); nothing stops it there\n",
+        "note: {} leaves its range of {} to {} {} by {} from {} s on ({}); the file's ranges are "
+        "no "
+        "stops, `stops:` of the experiment are\n",
         joint, json_cell(own.first["range"][0], "{:.4g}"),
-        json_cell(own.first["range"][1], "{:.4g}"), json_cell(own.first["beyond"], "{:.3g}"),
-        json_cell(own.first["time_s"], "{:.3g}"), own.second);
+        json_cell(own.first["range"][1], "{:.4g}"), own.first["unit"].get<std::string>(),
+        json_cell(own.first["beyond"], "{:.3g}"), json_cell(own.first["time_s"], "{:.3g}"),
+        own.second);
   return text;
 }
 
