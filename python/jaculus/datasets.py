@@ -98,7 +98,8 @@ class Dataset:
         notes: what its files leave open and what was taken for it, a sentence each.
         folder: where it lies; None where it was simulated and not saved.
         summary: text on it: of a simulated one, what `jaculus simulate` prints.
-        figures: of a simulated one, the content of summary.json: ends, events, figures of leaps.
+        figures: of a simulated one, the content of summary.json: ends, events, ranges left,
+            figures of leaps.
     """
 
     def __init__(self, core: _core.Dataset, simulated: Optional[_core.Trials] = None):

@@ -168,13 +168,24 @@ void explain(CheckOptions& options) {
   for (const std::string& name : options.files) {
     if (const auto found = explanation_of(name)) {
       text += (text.empty() ? "" : "\n") + *found;
-    } else {
+    } else if (fs::exists(name) || fs::path(name).has_extension()) {
       files.push_back(name);
+    } else {
+      throw InputError(fmt::format(
+          "--explain: '{}' given; allowed: problem, robot, experiment, dataset, or files", name));
     }
   }
   if (text.empty()) text = transcription::explain_problem();
   print(options.common.json ? Json{{"explanation", text}}.dump(1) + "\n" : text);
   options.files = std::move(files);
+}
+
+/// What --quiet prints as well: why the exit code is not 0.
+void show_contradictions(const Json& json) {
+  for (const Json& file : json)
+    for (const Json& found : file.value("contradictions", Json::array()))
+      fmt::print(stderr, "jaculus: {}: {}\n", file["file"].get<std::string>(),
+                 found.get<std::string>());
 }
 
 int run_check(CheckOptions options) {
@@ -204,6 +215,8 @@ int run_check(CheckOptions options) {
     print(json.dump(1) + "\n");
   } else if (!options.common.quiet) {
     print(text);
+  } else {
+    show_contradictions(json);
   }
   return passed ? kDone : kNotSolved;
 }

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <regex>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -116,6 +117,7 @@ TEST(Check, EndsWithOneBesideALogThatTheRobotCantMake) {
 
   const Outcome checked = run_program({"check", folder / "wrong"});
   EXPECT_EQ(checked.exit_code, 1);
+  EXPECT_TRUE(holds(run_program({"check", folder / "wrong", "--quiet"}).err, "_torque reaches"));
   for (const Outcome& outcome : {imported, checked}) {
     EXPECT_TRUE(holds(outcome.out, "_torque reaches")) << outcome.out;
     EXPECT_TRUE(holds(outcome.out, "the motor gives 12 N m at most")) << outcome.out;
@@ -157,9 +159,12 @@ TEST(Check, ExplainsEveryKeyThatReadersTake) {
         dataset ? folder.write("swing/dataset.yaml", text) : folder.write("e.yaml", text);
     const std::string help = run_program({"check", "--explain", c.kind}).out;
     for (const std::string& key : allowed_keys(run_program({"check", file}).err))
-      EXPECT_TRUE(holds(help, " " + key + " ") || holds(help, " " + key + ", ")) << key;
+      EXPECT_TRUE(std::regex_search(help, std::regex("\\n +(kp, )?" + key + "[ ,]"))) << key;
   }
   EXPECT_TRUE(holds(run_program({"check", "--explain", "robot"}).out, "rest_pose"));
+  const Outcome none = run_program({"check", "--explain", "robto"});
+  expect_refusal(none);
+  EXPECT_TRUE(holds(none.err, "allowed: problem, robot, experiment, dataset")) << none.err;
 }
 
 TEST(Simulate, SaysWhereAJointLeavesItsRange) {
@@ -184,7 +189,7 @@ TEST(Simulate, SaysWhereAJointLeavesItsRange) {
       experiment(folder, "pendulum_trials.yaml", "robot: ak80_pendulum", "robot: robot");
   const Outcome held = run_program({"simulate", file, "--trials", "1"});
   EXPECT_EQ(held.exit_code, 0) << held.err;
-  EXPECT_TRUE(holds(held.out, "note: pendulum leaves its range of -0.1 to 0.1")) << held.out;
+  EXPECT_TRUE(holds(held.out, "note: pendulum leaves its range of -0.1 to 0.1 rad")) << held.out;
 }
 
 }  // namespace

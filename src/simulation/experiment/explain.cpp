@@ -9,8 +9,8 @@ std::string explain_experiment() {
   return R"(An experiment: trials on a plant, as on a robot. Plain numbers are SI (rad); "16 V", "15 deg" carry
 their unit. Unknown keys are errors.
 
-  format          jaculus-experiment/1
-  name            of its dataset
+  format          jaculus-experiment/1 (required)
+  name            of its dataset (required)
 )" + trajectory::explain_setup() +
          R"(  duration        of the recording from the command's start [s]; to 0.1 s after the command's end where
                   absent
@@ -29,7 +29,7 @@ their unit. Unknown keys are errors.
     time_shift      of its clock, each trial's: standard deviation or [from, to] [s]
   uncertainties   path of a model value: standard deviation, also in %, or [from, to]; for
                   `simulate --perturb`
-  touchdown_height  of the base, at which the landing pitch is taken [m]
+  touchdown_height  of the base, at which the landing pitch is taken [m]; none is where absent
 )";
 }
 
