@@ -10,16 +10,17 @@ namespace jaculus::diagnosis {
 /// is larger by settings.least_improvement and its energy beyond noise settings.named_beside times
 /// as large as with all members. Evidence alone may ask for an effect (a few milliseconds of delay
 /// under a noisy input) that changes no motion that anybody would notice; but under a plan members
-/// stay without which the set, fitted anew, is settings.strong_odds less probable than with all of
-/// them, if held-out data are predicted no worse with them. Smaller sets that the search did not fit
-/// are fitted here; tolerances stay where the model has them, and where datasets judge one another a
+/// stay without which the set, fitted anew, is settings.strong_odds less probable than with all,
+/// if held-out data are predicted no worse with them. Smaller sets that the search did not fit are
+/// fitted here; tolerances stay where the model has them, and where datasets judge one another a
 /// set must do as well by its own.
 ModelFit without_idle_members(HeldOutGaps& gaps, ModelFit model);
 
 /// The model without those members that make the error of a dataset larger by
-/// settings.least_improvement where no fit saw it, both by the larger set's tolerances and by those of the smaller one's own, the
-/// one first without which the error of all is least: a cause that fits one set and harms another is not the cause. One always stays. For
-/// single datasets the model itself.
+/// settings.least_improvement where no fit saw it, by the larger set's tolerances and by those of
+/// the smaller one's own, the one first without which the error of all is least: a cause that fits
+/// one set and harms another is not the cause. One always stays. For single datasets the model
+/// itself.
 ModelFit without_harmful_members(HeldOutGaps& gaps, ModelFit model);
 
 /// The model without those members that explain less than settings.remainder_share of the held-out

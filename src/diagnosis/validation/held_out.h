@@ -66,8 +66,8 @@ class HeldOutGaps {
   /// The same of all its members too: tolerances stay, what is left can be set beside it.
   const ModelFit& held(const ModelFit& model, const std::vector<int>& members);
 
-  /// A subset with tolerances of its own, simulated: as the search fitted it, else fitted from there.
-  /// Where that fails, as it was.
+  /// A subset with tolerances of its own, simulated: as the search fitted it, else fitted from
+  /// there. Where that fails, as it was.
   const ModelFit& fitted(const ModelFit& held);
 
   [[nodiscard]] const Problem& problem() const { return problem_; }
