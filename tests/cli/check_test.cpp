@@ -47,6 +47,11 @@ TEST(Check, RefusesAnExperimentThatNoRunCouldStart) {
             "'pendulum'?"},
            {"duration: 3 s", "duration: 3 s\nuncertainties: {bodies.bop.mass: 3 %}",
             "e.yaml:10: uncertainties: 'bodies.bop.mass' is no model value of ak80_pendulum"},
+           {"controller: {kind: torque, rate_hz: 500}",
+            "controller: {kind: feedforward_pd, quantity: torque, kp: {pendlum: 1}, kd: 0}",
+            "controller.kp: 'pendlum' is no joint of this robot, did you mean 'pendulum'?"},
+           {"torque: {pendulum: [[0, 2", "torque: {pendlum: [[0, 2",
+            "input: 'pendlum' is no joint with a motor of this robot, did you mean 'pendulum'?"},
            {"duration: 3 s", "duration: 3 s\noverride:\n  gravity: 3 m",
             "e.yaml:11: override.gravity: '3 m' is in m; allowed: a number in m/s^2"},
        }) {

@@ -2,6 +2,7 @@
 // reference begins in.
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -154,6 +155,28 @@ double gain_of(const std::map<std::string, trajectory::StatedGain>& stated,
   return value == assumed.end() ? 0.0 : value->second;
 }
 
+/// "; did it mean 'tail'? Allowed: front_a, tail", of the joints with a motor.
+std::string motors_instead_of(const std::string& joint, const model::PlanarModel& model) {
+  std::vector<std::string> motors;
+  for (const model::PlanarMotor& motor : model.motors) motors.push_back(motor.joint);
+  const auto near = yaml::nearest_name(joint, motors);
+  return fmt::format("{}; allowed: {}", near ? fmt::format(", did you mean '{}'?", *near) : "",
+                     fmt::join(motors, ", "));
+}
+
+/// Refuses gains of a joint that the robot hasn't: they would be nobody's. A joint that stands
+/// still in this experiment keeps those of the others.
+void check_gain_names(const std::map<std::string, trajectory::StatedGain>& gains, const char* key,
+                      const model::PlanarModel& model, const std::filesystem::path& file) {
+  for (const auto& [joint, gain] : gains) {
+    const bool held = std::any_of(model.held.begin(), model.held.end(),
+                                  [&](const model::HeldJoint& own) { return own.joint == joint; });
+    if (joint == "*" || held || model.body_of_joint(joint) >= 0) continue;
+    throw InputError(fmt::format("{}: controller.{}: '{}' is no joint of this robot{}",
+                                 file.string(), key, joint, motors_instead_of(joint, model)));
+  }
+}
+
 /// A row of logged currents turns into the torques that the motor makes of them before its gear;
 /// the drive applies gear and efficiency, as to every torque.
 void currents_to_torques(const model::PlanarMotor& motor, const std::filesystem::path& file,
@@ -176,8 +199,9 @@ Reference script_reference(const trajectory::InputScript& script, const model::P
   for (std::size_t j = 0; j < script.joints.size(); ++j) {
     const int m = model.motor_index(script.joints[j]);
     if (m < 0)
-      throw InputError(fmt::format("{}: input: '{}' is no joint with a motor of this robot",
-                                   file.string(), script.joints[j]));
+      throw InputError(fmt::format("{}: input: '{}' is no joint with a motor of this robot{}",
+                                   file.string(), script.joints[j],
+                                   motors_instead_of(script.joints[j], model)));
     reference.motors.push_back(script.joints[j]);
   }
 
@@ -261,6 +285,8 @@ Controller stated_controller(const trajectory::Dataset& dataset, const model::Pl
   const auto count = std::ssize(controller.reference.motors);
   controller.kp = controller.kd = Vector::Zero(count);
   if (dataset.controller.kind != trajectory::ControllerKind::feedforward_pd) return controller;
+  check_gain_names(dataset.controller.kp, "kp", model, file);
+  check_gain_names(dataset.controller.kd, "kd", model, file);
 
   for (Eigen::Index m = 0; m < count; ++m) {
     const std::string& joint = controller.reference.motors[m];
