@@ -147,7 +147,7 @@ experiment: leap
 robot: minitaur
 plan: plan.csv
 controller: {kind: feedforward_pd, rate_hz: 1000}
-streams: {mocap: {file: mocap.csv, rate_hz: 240}}
+streams: {mocap: {file: mocap.csv, rate_hz: 10}}
 trials: [trial_01, trial_02]
 provenance: made up
 )";
