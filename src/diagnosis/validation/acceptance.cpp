@@ -61,23 +61,23 @@ ModelFit without_idle_members(HeldOutGaps& gaps, ModelFit model) {
   const HeldOut all = gaps.of(gaps.held(model, model.candidates)), stated = gaps.of(model);
   // Where datasets judge one another, a smaller set must predict them by tolerances of its own too:
   // with those of the larger one it has a part of what that one explains.
-  const auto idle = [&](const ModelFit& less) {
-    return !needed(all, gaps.of(less), gaps.settings()) && !more_probable(gaps, first, less) &&
+  const auto idle = [&](const ModelFit* less) {
+    return !needed(all, gaps.of(*less), gaps.settings()) && !more_probable(gaps, first, *less) &&
            !(stated.over == "conditions" &&
-             needed(stated, gaps.of(gaps.fitted(less)), gaps.settings()));
+             needed(stated, gaps.of(gaps.fitted(*less)), gaps.settings()));
   };
   while (model.candidates.size() > 1 && gaps.of(model).valid) {
-    std::vector<ModelFit> smaller;
+    std::vector<const ModelFit*> smaller;
     for (const int dropped : model.candidates) {
       const ModelFit& less = without_member(gaps, model, dropped);
-      if (less.fit.valid && gaps.of(less).valid) smaller.push_back(less);
+      if (less.fit.valid && gaps.of(less).valid) smaller.push_back(&less);
     }
-    std::stable_sort(smaller.begin(), smaller.end(), [&](const ModelFit& a, const ModelFit& b) {
-      return gaps.of(a).after < gaps.of(b).after;
+    std::stable_sort(smaller.begin(), smaller.end(), [&](const ModelFit* a, const ModelFit* b) {
+      return gaps.of(*a).after < gaps.of(*b).after;
     });
     const auto best = std::find_if(smaller.begin(), smaller.end(), idle);
     if (best == smaller.end()) break;
-    model = *best;
+    model = **best;
   }
   return model;
 }
@@ -120,7 +120,7 @@ ModelFit without_members_of_no_share(HeldOutGaps& gaps, ModelFit model) {
     };
     const auto least = std::find_if(small.begin(), small.end(), may_go);
     if (least == small.end()) break;
-    model = ModelFit(without_member(gaps, model, least->second));
+    model = without_member(gaps, model, least->second);
   }
   return model;
 }

@@ -257,14 +257,15 @@ const ModelFit& HeldOutGaps::fitted(const ModelFit& held) {
   if (known != fitted_.end()) return known->second;
 
   // By slopes alone a set is misjudged by more than what tells two apart.
-  ModelFit model = searched != nullptr ? *searched : held;
+  const ModelFit& before = searched != nullptr ? *searched : held;
+  ModelFit model = before;
   std::vector<Vector> starts = {held.fit.p};
   if (searched != nullptr) starts.push_back(searched->fit.p);
   FitOptions options;
   options.scales = held.fit.scales;
   model.fit = fit_model(problem_, comparison_.whitening,
                         problem_.hypotheses.freed_by(held.candidates), starts, options);
-  if (!model.fit.valid) model = searched != nullptr ? *searched : held;
+  if (!model.fit.valid) model = before;
   return fitted_.emplace(held.candidates, std::move(model)).first->second;
 }
 
