@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -14,13 +15,10 @@
 namespace jaculus::trajectory {
 namespace {
 
-// Chosen, not tuned: spans long beside a driver's filter and short beside a swing; a factor that no
-// filter or scale error reaches and every wrong unit, sign or gear does.
-constexpr double kSpan = 0.05;  // [s]
-constexpr int kSpanSamples = 4;
-constexpr double kCorrelated = 0.95, kLargestFactor = 2.0;  // [-]
-constexpr double kRateOff = 0.1;     // of a rate: dropped samples leave the median as it is
-constexpr double kUnitWithin = 0.1;  // of a slope, where it is named
+constexpr int kSpanSamples = 4;       // chosen
+constexpr double kCorrelated = 0.95;  // [-] chosen
+constexpr double kRateOff = 0.1;      // of a rate: dropped samples leave the median as it is
+constexpr double kUnitWithin = 0.1;   // of a slope, where it is named
 
 /// Sums over spans.
 struct WayAndRate {
@@ -41,7 +39,7 @@ void add_spans(const Stream& stream, int position, int rate, WayAndRate& sums) {
     integral +=
         0.5 * (stream.values(rate, a) + stream.values(rate, b)) * (stream.time[b] - stream.time[a]);
     const Eigen::Index from = kept[first];
-    if (n - first < kSpanSamples || stream.time[b] - stream.time[from] < kSpan) continue;
+    if (n - first < kSpanSamples || stream.time[b] - stream.time[from] < kLogSpan) continue;
     const double way = stream.values(position, b) - stream.values(position, from);
     sums.dd += way * way;
     sums.ii += integral * integral;
@@ -67,6 +65,27 @@ std::string meaning_of(double slope) {
   return "";
 }
 
+/// Of one trial, which is not named yet.
+std::optional<RateContradiction> contradiction_in(const Stream& stream,
+                                                  const std::string& channel) {
+  const int rate = stream.channel(channel_name(channel, Quantity::velocity));
+  if (rate < 0) return std::nullopt;
+  WayAndRate sums;
+  add_spans(stream, stream.channel(channel), rate, sums);
+  if (!(sums.dd > 0.0) || !(sums.ii > 0.0)) return std::nullopt;
+
+  const double slope = sums.di / sums.ii, correlation = sums.di / std::sqrt(sums.dd * sums.ii);
+  const bool agrees = slope > 1.0 / kLargestLogFactor && slope < kLargestLogFactor;
+  if (!(std::abs(correlation) > kCorrelated) || agrees) return std::nullopt;
+  return RateContradiction{stream.name, channel, slope, correlation};
+}
+
+/// Of two trials.
+bool same(const RateContradiction& a, const RateContradiction& b) {
+  return a.stream == b.stream && a.channel == b.channel &&
+         std::abs(a.slope / b.slope - 1.0) < kUnitWithin;
+}
+
 double median_spacing(const Stream& stream) {
   std::vector<double> steps;
   for (Eigen::Index k = 1; k < stream.time.size(); ++k)
@@ -80,28 +99,17 @@ double median_spacing(const Stream& stream) {
 
 std::vector<RateContradiction> rate_contradictions(const Dataset& dataset) {
   std::vector<RateContradiction> found;
-  const auto add = [&](const Trial& trial, const Stream& stream, const std::string& channel) {
-    const int rate = stream.channel(channel_name(channel, Quantity::velocity));
-    if (rate < 0) return;
-    WayAndRate sums;
-    add_spans(stream, stream.channel(channel), rate, sums);
-    if (!(sums.dd > 0.0) || !(sums.ii > 0.0)) return;
-    const double slope = sums.di / sums.ii, correlation = sums.di / std::sqrt(sums.dd * sums.ii);
-    const bool agrees = slope > 1.0 / kLargestFactor && slope < kLargestFactor;
-    if (!(std::abs(correlation) > kCorrelated) || agrees) return;
-    const auto alike = std::find_if(found.begin(), found.end(), [&](const RateContradiction& own) {
-      return own.stream == stream.name && own.channel == channel &&
-             std::abs(own.slope / slope - 1.0) < kUnitWithin;
-    });
-    if (alike != found.end()) {
-      alike->trials.push_back(trial.name);
-    } else {
-      found.push_back({stream.name, channel, slope, correlation, {trial.name}});
-    }
-  };
   for (const Trial& trial : dataset.trials)
     for (const Stream& stream : trial.streams)
-      for (const std::string& channel : stream.channels) add(trial, stream, channel);
+      for (const std::string& channel : stream.channels) {
+        const auto own = contradiction_in(stream, channel);
+        if (!own) continue;
+        auto alike = std::find_if(found.begin(), found.end(), [&](const RateContradiction& other) {
+          return same(other, *own);
+        });
+        if (alike == found.end()) alike = found.insert(alike, *own);
+        alike->trials.push_back(trial.name);
+      }
   return found;
 }
 

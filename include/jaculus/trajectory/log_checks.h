@@ -16,6 +16,11 @@
 
 namespace jaculus::trajectory {
 
+// Chosen, not tuned: spans long beside a driver's filter and short beside a swing; a factor that no
+// filter or scale error reaches and every wrong unit, sign or gear does.
+inline constexpr double kLogSpan = 0.05;          ///< [s]
+inline constexpr double kLargestLogFactor = 2.0;  ///< [-]
+
 /// A position and a rate that contradict one another.
 struct RateContradiction {
   std::string stream, channel;        ///< the position's

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "jaculus/components/motor.h"
+#include "jaculus/trajectory/log_checks.h"
 #include "jaculus/trajectory/quantity.h"
 
 namespace jaculus::simulation {
@@ -18,12 +19,9 @@ namespace {
 
 using trajectory::Quantity;
 
-// Chosen, not tuned: the factor of trajectory/log_checks.h, and as long a span; a share that spikes
-// of a bus do not reach.
-constexpr double kLargestFactor = 2.0;  // [-]
-constexpr double kSpan = 0.05;          // [s]
-constexpr double kBeyond = 0.01;        // of the samples, and at least
-constexpr int kFewest = 3;              // of them: one that is bad spoils two rates
+// Chosen, not tuned: a share that spikes of a bus do not reach.
+constexpr double kBeyond = 0.01;  // of the samples, and at least
+constexpr int kFewest = 3;        // of them: one that is bad spoils two rates
 
 /// What a channel may reach: its size, its rate, its span.
 struct Reach {
@@ -102,7 +100,7 @@ void add(const trajectory::Stream& stream, int channel, Sizes& sizes) {
     const double value = stream.values(channel, k);
     if (!std::isfinite(value)) continue;
     sizes.values.push_back(value);
-    if (from >= 0 && stream.time[k] - stream.time[from] < kSpan) continue;
+    if (from >= 0 && stream.time[k] - stream.time[from] < trajectory::kLogSpan) continue;
     if (from >= 0)
       sizes.rates.push_back((value - stream.values(channel, from)) /
                             (stream.time[k] - stream.time[from]));
@@ -142,7 +140,8 @@ std::string with_unit(double value, const std::string& unit) {
 /// "reaches 512 N m; the motor gives 5.1 N m at most"; nothing where it may be.
 std::optional<OutOfReach> beyond(const Sizes& sizes, const Reach& reach) {
   const auto passes = [](std::optional<double> size, double limit) {
-    return size && std::isfinite(limit) && limit > 0.0 && *size > kLargestFactor * limit;
+    return size && std::isfinite(limit) && limit > 0.0 &&
+           *size > trajectory::kLargestLogFactor * limit;
   };
   const std::string& unit = sizes.unit;
   if (const auto size = largest(sizes.values); passes(size, reach.value))
