@@ -75,8 +75,8 @@ Check check_return(const std::string& what, const EffectParameter& p, const Firs
               std::abs(fit.value - truth) <= tolerance};
   if (!check.passed)
     check.found += fmt::format(
-        "; off by {:.2g}, allowed {:.2g}: the motion jumps with it, or "
-        "several values look alike",
+        "; off by {:.2g}, allowed {:.2g}: perhaps the motion jumps with it, or several values look "
+        "alike",
         std::abs(fit.value - truth), tolerance);
   return check;
 }

@@ -95,8 +95,7 @@ std::string ranges_text(const Json& trials) {
   for (const auto& [joint, own] : furthest)
     text += fmt::format(
         "note: {} leaves its range of {} to {} {} by {} from {} s on ({}); the file's ranges are "
-        "no "
-        "stops, `stops:` of the experiment are\n",
+        "no stops, `stops:` of the experiment are\n",
         joint, json_cell(own.first["range"][0], "{:.4g}"),
         json_cell(own.first["range"][1], "{:.4g}"), own.first["unit"].get<std::string>(),
         json_cell(own.first["beyond"], "{:.3g}"), json_cell(own.first["time_s"], "{:.3g}"),

@@ -5,9 +5,10 @@
 #include "trajectory/dataset_yaml.h"
 
 namespace jaculus::trajectory {
+namespace {
 
-std::string explain_setup() {
-  return R"(  experiment      (required) leap (after a plan, from rest), self_righting (falling),
+const char* const kSetup =
+    R"(  experiment      (required) leap (after a plan, from rest), self_righting (falling),
                   tail_bench (the base and all that is not commanded held) or pendulum (any
                   robot on a fixed base)
   robot           (required) name of a robot that comes with jaculus, or a folder relative to
@@ -41,21 +42,27 @@ std::string explain_setup() {
     after_end       hold, relax, repeat or {pose: {JOINT: ANGLE, "*": ANGLE}, within: TIME},
                     after the plan's end; hold where absent, after a script repeat
 )";
-}
 
-std::string explain_dataset() {
-  return R"(dataset.yaml: trials of a robot, a folder each beside it. Plain numbers are SI (rad);
+const char* const kBeforeSetup =
+    R"(dataset.yaml: trials of a robot, a folder each beside it. Plain numbers are SI (rad);
 "16 V", "15 deg" carry their unit. Unknown keys are errors; what is left open is said in a note.
 
   format          jaculus-dataset/1 (required)
-)" + explain_setup() +
-         R"(  streams         (required) name: one clock's log, the same file in every trial
+)";
+
+const char* const kAfterSetup =
+    R"(  streams         (required) name: one clock's log, the same file in every trial
     file            CSV, columns named with their units: time [s], x [m], front_a_velocity
                     [rad/s]
     rate_hz         its nominal rate [Hz]; told by the stamps where absent
   trials          (required) list of the trials' folders
   provenance      where the logs come from
 )";
-}
+
+}  // namespace
+
+std::string explain_setup() { return kSetup; }
+
+std::string explain_dataset() { return kBeforeSetup + explain_setup() + kAfterSetup; }
 
 }  // namespace jaculus::trajectory

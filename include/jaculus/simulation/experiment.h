@@ -83,9 +83,9 @@ struct Experiment {
 /// Reads and checks an experiment, its robot too; what it names lies relative to its file.
 /// InputError with the place.
 Experiment read_experiment(const std::filesystem::path& file);
+Experiment read_experiment(const yaml::Node& node);
 /// Every key of an experiment file with its meaning, unit and default.
 std::string explain_experiment();
-Experiment read_experiment(const yaml::Node& node);
 
 /// The experiment that a plan is for: feed-forward torque and joint PD at 1 kHz, mocap and encoders
 /// with the usual noise. `controller` in YAML in place of that, empty: none.

@@ -4,15 +4,18 @@
 #include "trajectory/dataset_yaml.h"
 
 namespace jaculus::simulation {
+namespace {
 
-std::string explain_experiment() {
-  return R"(An experiment: trials on a plant, as on a robot. Plain numbers are SI (rad); "16 V",
+const char* const kBeforeSetup =
+    R"(An experiment: trials on a plant, as on a robot. Plain numbers are SI (rad); "16 V",
 "15 deg" carry their unit. Unknown keys are errors.
 
   format          jaculus-experiment/1 (required)
   name            of its dataset (required)
-)" + trajectory::explain_setup() +
-         R"(  duration        of the recording from the command's start [s]; to 0.1 s after the
+)";
+
+const char* const kAfterSetup =
+    R"(  duration        of the recording from the command's start [s]; to 0.1 s after the
                   command's end where absent
   lead            recorded before it, at rest [s]; 0 where absent
   trials          how many; 1 where absent
@@ -32,6 +35,11 @@ std::string explain_experiment() {
                   `simulate --perturb`
   touchdown_height  of the base, at which the landing pitch is taken [m]; none is where absent
 )";
+
+}  // namespace
+
+std::string explain_experiment() {
+  return kBeforeSetup + trajectory::explain_setup() + kAfterSetup;
 }
 
 }  // namespace jaculus::simulation
