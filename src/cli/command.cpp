@@ -21,9 +21,7 @@ namespace jaculus::cli {
 CLI::Validator one_of(const std::vector<std::string>& names) {
   const auto check = [names](std::string& given) -> std::string {
     if (std::find(names.begin(), names.end(), given) != names.end()) return {};
-    const auto nearest = yaml::nearest_name(given, names);
-    return fmt::format("'{}' given{}; allowed: {}", given,
-                       nearest ? fmt::format(", did you mean '{}'?", *nearest) : "",
+    return fmt::format("'{}' given{}; allowed: {}", given, yaml::did_you_mean(given, names),
                        fmt::join(names, ", "));
   };
   return CLI::Validator(check, fmt::format("{}", fmt::join(names, "|")), "one of");

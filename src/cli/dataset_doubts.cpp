@@ -30,8 +30,7 @@ std::string with_nearest(const std::string& channel, const model::PlanarModel& m
   std::vector<std::string> joints;
   for (const model::PlanarBody& body : model.bodies)
     if (!body.joint.empty()) joints.push_back(body.joint);
-  const auto near = yaml::nearest_name(trajectory::parse_channel(channel).of, joints);
-  return near ? fmt::format("{}, did you mean '{}'?", channel, *near) : channel;
+  return channel + yaml::did_you_mean(trajectory::parse_channel(channel).of, joints);
 }
 
 /// Channels that this robot can't have: the plan or the log is of another robot.

@@ -73,9 +73,8 @@ double start_of(const trajectory::Stream& stream, const std::string& rule, const
   const int channel = stream.channel(rule.substr(0, above));
   const double value = number("--start", rule.substr(above + 1));
   if (channel < 0) {
-    const auto near = yaml::nearest_name(rule.substr(0, above), stream.channels);
     throw InputError(fmt::format("--start: there is no channel '{}'{}", rule.substr(0, above),
-                                 near ? fmt::format(", did you mean '{}'?", *near) : ""));
+                                 yaml::did_you_mean(rule.substr(0, above), stream.channels)));
   }
 
   for (Eigen::Index k = 0; k < stream.time.size(); ++k) {

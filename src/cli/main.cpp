@@ -18,11 +18,6 @@
 namespace jaculus::cli {
 namespace {
 
-std::string hint(const std::string& given, const std::vector<std::string>& names) {
-  const auto nearest = yaml::nearest_name(given, names);
-  return nearest ? fmt::format(", did you mean '{}'?", *nearest) : "";
-}
-
 std::vector<std::string> command_names(const CLI::App& app) {
   std::vector<std::string> names;
   for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
@@ -45,7 +40,7 @@ std::string parse_message(const CLI::App& app, const CLI::ParseError& error,
   const std::vector<std::string> commands = command_names(app);
   if (!arguments.empty() && !arguments[0].starts_with('-') && app.get_subcommands().empty()) {
     return fmt::format("unknown command '{}'{}; allowed: {}", arguments[0],
-                       hint(arguments[0], commands), fmt::join(commands, ", "));
+                       yaml::did_you_mean(arguments[0], commands), fmt::join(commands, ", "));
   }
 
   const CLI::App* deepest = &app;
@@ -61,8 +56,8 @@ std::string parse_message(const CLI::App& app, const CLI::ParseError& error,
     const std::string flag = argument.substr(0, argument.find('='));
     if (!flag.starts_with("--") || std::find(flags.begin(), flags.end(), flag) != flags.end())
       continue;
-    return fmt::format("{}: unknown flag '{}'{}; allowed: {}", called, flag, hint(flag, flags),
-                       fmt::join(flags, ", "));
+    return fmt::format("{}: unknown flag '{}'{}; allowed: {}", called, flag,
+                       yaml::did_you_mean(flag, flags), fmt::join(flags, ", "));
   }
 
   if (&command == &app)

@@ -49,9 +49,8 @@ Seen see_dataset(const ViewOptions& options) {
               fmt::format("{}, {}", dataset.folder.filename().string(), trial.name),
               dataset.folder};
   }
-  const auto nearest = yaml::nearest_name(options.trial, names);
   throw InputError(fmt::format("--trial {}: no such trial{}; allowed: {}", options.trial,
-                               nearest ? fmt::format(", did you mean '{}'?", *nearest) : "",
+                               yaml::did_you_mean(options.trial, names),
                                names.empty() ? "none" : names.front() + ", ..."));
 }
 

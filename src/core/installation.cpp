@@ -79,11 +79,10 @@ fs::path find_problem_file(const std::string& given) {
   }
 
   const std::vector<std::string> names = shipped_names();
-  const auto near = yaml::nearest_name(given, names);
-  throw InputError(fmt::format(
-      "{}: there is no such file{}; allowed: a file, or the name of one "
-      "that comes with jaculus: {}",
-      given, near ? fmt::format(", did you mean '{}'?", *near) : "", fmt::join(names, ", ")));
+  throw InputError(
+      fmt::format("{}: there is no such file{}; allowed: a file, or the name of one "
+                  "that comes with jaculus: {}",
+                  given, yaml::did_you_mean(given, names), fmt::join(names, ", ")));
 }
 
 }  // namespace jaculus

@@ -65,11 +65,6 @@ std::string describe(const Dimension& dimension, const Bounds& allowed) {
   return dimension == dimension::none ? "a plain number" : "a number in" + unit;
 }
 
-std::string hint(std::string_view name, const std::vector<std::string>& candidates) {
-  const std::optional<std::string> near = nearest_name(name, candidates);
-  return near ? fmt::format(", did you mean '{}'?", *near) : "";
-}
-
 std::string list_of(const std::vector<std::string>& names) {
   return names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "));
 }
@@ -123,7 +118,7 @@ void Node::only(const std::vector<std::string>& keys) const {
     const Node key(std::make_shared<const Impl>(
         Impl{std::make_shared<const Tree>(place), impl_->file, impl_->path}));
     throw key.error(fmt::format("unknown key '{}'{}; allowed: {}", shorten(entry.key),
-                                hint(entry.key, keys), list_of(keys)));
+                                did_you_mean(entry.key, keys), list_of(keys)));
   }
 }
 
@@ -231,7 +226,7 @@ std::string Node::choice(const std::vector<std::string>& choices) const {
     return tree.scalar;
   }
   throw error(fmt::format("{} given{}; allowed: {}", given(tree),
-                          tree.kind == Kind::scalar ? hint(tree.scalar, choices) : "",
+                          tree.kind == Kind::scalar ? did_you_mean(tree.scalar, choices) : "",
                           list_of(choices)));
 }
 
@@ -371,6 +366,11 @@ std::optional<std::string> nearest_name(std::string_view given,
   }
 
   return best;
+}
+
+std::string did_you_mean(std::string_view given, const std::vector<std::string>& candidates) {
+  const std::optional<std::string> near = nearest_name(given, candidates);
+  return near ? fmt::format(", did you mean '{}'?", *near) : "";
 }
 
 }  // namespace jaculus::yaml

@@ -27,10 +27,8 @@ std::string allowed_channels(const Observations& observations) {
   std::vector<std::string> names;
   for (const ObservedDataset& observed : observations.datasets)
     for (const Channel& channel : observed.channels) names.push_back(channel.name);
-  const auto near = yaml::nearest_name(name, names);
   throw InputError(fmt::format("{}: no channel '{}' is judged here{}; allowed: {}", place, name,
-                               near ? fmt::format(", did you mean '{}'?", *near) : "",
-                               allowed_channels(observations)));
+                               yaml::did_you_mean(name, names), allowed_channels(observations)));
 }
 
 double positive_quantity(const std::string& place, const std::string& text,

@@ -23,11 +23,6 @@ std::vector<std::string> split(const std::string& text, char separator) {
   }
 }
 
-std::string hint(const std::string& given, const std::vector<std::string>& names) {
-  const auto near = yaml::nearest_name(given, names);
-  return near ? fmt::format(", did you mean '{}'?", *near) : "";
-}
-
 /// Every effect that this robot can have, with its sizes, each joint's own among them.
 std::vector<Effect> effects_of(const model::PlanarModel& model, const Catalogue& catalogue) {
   std::vector<Effect> all;
@@ -47,7 +42,7 @@ std::shared_ptr<const Effect> effect_named(const std::string& name, const model:
   const Effect* other = find_effect(name, catalogue);
   if (other == nullptr) {
     throw InputError(fmt::format("{}: unknown effect '{}'{}; allowed: {}", place, name,
-                                 hint(name, names), fmt::join(names, ", ")));
+                                 yaml::did_you_mean(name, names), fmt::join(names, ", ")));
   }
   throw InputError(fmt::format("{}: this robot can't have '{}' ({}); allowed: {}", place, name,
                                other->caption, fmt::join(names, ", ")));
@@ -94,7 +89,7 @@ void set_parameter(const std::string& assignment, EffectValue& value, std::set<s
     return;
   }
   throw InputError(fmt::format("{}: {}: unknown parameter '{}'{}; allowed: {}", place,
-                               value.effect->name, name, hint(name, names),
+                               value.effect->name, name, yaml::did_you_mean(name, names),
                                fmt::join(names, ", ")));
 }
 

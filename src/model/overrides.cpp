@@ -73,11 +73,10 @@ class Applier {
       paths.push_back(field.path);
       if (!field.alias.empty()) paths.push_back(field.alias);
     }
-    const std::optional<std::string> near = yaml::nearest_name(path, paths);
     return node.error(
         fmt::format("unknown model value '{}'{}; allowed: a path that `jaculus check` lists for "
                     "this robot, as {}",
-                    path, near ? fmt::format(", did you mean '{}'?", *near) : "", examples()));
+                    path, yaml::did_you_mean(path, paths), examples()));
   }
 
   /// One path of every kind that this robot has.

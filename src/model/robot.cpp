@@ -206,12 +206,11 @@ fs::path find_robot(const std::string& name, const fs::path& relative_to) {
     }
   }
   const std::vector<std::string> known = known_robots();
-  const std::optional<std::string> near = yaml::nearest_name(name, known);
   throw InputError(
       fmt::format("unknown robot '{}'{}; allowed: a folder with robot.yaml and robot.urdf "
                   "(relative to '{}'), or one of {}",
-                  name, near ? fmt::format(", did you mean '{}'?", *near) : "",
-                  beside.empty() ? "." : beside.string(), fmt::join(known, ", ")));
+                  name, yaml::did_you_mean(name, known), beside.empty() ? "." : beside.string(),
+                  fmt::join(known, ", ")));
 }
 
 Robot read_robot(const fs::path& folder, const std::vector<Override>& overrides, Reading reading) {

@@ -31,10 +31,8 @@ Vec2 on_body(const LinkPlace& place, const Vec2& point) {
 
 InputError unknown_name(const yaml::Node& node, const std::string& what, const std::string& given,
                         const std::vector<std::string>& known) {
-  const std::optional<std::string> near = yaml::nearest_name(given, known);
   return node.error(
-      fmt::format("unknown {} '{}'{}; allowed: {}", what, given,
-                  near ? fmt::format(", did you mean '{}'?", *near) : "",
+      fmt::format("unknown {} '{}'{}; allowed: {}", what, given, yaml::did_you_mean(given, known),
                   known.empty() ? "none" : fmt::format("{}", fmt::join(known, ", "))));
 }
 

@@ -58,11 +58,6 @@ const std::map<std::string, Schema>& schemas() {
   return table;
 }
 
-std::string hint(const std::string& name, const Names& names) {
-  const std::optional<std::string> near = yaml::nearest_name(name, names);
-  return near ? fmt::format(", did you mean '{}'?", *near) : "";
-}
-
 /// Checks a document and leaves in it what urdfdom can read: what was assumed is written there.
 class Checker {
  public:
@@ -105,8 +100,8 @@ class Checker {
     const std::string kind = e.ValueStr();
     if (std::find(allowed.begin(), allowed.end(), kind) == allowed.end()) {
       assume(e,
-             fmt::format("unknown element <{}>{}; allowed: {}", kind, hint(kind, allowed),
-                         fmt::join(allowed, ", ")),
+             fmt::format("unknown element <{}>{}; allowed: {}", kind,
+                         yaml::did_you_mean(kind, allowed), fmt::join(allowed, ", ")),
              "skipped");
       return false;
     }
@@ -159,8 +154,9 @@ class Checker {
     static const Names spatial = {"floating", "planar", "spherical", "ball"};
     std::string type = e.Attribute("type");
     if (std::find(types.begin(), types.end(), type) == types.end()) {
-      const std::string fault = fmt::format("joint '{}': type '{}' given{}; allowed: {}", name,
-                                            type, hint(type, types), fmt::join(types, ", "));
+      const std::string fault =
+          fmt::format("joint '{}': type '{}' given{}; allowed: {}", name, type,
+                      yaml::did_you_mean(type, types), fmt::join(types, ", "));
       if (std::find(spatial.begin(), spatial.end(), type) == spatial.end()) fail(e, fault);
       assume(e, fault, "taken as fixed");
       type = "fixed";
@@ -223,7 +219,7 @@ class Checker {
       const std::string link = e.Attribute("link");
       if (link_lines_.count(link) != 0) continue;
       fail(e, fmt::format("joint '{}': {} link '{}' is unknown{}; allowed: {}",
-                          joint.Attribute("name"), part, link, hint(link, names),
+                          joint.Attribute("name"), part, link, yaml::did_you_mean(link, names),
                           fmt::join(names, ", ")));
     }
   }
@@ -243,7 +239,8 @@ class Checker {
       if (index_of(schema.children, name) < 0) {
         assume(*child,
                fmt::format("unknown element <{}> in <{}>{}; allowed: {}", name, e.ValueStr(),
-                           hint(name, schema.children), fmt::join(schema.children, ", ")),
+                           yaml::did_you_mean(name, schema.children),
+                           fmt::join(schema.children, ", ")),
                "skipped");
         e.RemoveChild(child);
         continue;
@@ -268,7 +265,7 @@ class Checker {
       if (index_of(allowed, name) >= 0) continue;
       assume(e,
              fmt::format("<{}>: unknown attribute '{}'{}; allowed: {}", where, name,
-                         hint(name, allowed),
+                         yaml::did_you_mean(name, allowed),
                          allowed.empty() ? "none" : fmt::format("{}", fmt::join(allowed, ", "))),
              "skipped");
     }

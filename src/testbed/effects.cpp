@@ -16,10 +16,8 @@ using Values = std::vector<double>;
 
 [[noreturn]] void refuse(const std::string& given, const std::string& why, const std::string& name,
                          const std::vector<std::string>& allowed) {
-  const auto near = yaml::nearest_name(name, allowed);
   throw InputError(fmt::format("--effect {}: {}{}; allowed: {}", given, why,
-                               near ? fmt::format(", did you mean '{}'?", *near) : "",
-                               fmt::join(allowed, ", ")));
+                               yaml::did_you_mean(name, allowed), fmt::join(allowed, ", ")));
 }
 
 double number_of(const std::string& given, const std::string& text, const BenchParameter& p) {

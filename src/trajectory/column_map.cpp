@@ -81,10 +81,9 @@ class ColumnMapReader {
       for (const std::string& column : channel.columns) {
         const auto found = std::find(names_.begin(), names_.end(), column);
         if (found == names_.end()) {
-          const auto near = yaml::nearest_name(column, names_);
-          throw reader_.error(
-              fmt::format("there is no column '{}' for {}{}; allowed: {}", column, channel.channel,
-                          near ? fmt::format(", did you mean '{}'?", *near) : "", shown_names()));
+          throw reader_.error(fmt::format("there is no column '{}' for {}{}; allowed: {}", column,
+                                          channel.channel, yaml::did_you_mean(column, names_),
+                                          shown_names()));
         }
         if (std::count(names_.begin(), names_.end(), column) > 1)
           throw reader_.error(fmt::format("column '{}' stands twice", shown(column)));

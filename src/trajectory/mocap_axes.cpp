@@ -139,10 +139,8 @@ const MocapBody& base_of(const MocapTake& take, const MocapAxes& axes,
     names.push_back(body.name);
   }
   if (!axes.body.empty()) {
-    const auto near = yaml::nearest_name(axes.body, names);
     throw InputError(fmt::format("body: '{}' given{}; allowed: {}", axes.body,
-                                 near ? fmt::format(", did you mean '{}'?", *near) : "",
-                                 fmt::join(names, ", ")));
+                                 yaml::did_you_mean(axes.body, names), fmt::join(names, ", ")));
   }
   if (take.bodies.size() > 1)
     notes.push_back(fmt::format("of the bodies {} the first is taken as the robot's base",

@@ -101,10 +101,9 @@ class OpenLogReader {
     if (window_ == nullptr || window_->channel.empty()) return;
     passing_ = stream_.channel(window_->channel);
     if (passing_ >= 0) return;
-    const auto near = yaml::nearest_name(window_->channel, stream_.channels);
     throw InputError(fmt::format("{}: there is no channel '{}' in this log{}", name_,
                                  window_->channel,
-                                 near ? fmt::format(", did you mean '{}'?", *near) : ""));
+                                 yaml::did_you_mean(window_->channel, stream_.channels)));
   }
 
   Stream read(std::vector<std::string>& notes) {

@@ -143,9 +143,8 @@ int index_of_name(const Node& name, key::Of of, const std::vector<std::string>& 
   const std::string given = name.text();
   if (const int found = index_of(known, given); found >= 0) return found;
 
-  const auto nearest = yaml::nearest_name(given, known);
   throw name.error(fmt::format("unknown {} '{}'{}; allowed: {}", word(of), given,
-                               nearest ? fmt::format(", did you mean '{}'?", *nearest) : "",
+                               yaml::did_you_mean(given, known),
                                known.empty() ? "none" : fmt::format("{}", fmt::join(known, ", "))));
 }
 

@@ -19,10 +19,8 @@ using Names = std::vector<std::string>;
 
 [[noreturn]] void unknown(const Node& node, const std::string& what, const std::string& given,
                           const Names& allowed) {
-  const auto nearest = yaml::nearest_name(given, allowed);
   throw node.error(
-      fmt::format("unknown {} '{}'{}; allowed: {}", what, given,
-                  nearest ? fmt::format(", did you mean '{}'?", *nearest) : "",
+      fmt::format("unknown {} '{}'{}; allowed: {}", what, given, yaml::did_you_mean(given, allowed),
                   allowed.empty() ? "none" : fmt::format("{}", fmt::join(allowed, ", "))));
 }
 

@@ -53,10 +53,9 @@ const TermType& type_of(const TermSpec& spec, bool cost, const TermCatalogue& ca
     names.push_back(type.name);
   }
 
-  const auto nearest = yaml::nearest_name(spec.type, names);
-  throw spec.node.error(fmt::format(
-      "unknown {} type '{}'{}; allowed: {}", cost ? "cost" : "constraint", spec.type,
-      nearest ? fmt::format(", did you mean '{}'?", *nearest) : "", fmt::join(names, ", ")));
+  throw spec.node.error(fmt::format("unknown {} type '{}'{}; allowed: {}",
+                                    cost ? "cost" : "constraint", spec.type,
+                                    yaml::did_you_mean(spec.type, names), fmt::join(names, ", ")));
 }
 
 void declare(std::vector<TermSpec>& specs, bool cost, const TermCatalogue& catalogue) {

@@ -90,5 +90,7 @@ std::string quoted(const std::string& text);
 /// The candidate nearest to `given` by edit distance, or nothing where none is near.
 std::optional<std::string> nearest_name(std::string_view given,
                                         const std::vector<std::string>& candidates);
+/// ", did you mean 'voltage'?" of that candidate, for a message; empty where none is near.
+std::string did_you_mean(std::string_view given, const std::vector<std::string>& candidates);
 
 }  // namespace jaculus::yaml

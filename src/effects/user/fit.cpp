@@ -56,10 +56,8 @@ std::vector<std::string> body_names(const PlanarModel& model) {
 
 InputError no_such(const EffectPlace& place, const char* what, const std::string& name,
                    const std::vector<std::string>& names) {
-  const auto near = yaml::nearest_name(name, names);
   return place.node.error(fmt::format("the robot has no {} '{}'{}; allowed: {}", what, name,
-                                      near ? fmt::format(", did you mean '{}'?", *near) : "",
-                                      fmt::join(names, ", ")));
+                                      yaml::did_you_mean(name, names), fmt::join(names, ", ")));
 }
 
 bool joint_slides(const PlanarModel& model, const std::string& joint) {

@@ -20,10 +20,8 @@ void check_moves(const SpatialTree& tree, const std::string& name, const std::st
   for (const SpatialJoint& joint : tree.joints)
     if (joint.kind != SpatialJointKind::fixed) names.push_back(joint.name);
   if (index_of(names, name) >= 0) return;
-  const auto near = yaml::nearest_name(name, names);
   throw InputError(fmt::format("{}: no joint '{}' moves{}; allowed: {}", option, name,
-                               near ? fmt::format(", did you mean '{}'?", *near) : "",
-                               fmt::join(names, ", ")));
+                               yaml::did_you_mean(name, names), fmt::join(names, ", ")));
 }
 
 void check_pose(const SpatialTree& tree, const ProposeOptions& options) {

@@ -155,13 +155,11 @@ double gain_of(const std::map<std::string, trajectory::StatedGain>& stated,
   return value == assumed.end() ? 0.0 : value->second;
 }
 
-/// "; did it mean 'tail'? Allowed: front_a, tail", of the joints with a motor.
+/// ", did you mean 'tail'?; allowed: front_a, tail", of the joints with a motor.
 std::string motors_instead_of(const std::string& joint, const model::PlanarModel& model) {
   std::vector<std::string> motors;
   for (const model::PlanarMotor& motor : model.motors) motors.push_back(motor.joint);
-  const auto near = yaml::nearest_name(joint, motors);
-  return fmt::format("{}; allowed: {}", near ? fmt::format(", did you mean '{}'?", *near) : "",
-                     fmt::join(motors, ", "));
+  return fmt::format("{}; allowed: {}", yaml::did_you_mean(joint, motors), fmt::join(motors, ", "));
 }
 
 /// Refuses gains of a joint that the robot hasn't: they would be nobody's. A joint that stands

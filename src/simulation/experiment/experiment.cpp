@@ -83,9 +83,8 @@ Plant dataset_plant(const trajectory::Dataset& dataset, const model::PlanarModel
       std::vector<std::string> joints;
       for (const model::PlanarBody& body : model.bodies)
         if (!body.joint.empty()) joints.push_back(body.joint);
-      const auto near = yaml::nearest_name(joint, joints);
       throw InputError(fmt::format("stops: '{}' is no joint of this robot{}", joint,
-                                   near ? fmt::format(", did you mean '{}'?", *near) : ""));
+                                   yaml::did_you_mean(joint, joints)));
     }
     plant.stops.push_back({joint, stop.range, stop.restitution});
   }

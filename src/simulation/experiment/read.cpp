@@ -96,10 +96,8 @@ void add_channel(const std::string& text, const yaml::Node& node, const model::P
 
   for (const std::string& name : wanted) {
     if (std::find(known.begin(), known.end(), name) == known.end()) {
-      const auto near = yaml::nearest_name(name, known);
       throw node.error(fmt::format("'{}' given{}; allowed: {}", name,
-                                   near ? fmt::format(", did you mean '{}'?", *near) : "",
-                                   fmt::join(known, ", ")));
+                                   yaml::did_you_mean(name, known), fmt::join(known, ", ")));
     }
     if (std::find(stream.channels.begin(), stream.channels.end(), name) == stream.channels.end())
       stream.channels.push_back(name);

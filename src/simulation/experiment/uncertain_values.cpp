@@ -35,10 +35,8 @@ std::vector<model::ModelValue> values_named(const std::string& pattern,
   }
   if (!found.empty()) return found;
 
-  const auto near = yaml::nearest_name(pattern, names);
   throw InputError(place, fmt::format("'{}' is no model value of {}{}; allowed: {}", pattern, robot,
-                                      near ? fmt::format(", did you mean '{}'?", *near) : "",
-                                      fmt::join(names, ", ")));
+                                      yaml::did_you_mean(pattern, names), fmt::join(names, ", ")));
 }
 
 }  // namespace jaculus::simulation

@@ -43,11 +43,9 @@ Vector initial_coordinates(const model::PlanarModel& model,
       rows.emplace_back(model.joint_map.row(b));
       right.push_back(value - model.joint_offset[b]);
     } else {
-      const auto near = yaml::nearest_name(name, known);
       throw InputError(
           kInitial, fmt::format("'{}' is no coordinate or joint of the robot{}; allowed: {}", name,
-                                near ? fmt::format(", did you mean '{}'?", *near) : "",
-                                fmt::join(known, ", ")));
+                                yaml::did_you_mean(name, known), fmt::join(known, ", ")));
     }
   }
 
