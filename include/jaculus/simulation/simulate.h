@@ -29,6 +29,10 @@ struct StartState {
   Vector v;  ///< rates
 };
 
+/// What samples hold beside the motion; what they don't is NaN. Each sample of contact forces
+/// evaluates the equations once more; motors need their own law alone.
+enum class Sampled { motion, motors, all };
+
 /// When a simulation ends, and where it is sampled.
 struct SimulationOptions {
   double duration = 0.0;             ///< [s]
@@ -38,9 +42,7 @@ struct SimulationOptions {
   double contact_tolerance = 1e-6;   ///< [m]
   int max_events = 2000;
   bool stop_at_lift_off = false;  ///< ends when no point touches the floor any more
-  /// Whether torques, currents, voltages and contact forces are left out (NaN): each sample of them
-  /// evaluates the equations once more.
-  bool motion_alone = false;
+  Sampled sampled = Sampled::all;
 };
 
 /// Samples are columns. Coordinates are those of plant.model; hinges stand apart.

@@ -34,7 +34,7 @@ using simulation::StartState;
 /// What of a dataset doesn't depend on the parameters.
 struct Base {
   Plant plant;
-  bool motion_alone = false;            ///< whether no channel is of motors or buses
+  simulation::Sampled sampled = simulation::Sampled::motors;  ///< what channels need
   std::vector<Controller> controllers;  ///< a segment each for measured input, else one
   StartState start;
   std::vector<StartDirection> directions;
@@ -54,7 +54,7 @@ struct Model {
 Base base_of(const ObservedDataset& observed, const Settings& settings) {
   Base base;
   base.plant = simulation::dataset_plant(observed.dataset, observed.model);
-  base.motion_alone = motion_alone(observed);
+  if (motion_alone(observed)) base.sampled = simulation::Sampled::motion;
   if (observed.measured_input) {
     for (const Segment& segment : observed.segments)
       base.controllers.push_back(measured_controller(observed, segment, settings.input_step));
@@ -285,7 +285,7 @@ std::vector<double> command_steps(const SimulationSetup& setup) {
 Prediction simulate_segment(const Model& model, int dataset, int segment, const Vector& p) {
   stop_if_interrupted();  // a diagnosis is made of these
   SimulationSetup setup = setup_of(model, dataset, segment, p);
-  setup.options.motion_alone = model.bases[dataset].motion_alone;
+  setup.options.sampled = model.bases[dataset].sampled;
   // What steps with the loop is averaged over its holds, which doubles the samples: only where a
   // channel needs it.
   const std::vector<Channel>& channels = model.observations.datasets[dataset].channels;

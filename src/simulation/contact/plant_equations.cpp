@@ -285,6 +285,17 @@ void PlantEquations::set_slow_rates(const State& y, State& dydt) const {
   }
 }
 
+bool PlantEquations::sample_drive(double t, const State& y, DriveSample& out) {
+  if (!laws_.empty()) return false;
+  read_motors(y);
+  const Command* commands = inputs_.commands(t, motor_position_.data(), motor_velocity_.data());
+  out.motors = drive_.motors;
+  out.bus = drive_.set(inputs_.quantity(), commands, motor_velocity_.data(),
+                       warm_ ? &y[windings()] : nullptr);
+  out.motors.swap(drive_.motors);
+  return true;
+}
+
 const Evaluation* PlantEquations::evaluate(double t, const State& y,
                                            const std::vector<Touch>& modes, State& dydt) {
   ++evaluations_;

@@ -29,6 +29,12 @@ struct Evaluation {
   double bus = 0.0;                    ///< voltage [V]
 };
 
+/// Motors and bus at a sample.
+struct DriveSample {
+  std::vector<MotorState> motors;
+  double bus = 0.0;  ///< voltage [V]
+};
+
 class PlantEquations {
  public:
   /// InputError where plant and controller don't fit. Both must outlive it.
@@ -90,6 +96,9 @@ class PlantEquations {
   /// The whole right-hand side at `modes`; null also where the contacts are singular.
   const Evaluation* evaluate(double t, const State& y, const std::vector<Touch>& modes,
                              State& dydt);
+  /// Motors and bus alone, at (t, y); all else stands as it was. False where laws change what
+  /// motors do: that takes the whole right-hand side.
+  bool sample_drive(double t, const State& y, DriveSample& out);
 
  private:
   bool place(const State& y);

@@ -66,7 +66,7 @@ Run::Run(const Plant& plant, const Controller& controller, const StartState& sta
               [this](const State& y, std::vector<FastPart>& parts) {
                 equations.fast_slopes(y, parts);
               }),
-      recorder(equations, given.sample_times),
+      recorder(equations, given.sample_times, given.sampled),
       state(start_state(equations, start)),
       limited(equations.motors().size(), false) {}
 

@@ -53,19 +53,27 @@ void project(Run& run, const Evaluation& at, State& y) {
 /// Samples within the step and before t: the motion by its interpolant, forces where it is exact.
 /// Whether the equations were evaluated.
 bool record_before(Run& run, const Step& step, double t) {
-  const bool forces = !run.options.motion_alone;
+  const Sampled what = run.options.sampled;
   if (run.recorder.next() >= t) return false;
   State y(step.y.size()), dydt(step.y.size());
+  DriveSample drive;
+  bool evaluated = what != Sampled::motion && step.method == Method::implicit;  // by state_at()
   while (run.recorder.next() < t) {
     const double at = run.recorder.next();
-    if (forces)
-      run.stepper.state_at(rates_of(run.equations, run.state.modes), step, at, y);
-    else
+    if (what == Sampled::motion) {
       run.stepper.dense(step, at, y);
-    run.recorder.record(run.equations, y,
-                        forces ? run.equations.evaluate(at, y, run.state.modes, dydt) : nullptr);
+      run.recorder.record(run.equations, y, nullptr);
+      continue;
+    }
+    run.stepper.state_at(rates_of(run.equations, run.state.modes), step, at, y);
+    if (what == Sampled::motors && run.equations.sample_drive(at, y, drive)) {
+      run.recorder.record(run.equations, y, drive);
+      continue;
+    }
+    run.recorder.record(run.equations, y, run.equations.evaluate(at, y, run.state.modes, dydt));
+    evaluated = true;
   }
-  return forces;
+  return evaluated;
 }
 
 /// Modes of the contact that an event is of, and of those that it carries along.
