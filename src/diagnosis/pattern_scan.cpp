@@ -136,7 +136,7 @@ LinearPatterns linear_patterns(const PatternProblem& own) {
     if (c < 0) return;
     const Matrix acting = pattern_columns(own, c);
     Matrix left = acting;
-    for (Eigen::Index i = 0; i < left.cols(); ++i) tolerances.apply(left.col(i));
+    tolerances.apply_to_columns(left);
     if (!(left.squaredNorm() > 1.0)) return;
     out.acting[k] = columns_of(whitening.random, acting);
     out.columns[k] = std::move(left);
@@ -159,10 +159,13 @@ double log_evidence(const PatternProblem& own, const LinearPatterns& linear,
                     const std::vector<int>& members) {
   const RandomEffects& random = own.comparison.whitening.random;
   const Problem& problem = *own.built.problem;
-  Columns all = linear.model;
-  for (const int k : members) all = side_by_side(random, all, linear.acting[k]);
-  return followed_by(problem, random, all.products, first_scales(random),
-                     problem.settings.scale_steps)
+  Columns more;
+  for (const int k : members)
+    more = more.X.cols() == 0 ? linear.acting[k] : side_by_side(random, more, linear.acting[k]);
+  Products all = linear.model.products;
+  if (!members.empty())
+    all = side_by_side(all, products_between(random, linear.model.X, more.X), more.products);
+  return followed_by(problem, random, all, first_scales(random), problem.settings.scale_steps)
       .linear.log_evidence;
 }
 

@@ -151,11 +151,13 @@ TEST(FittedTolerances, SlopesThatFollowSecantsKeepWhatIsLinear) {
 
   Vector u = residual.reduced(nominal), r;
   Matrix first, followed, renewed;
-  ASSERT_TRUE(residual.value(u, r) && residual.slopes(u, first));
+  ASSERT_TRUE(residual.value(u, r));
+  first = *residual.slopes(u);
   u << 0.3, 0.4;
-  ASSERT_TRUE(residual.value(u, r) && residual.slopes(u, followed));
+  ASSERT_TRUE(residual.value(u, r));
+  followed = *residual.slopes(u);
   ASSERT_EQ(residual.secants().size(), 1U);
-  ASSERT_TRUE(residual.renewed_slopes(u, renewed));
+  renewed = *residual.renewed_slopes(u);
   EXPECT_TRUE(residual.secants().empty());
 
   // The effect is linear. Along the way the tolerance's secant is the mean of both ends' slopes.
@@ -200,12 +202,14 @@ TEST(FittedTolerances, GainsFollowSecantsWhereTolerancesGoByTheirSlopes) {
   ASSERT_EQ(residual.followed(), 1);
   Vector u = residual.reduced(nominal), r;
   Matrix first, followed, renewed;
-  ASSERT_TRUE(residual.value(u, r) && residual.slopes(u, first));
+  ASSERT_TRUE(residual.value(u, r));
+  first = *residual.slopes(u);
   EXPECT_EQ(residual.predictions(), 2);  // the point and the effect
   u << 0.3, 0.4, 0.5;
-  ASSERT_TRUE(residual.value(u, r) && residual.slopes(u, followed));
+  ASSERT_TRUE(residual.value(u, r));
+  followed = *residual.slopes(u);
   EXPECT_EQ(residual.predictions(), 4);
-  ASSERT_TRUE(residual.renewed_slopes(u, renewed));
+  renewed = *residual.renewed_slopes(u);
   EXPECT_EQ(residual.predictions(), 6);  // the effect and the gain, not the tolerance
 
   const Vector mean = 0.5 * (first.col(1) + renewed.col(1));

@@ -80,12 +80,26 @@ TEST(Misfits, SidesAndMovesHaveTheProductsOfTheWhole) {
   const Columns a = columns_of(effects, noise_matrix(2 * kMisfitRows, 3, 3)),
                 b = columns_of(effects, noise_matrix(2 * kMisfitRows, 2, 4)),
                 moved = columns_of(effects, noise_matrix(2 * kMisfitRows, 1, 5));
-  for (const Columns& built : {side_by_side(effects, a, b), first_moved(effects, a, moved)}) {
-    const Products whole = products_of(effects, built.X);
-    EXPECT_LT((built.products.gram - whole.gram).norm(), 1e-10);
+  const auto expect_products = [&](const Products& built, const Matrix& X) {
+    const Products whole = products_of(effects, X);
+    EXPECT_LT((built.gram - whole.gram).norm(), 1e-10);
+    ASSERT_EQ(built.misfits.size(), whole.misfits.size());
     for (std::size_t c = 0; c < whole.misfits.size(); ++c)
-      EXPECT_LT((built.products.misfits[c] - whole.misfits[c]).norm(), 1e-10);
-  }
+      EXPECT_LT((built.misfits[c] - whole.misfits[c]).norm(), 1e-10);
+  };
+  const Columns both = side_by_side(effects, a, b);
+  expect_products(both.products, both.X);
+
+  Matrix X = a.X;
+  X.col(0) += moved.X;
+  const Across across = products_between(effects, a.X, moved.X);
+  expect_products(first_moved(a.products, across, moved.products), X);
+
+  // Of some columns, and of more behind them.
+  const Across all = products_between(effects, a.X, both.X);
+  const Across again = all.of(0, 3).and_of(all.of(3, 2));
+  EXPECT_EQ(again.gram, all.gram);
+  EXPECT_EQ(again.misfits.back(), all.misfits.back());
 }
 
 TEST(Misfits, ThatWerePlantedComeBack) {

@@ -119,14 +119,21 @@ TEST(Columns, SideBySideAndMovedHaveTheProductsOfTheWhole) {
   const Columns a = columns_of(effects, normal_matrix(24, 3, 21)),
                 b = columns_of(effects, normal_matrix(24, 2, 22)),
                 moved = columns_of(effects, normal_matrix(24, 1, 23));
-  for (const Columns& built : {side_by_side(effects, a, b), first_moved(effects, a, moved)}) {
-    const Products whole = products_of(effects, built.X);
-    EXPECT_LT((built.products.gram - whole.gram).norm(), 1e-10);
+  const auto expect_products = [&](const Products& built, const Matrix& X) {
+    const Products whole = products_of(effects, X);
+    EXPECT_LT((built.gram - whole.gram).norm(), 1e-10);
+    ASSERT_EQ(built.blocks.size(), whole.blocks.size());
     for (std::size_t i = 0; i < whole.blocks.size(); ++i)
-      EXPECT_LT((built.products.blocks[i] - whole.blocks[i]).norm(), 1e-10);
-  }
-  EXPECT_EQ(side_by_side(effects, a, b).X.rightCols(2), b.X);
-  EXPECT_EQ(first_moved(effects, a, moved).X.col(0), a.X.col(0) + moved.X.col(0));
+      EXPECT_LT((built.blocks[i] - whole.blocks[i]).norm(), 1e-10);
+  };
+  const Columns both = side_by_side(effects, a, b);
+  EXPECT_EQ(both.X.rightCols(2), b.X);
+  expect_products(both.products, both.X);
+
+  Matrix X = a.X;
+  X.col(0) += moved.X;
+  expect_products(first_moved(a.products, products_between(effects, a.X, moved.X), moved.products),
+                  X);
 }
 
 TEST(RandomEffects, DeviationsThatWerePlantedComeBack) {

@@ -12,8 +12,6 @@
 namespace jaculus::diagnosis {
 namespace {
 
-/// s^2 below which a direction shrinks by less than its rounding.
-constexpr double kLeastEnergy = 1e-5;
 /// Least deviation, in the force that counts as large (missing_forces.h) or in noise floors.
 constexpr double kLeastScale = 1e-7;
 constexpr double kFirstScale = 1e-2;
@@ -135,13 +133,16 @@ FixedPoint fixed_point(const RandomEffects& effects, const Products& products, c
                              log_det_of_own(factor, A, products.shared));
   out.sums = {Vector::Zero(effects.size()), Vector::Zero(effects.size()),
               Vector::Zero(effects.size())};
+  const Matrix covariance =
+      effects.misfits.empty() ? Matrix() : Matrix(factor.solve(Matrix::Identity(n, n)));
   for (std::size_t c = 0; c < effects.misfits.size(); ++c) {
     const Misfit& own = effects.misfits[c];
     if (own.rows <= 0.0) continue;
     const Matrix& gram = products.misfits[c];
-    const Matrix by_u = gram.bottomRightCorner(n, n);
+    const auto by_u = gram.bottomRightCorner(n, n);
+    // Expected over u: with tr(cov by_u) added, the sum over the entries' products.
     const double energy = gram(0, 0) - 2.0 * mean.dot(gram.col(0).tail(n)) + mean.dot(by_u * mean) +
-                          factor.solve(by_u).trace();
+                          covariance.cwiseProduct(by_u).sum();
     // At its least nothing was chosen.
     const double least = own.variance(effects.groups[own.group].least);
     const double share = 1.0 - least / own.variance(scales[own.group]);
@@ -213,6 +214,12 @@ void Shrinkage::apply(VectorRef x) const {
   if (shrink.size() == 0) return;
   const Vector along = shrink.cwiseProduct(U.transpose() * x);
   x -= U * along;
+}
+
+void Shrinkage::apply_to_columns(MatrixRef X) const {
+  if (shrink.size() == 0) return;
+  const Matrix along = shrink.asDiagonal() * (U.transpose() * X);
+  X.noalias() -= U * along;
 }
 
 Shrinkage shrinkage(const Matrix& A) {

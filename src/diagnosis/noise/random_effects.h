@@ -40,11 +40,16 @@
 
 namespace jaculus::diagnosis {
 
+/// s^2 below which a direction shrinks by less than its rounding.
+inline constexpr double kLeastEnergy = 1e-5;
+
 /// I - U diag(shrink) U^T on some rows.
 struct Shrinkage {
   Matrix U;       ///< rows x k, orthonormal columns
   Vector shrink;  ///< k, 1 - 1/sqrt(1 + s^2)
   void apply(VectorRef x) const;
+  /// On each column: one product of matrices in place of one with a vector each.
+  void apply_to_columns(MatrixRef X) const;
 };
 /// That of the columns A, already scaled by their priors.
 Shrinkage shrinkage(const Matrix& A);

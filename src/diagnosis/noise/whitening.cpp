@@ -41,7 +41,7 @@ DatasetWhitening row_whitening(const Problem& problem, const NoiseModel& noise, 
   for (const RowSpan& span : row_spans(observed)) {
     if (!mask.empty() && !mask[span.segment]) continue;
     if (out.blocks.empty() || out.blocks.back().segment != span.segment)
-      out.blocks.push_back({span.segment, out.rows, 0, {}, {}});
+      out.blocks.push_back({span.segment, out.rows, 0, {}});
     out.spans.push_back(span);
     out.blocks.back().count += span.count;
     out.rows += span.count;
@@ -95,27 +95,16 @@ RandomBlock force_block(const DatasetWhitening& whitening, const SegmentBlock& s
   RandomBlock block{first + segment.first, segment.count, {}, {}, {}};
   const Matrix slopes = in_bands(raw.middleRows(own.first, own.count), forces, block.group);
   block.columns = whitening.whiten_block(whitening.block_of(segment.segment), slopes);
-  for (Eigen::Index k = 0; k < block.columns.cols(); ++k)
-    segment.nuisances.apply(block.columns.col(k));
+  segment.nuisances.apply_to_columns(block.columns);
   return block;
-}
-
-/// Takes out of a segment's nuisances those directions that stand apart from a misfit.
-void set_apart(double least, SegmentBlock& block) {
-  Vector& shrink = block.nuisances.shrink;
-  const double most = 1.0 / std::sqrt(1.0 + least * least);  // of 1/sqrt(1 + s^2)
-  std::vector<Eigen::Index> apart;
-  for (Eigen::Index k = 0; k < shrink.size(); ++k)
-    if (1.0 - shrink[k] <= most) apart.push_back(k);
-  block.apart = {block.nuisances.U(Eigen::all, apart), shrink(apart)};
-  shrink(apart).setOnes();
 }
 
 /// Of each row of a segment, how much of it the directions that stand apart hold; adds up to their
 /// number.
 Vector held_apart(const SegmentBlock& block) {
-  if (block.apart.shrink.size() == 0) return Vector::Zero(block.count);
-  return block.apart.U.rowwise().squaredNorm();
+  const Shrinkage& apart = block.nuisances.apart();
+  if (apart.shrink.size() == 0) return Vector::Zero(block.count);
+  return apart.U.rowwise().squaredNorm();
 }
 
 /// Of each coordinate that datasets under a plan measure, a misfit without rows: whatever segments
@@ -190,19 +179,33 @@ RandomEffects random_effects(const Problem& problem, const NoiseModel& noise,
   return out;
 }
 
+/// First and count of the rows of each channel in a block.
+std::vector<std::pair<int, int>> spans_of(const DatasetWhitening& whitening,
+                                          const SegmentBlock& block) {
+  std::vector<std::pair<int, int>> spans;
+  int next = 0;
+  for (const RowSpan& span : whitening.spans) {
+    if (span.segment != block.segment) continue;
+    spans.emplace_back(next, span.count);
+    next += span.count;
+  }
+  return spans;
+}
+
 DatasetWhitening dataset_whitening(const Problem& problem, const NoiseModel& noise, int dataset,
                                    const std::vector<bool>& mask) {
   const ObservedDataset& observed = problem.observations.datasets[dataset];
   DatasetWhitening out = row_whitening(problem, noise, dataset, mask);
   out.prior_mean_rows = Vector::Zero(observed.rows());
 
+  const bool misfits = noise.may_lack && !observed.measured_input;
+  const double apart = misfits ? problem.settings.nuisance_apart : kInfinity;
   for (int b = 0; b < count_of(out.blocks); ++b) {
     const SegmentNuisances& own = noise.datasets[dataset].nuisances[out.blocks[b].segment];
     out.prior_mean_rows.segment(own.first, own.count) = own.columns * own.mean;
-    out.blocks[b].nuisances = shrinkage(out.whiten_block(b, own.columns * own.scale.asDiagonal()));
-    if (!noise.may_lack || observed.measured_input) continue;
-    set_apart(problem.settings.nuisance_apart, out.blocks[b]);
-    out.apart += static_cast<int>(out.blocks[b].apart.shrink.size());
+    const Matrix white = out.whiten_block(b, own.columns * own.scale.asDiagonal());
+    out.blocks[b].nuisances = {white, spans_of(out, out.blocks[b]), apart};
+    out.apart += static_cast<int>(out.blocks[b].nuisances.apart().shrink.size());
   }
   return out;
 }
@@ -243,20 +246,20 @@ Vector DatasetWhitening::apply(const Vector& raw) const {
   return white;
 }
 
-void DatasetWhitening::take_nuisances(VectorRef white) const {
+void DatasetWhitening::take_nuisances(MatrixRef white) const {
   for (const SegmentBlock& block : blocks)
-    block.nuisances.apply(white.segment(block.first, block.count));
+    block.nuisances.apply_to_columns(white.middleRows(block.first, block.count));
 }
 
-Vector DatasetWhitening::apart_of(const Vector& white) const {
-  Vector out(apart);
+Matrix DatasetWhitening::apart_of(ConstMatrixRef white) const {
+  Matrix out(apart, white.cols());
   Eigen::Index next = 0;
   for (const SegmentBlock& block : blocks) {
-    const Eigen::Index count = block.apart.shrink.size();
+    const Shrinkage& own = block.nuisances.apart();
+    const Eigen::Index count = own.shrink.size();
     if (count == 0) continue;
-    out.segment(next, count) =
-        (1.0 - block.apart.shrink.array()) *
-        (block.apart.U.transpose() * white.segment(block.first, block.count)).array();
+    out.middleRows(next, count) = (1.0 - own.shrink.array()).matrix().asDiagonal() *
+                                  (own.U.transpose() * white.middleRows(block.first, block.count));
     next += count;
   }
   return out;
@@ -268,35 +271,34 @@ Vector Whitening::residual(const std::vector<Vector>& predicted) const {
   return apply(raw);
 }
 
-Vector Whitening::apply(const std::vector<Vector>& raw) const {
-  Vector white(rows);
+Vector Whitening::apply(const std::vector<Vector>& raw) const { return columns({raw}); }
+
+Matrix Whitening::columns(const std::vector<std::vector<Vector>>& raws) const {
+  Matrix white(rows, count_of(raws));
   int first = 0, behind = rows - apart;
   for (std::size_t d = 0; d < datasets.size(); ++d) {
     const DatasetWhitening& dataset = datasets[d];
-    Vector own = dataset.whiten(raw[d]);
-    white.segment(behind, dataset.apart) = dataset.apart_of(own);
+    auto own = white.middleRows(first, dataset.rows);
+    for (int k = 0; k < count_of(raws); ++k) own.col(k) = dataset.whiten(raws[k][d]);
+    white.middleRows(behind, dataset.apart) = dataset.apart_of(own);
     dataset.take_nuisances(own);
-    white.segment(first, dataset.rows) = own;
     first += dataset.rows;
     behind += dataset.apart;
   }
   return white;
 }
 
-Matrix Whitening::slopes(const RowSlopes& of_rows) const {
-  Matrix J(rows, count_of(of_rows.columns));
-  for (Eigen::Index i = 0; i < J.cols(); ++i) J.col(i) = -apply(of_rows.columns[i]);
-  return J;
-}
+Matrix Whitening::slopes(const RowSlopes& of_rows) const { return -columns(of_rows.columns); }
 
 Vector Whitening::in_rows(const Vector& white) const {
   Vector out = white.head(rows - apart);
   Eigen::Index first = 0, next = out.size();
   for (const DatasetWhitening& dataset : datasets) {
     for (const SegmentBlock& block : dataset.blocks) {
-      const Eigen::Index count = block.apart.shrink.size();
+      const Shrinkage& own = block.nuisances.apart();
+      const Eigen::Index count = own.shrink.size();
       if (count == 0) continue;
-      out.segment(first + block.first, block.count) += block.apart.U * white.segment(next, count);
+      out.segment(first + block.first, block.count) += own.U * white.segment(next, count);
       next += count;
     }
     first += dataset.rows;
@@ -330,8 +332,9 @@ std::vector<Eigen::Index> rows_of_part(const Whitening& all, const Whitening& pa
     for (const SegmentBlock& block : all.datasets[d].blocks) {
       const bool in_part = part.datasets[d].block_of(block.segment) >= 0;
       if (in_part) add(first + block.first, block.count, rows);
-      if (in_part) add(behind, block.apart.shrink.size(), apart);
-      behind += block.apart.shrink.size();
+      const Eigen::Index own = block.nuisances.apart().shrink.size();
+      if (in_part) add(behind, own, apart);
+      behind += own;
     }
     first += all.datasets[d].rows;
   }

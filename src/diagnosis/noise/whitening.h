@@ -7,7 +7,7 @@
 //   rho_c^(gap/spacing).
 // 1. Rows           w_i = (r_i - rho r_{i-1})/(sigma sqrt(1 - rho^2)),  first of a span r/sigma
 // 2. Nuisances      M^-1/2 = I - U diag(1 - 1/sqrt(1 + s^2)) U^T,  W A S = U diag(s) V^T,
-//                   segment by segment
+//                   segment by segment (nuisance_shrinkage.h)
 // Marginalising n is thus a fixed linear map T, whose log det is the same for every model. The
 // random effects follow on white rows, for their deviations are each model's own.
 //
@@ -22,7 +22,7 @@
 #include <vector>
 
 #include "diagnosis/noise/noise_model.h"
-#include "diagnosis/noise/random_effects.h"
+#include "diagnosis/noise/nuisance_shrinkage.h"
 
 namespace jaculus::diagnosis {
 
@@ -30,8 +30,7 @@ namespace jaculus::diagnosis {
 struct SegmentBlock {
   int segment = 0;
   int first = 0, count = 0;  ///< of its rows among those that take part
-  Shrinkage nuisances;
-  Shrinkage apart;  ///< of these, the directions that stand apart, which `nuisances` takes off
+  NuisanceShrinkage nuisances;
 };
 
 struct DatasetWhitening {
@@ -48,9 +47,10 @@ struct DatasetWhitening {
   /// what stands apart.
   [[nodiscard]] Vector apply(const Vector& raw) const;
   [[nodiscard]] Vector whiten(const Vector& raw) const;  ///< step 1 alone
-  /// Step 2 on white rows, which loses what stands apart; and that, of the same rows before.
-  void take_nuisances(VectorRef white) const;
-  [[nodiscard]] Vector apart_of(const Vector& white) const;
+  /// Step 2 on white rows, which loses what stands apart; and that, of the same rows before. Each
+  /// column by itself.
+  void take_nuisances(MatrixRef white) const;
+  [[nodiscard]] Matrix apart_of(ConstMatrixRef white) const;
   /// Step 1 on the rows of one block, each column of `raw` a vector of that segment's own rows.
   [[nodiscard]] Matrix whiten_block(int block, const Matrix& raw) const;
   /// The block of a segment; -1 where it takes no part.
@@ -75,6 +75,8 @@ struct Whitening {
   [[nodiscard]] Vector residual(const std::vector<Vector>& predicted) const;
   /// T g of a raw difference of predictions.
   [[nodiscard]] Vector apply(const std::vector<Vector>& raw) const;
+  /// The same of several differences, a column each: much less time than one by one.
+  [[nodiscard]] Matrix columns(const std::vector<std::vector<Vector>>& raws) const;
   /// dr/du, white rows x parameters.
   [[nodiscard]] Matrix slopes(const RowSlopes& of_rows) const;
   /// The rows of all datasets with what stands apart put back, M^-1/2 of step 2.

@@ -30,7 +30,7 @@ RandomEffects without_tolerances(const RandomEffects& random, const Shrinkage& t
     all.group.insert(all.group.end(), block.group.begin(), block.group.end());
     next += block.columns.cols();
   }
-  for (Eigen::Index k = 0; k < columns; ++k) tolerances.apply(all.columns.col(k));
+  tolerances.apply_to_columns(all.columns);
   all.gram = all.columns.transpose() * all.columns;
   out.blocks.push_back(std::move(all));
   return out;

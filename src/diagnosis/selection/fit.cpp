@@ -95,11 +95,12 @@ Fit fit_from(const Problem& problem, const Whitening& whitening, const std::vect
     // Misfits have followed already.
     const bool stays =
         random.blocks.empty() && round > 0 && settled && fell < settings.scales_settled;
-    fit.valid =
-        residual.value(u, fit.residual) &&
-        (stays ? residual.slopes(u, fit.jacobian) : residual.renewed_slopes(u, fit.jacobian));
-    if (!fit.valid) return before_round;
+    fit.valid = residual.value(u, fit.residual);
+    const Matrix* slopes = nullptr;
+    if (fit.valid) slopes = stays ? residual.slopes(u) : residual.renewed_slopes(u);
+    if (slopes == nullptr) return before_round;
 
+    fit.jacobian = *slopes;
     fit.p = residual.full(u);
     if (options.keep_rows) fit.nuisance_rows = residual.nuisance_rows();
     fit.simulated = residual.simulated(u);

@@ -55,7 +55,7 @@ struct Line {
   /// Log evidence gained by a smaller residual, as if it were one random effect in all directions
   /// that the random effects have: on the way to a valley a residual may be smaller and yet of a
   /// shape that no force has (a foot that slips too soon).
-  [[nodiscard]] double gain_of_size(const Vector& r) const {
+  [[nodiscard]] double gain_of_size(ConstVectorRef r) const {
     double directions = 0.0;
     for (const RandomBlock& block : whitening.random.blocks)
       directions += static_cast<double>(block.columns.cols());
@@ -63,28 +63,50 @@ struct Line {
     return 0.5 * std::min(directions, before) * std::log(before / std::max(now, 1e-300));
   }
 
-  [[nodiscard]] Point at(double u) const {
-    Vector p = base.simulated;
-    p[parameter] += u * problem.hypotheses.parameters[parameter].scale;
-    const PredictionSet set = predict_all(problem, p);
-    if (!set.valid) return {u};
+  [[nodiscard]] Point at(double u) const { return at(std::vector<double>{u}).front(); }
 
-    // The base model's own parameters move linearly along.
+  /// A point each.
+  [[nodiscard]] std::vector<Point> at(const std::vector<double>& steps) const {
+    std::vector<Point> points;
+    std::vector<std::vector<Vector>> changes;  // of rows, where the step can be simulated
+    for (const double u : steps) {
+      points.push_back({u});
+      Vector p = base.simulated;
+      p[parameter] += u * problem.hypotheses.parameters[parameter].scale;
+      const PredictionSet set = predict_all(problem, p);
+      if (!set.valid) continue;
+      changes.push_back(rows_of(problem, whitening.alignments, set));
+      for (std::size_t d = 0; d < base.rows.size(); ++d) changes.back()[d] -= base.rows[d];
+      points.back().influence = 0.0;
+    }
+
+    const Matrix moved = -whitening.columns(changes);
+    const Across across = products_between(whitening.random, standing.model.X, moved);
+    Eigen::Index k = 0;
+    for (Point& point : points)
+      if (point.influence == 0.0) {
+        point = scored(point.u, moved.col(k), across.of(k, 1));
+        ++k;
+      }
+    return points;
+  }
+
+ private:
+  /// Of a step that moves the residual by `moved`. The base model's own parameters move linearly
+  /// along.
+  [[nodiscard]] Point scored(double u, const Vector& moved, const Across& across) const {
     const RandomEffects& random = whitening.random;
-    std::vector<Vector> rows = rows_of(problem, whitening.alignments, set);
-    for (std::size_t d = 0; d < rows.size(); ++d) rows[d] -= base.rows[d];
-    const Columns moved = columns_of(random, -whitening.apply(rows));
-    const Columns there = first_moved(random, standing.model, moved);
-    const Followed followed = followed_by(problem, random, there.products, base.scales,
-                                          problem.settings.screening_scale_steps);
+    const Products own = products_of(random, moved);
+    const Followed followed =
+        followed_by(problem, random, first_moved(standing.model.products, across, own), base.scales,
+                    problem.settings.screening_scale_steps);
     const double evidence = followed.linear.log_evidence - 0.5 * u * u;
-    const double energy = weigh(random, moved.products, followed.scales).gram(0, 0);
+    const double energy = weigh(random, own, followed.scales).gram(0, 0);
     const double width = 0.5 * std::log1p(energy / (u * u));
-    const double influence = moved.X.norm();
     double gain = evidence - standing.log_evidence;
-    if (const double smaller = gain_of_size(there.X.col(0)); smaller > 0.0)
-      gain = std::max(gain, smaller - 0.5 * u * u);
-    return {u, gain - width, gain, influence};
+    const double smaller = gain_of_size(standing.model.X.col(0) + moved);
+    if (smaller > 0.0) gain = std::max(gain, smaller - 0.5 * u * u);
+    return {u, gain - width, gain, moved.norm()};
   }
 };
 
@@ -158,10 +180,9 @@ BestStep line_search(const Problem& problem, const Whitening& whitening, const F
   BestStep found;
   std::vector<Point> points{{0.0, 0.0, 0.0, 0.0}};
   const FreeParameter& parameter = problem.hypotheses.parameters[first];
-  for (const double u : steps_of(parameter, base.p[first], problem.settings)) {
-    points.push_back(line.at(u));
-    ++found.predictions;
-  }
+  for (const Point& point : line.at(steps_of(parameter, base.p[first], problem.settings)))
+    points.push_back(point);
+  found.predictions = count_of(points) - 1;
 
   Point best = *std::max_element(points.begin(), points.end(), scores_less);
   std::sort(points.begin(), points.end(), comes_before);

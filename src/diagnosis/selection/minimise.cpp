@@ -29,22 +29,26 @@ using Part = std::vector<std::pair<int, int>>;
 /// W = M J of a residual's slopes on the way, and W^T W of every part of the rows. Where slopes
 /// follow secants, J + d s^T with s zero but for those that follow, so do both: W + w s^T with
 /// w = M d, and with v = W^T w of a part
-///   W^T W + v s^T + s v^T + w^T w s s^T,
-/// passes over one column in place of all. Misfits that follow change the parts' shares in H alone.
+///   W^T W + v s^T + s v^T + w^T w s s^T.
+/// W itself stays as it was, W_0, with the w s^T beside it,
+///   W^T x = W_0^T x + sum s (w^T x),
+/// so that a secant is one pass over W_0, which is larger than what a processor keeps at hand.
+/// Misfits that follow change the parts' shares in H alone.
 class WeighedSlopes {
  public:
   WeighedSlopes(const RandomWeights& weights, std::vector<Part> parts)
       : weights_(weights), parts_(std::move(parts)), grams_(parts_.size()) {}
 
-  void follow(const Residual& residual, const Matrix& J) {
+  void follow(Residual& residual) {
     const Eigen::Index before = residual.first_followed();
     const std::vector<Residual::Secant>& secants = residual.secants();
     if (W_.size() == 0 || renewed_ != residual.times_renewed()) {
-      W_ = weights_.stacked(J);
+      W_ = weights_.stacked(residual.told());
+      added_.clear();
       for (std::size_t k = 0; k < parts_.size(); ++k) grams_[k] = gram_of(parts_[k]);
     } else {
       for (; followed_ < secants.size(); ++followed_) add(secants[followed_], before);
-      if (before > 0) renew(J.leftCols(before));
+      if (before > 0) renew(residual.told_before());
     }
     renewed_ = residual.times_renewed();
     followed_ = secants.size();
@@ -60,13 +64,16 @@ class WeighedSlopes {
   [[nodiscard]] Vector along(const Vector& shares, const Vector& x) const {
     Vector sum = Vector::Zero(W_.cols());
     for (std::size_t k = 0; k < parts_.size(); ++k)
-      for (const auto& [first, count] : parts_[k])
-        sum.noalias() += shares[static_cast<Eigen::Index>(k)] *
-                         (W_.middleRows(first, count).transpose() * x.segment(first, count));
+      sum += shares[static_cast<Eigen::Index>(k)] * along_part(parts_[k], x);
     return sum;
   }
 
  private:
+  /// A secant as W has it; `along` of all columns.
+  struct Added {
+    Vector w, along;
+  };
+
   [[nodiscard]] Matrix gram_of(const Part& part) const {
     Matrix gram = Matrix::Zero(W_.cols(), W_.cols());
     for (const auto& [first, count] : part)
@@ -75,43 +82,49 @@ class WeighedSlopes {
     return gram;
   }
 
+  /// W^T X by the rows of a part.
+  template <class Columns>
+  [[nodiscard]] Matrix along_part(const Part& part, const Columns& X) const {
+    Matrix sum = Matrix::Zero(W_.cols(), X.cols());
+    for (const auto& [first, count] : part) {
+      const auto own = X.middleRows(first, count);
+      sum.noalias() += W_.middleRows(first, count).transpose() * own;
+      for (const Added& added : added_)
+        sum.noalias() += added.along * (added.w.segment(first, count).transpose() * own);
+    }
+    return sum;
+  }
+
   /// The first columns by new slopes.
-  void renew(const Matrix& J) {
-    const Eigen::Index before = J.cols(), n = W_.cols() - before;
-    W_.leftCols(before) = weights_.stacked(J);
+  void renew(ConstMatrixRef J) {
+    const Eigen::Index before = J.cols();
+    const Matrix first = weights_.stacked(J);
+    W_.leftCols(before) = first;
     for (std::size_t k = 0; k < parts_.size(); ++k) {
-      grams_[k].leftCols(before).setZero();
-      for (const auto& [first, count] : parts_[k])
-        grams_[k].leftCols(before).noalias() +=
-            W_.middleRows(first, count).transpose() * W_.middleRows(first, count).leftCols(before);
-      grams_[k].topRightCorner(before, n) = grams_[k].bottomLeftCorner(n, before).transpose();
+      grams_[k].leftCols(before) = along_part(parts_[k], first);
+      grams_[k].topRows(before) = grams_[k].leftCols(before).transpose();
     }
   }
 
   /// Of the columns that follow; those before are made anew.
   void add(const Residual::Secant& secant, Eigen::Index before) {
     const Vector w = weights_.stacked(secant.missed);
-    const Eigen::Index n = W_.cols() - before, moved = secant.along.size();
-    Vector s = Vector::Zero(n);
-    s.head(moved) = secant.along;
+    Vector s = Vector::Zero(W_.cols());
+    s.segment(before, secant.along.size()) = secant.along;
     for (std::size_t k = 0; k < parts_.size(); ++k) {
-      Vector v = Vector::Zero(n);
+      const Vector v = along_part(parts_[k], w);
       double square = 0.0;
-      for (const auto& [first, count] : parts_[k]) {
-        const auto own = w.segment(first, count);
-        v.noalias() += W_.rightCols(n).middleRows(first, count).transpose() * own;
-        square += own.squaredNorm();
-      }
-      grams_[k].bottomRightCorner(n, n) +=
-          v * s.transpose() + s * v.transpose() + square * (s * s.transpose());
+      for (const auto& [first, count] : parts_[k]) square += w.segment(first, count).squaredNorm();
+      grams_[k] += v * s.transpose() + s * v.transpose() + square * (s * s.transpose());
     }
-    W_.middleCols(before, moved).noalias() += w * secant.along.transpose();
+    added_.push_back({w, std::move(s)});
   }
 
   const RandomWeights& weights_;
   std::vector<Part> parts_;
   std::vector<Matrix> grams_;  ///< a part each
-  Matrix W_;
+  Matrix W_;                   ///< W_0, but for the columns that are made anew
+  std::vector<Added> added_;
   int renewed_ = 0;
   std::size_t followed_ = 0;
 };
@@ -161,10 +174,9 @@ class Cost {
 
   /// g and H at the point of the last `at`. False where a simulation fails.
   bool model(const Vector& u, Vector& g, Matrix& H) {
-    Matrix J;
-    if (!residual_.slopes(u, J)) return false;
+    if (!residual_.tell(u)) return false;
     if (!slopes_) slopes_.emplace(weights_, parts_of(random_, follow_, weights_, r_.size()));
-    slopes_->follow(residual_, J);
+    slopes_->follow(residual_);
     const Vector shares = shares_now();
     H = slopes_->gram(shares);
     H.diagonal().array() += 1.0;

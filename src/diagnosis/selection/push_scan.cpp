@@ -92,8 +92,9 @@ ScanProducts scan_products(const Problem& problem, const Problem& narrow,
   const Matrix model = linear_model(problem, about);
   Matrix X(model.rows(), model.cols() + raw.cols());
   X.leftCols(model.cols()) = model;
-  for (Eigen::Index k = 0; k < raw.cols(); ++k)
-    X.col(model.cols() + k) = comparison.whitening.apply({Vector(raw.col(k))});
+  std::vector<std::vector<Vector>> forces;
+  for (Eigen::Index k = 0; k < raw.cols(); ++k) forces.push_back({raw.col(k)});
+  X.rightCols(raw.cols()) = comparison.whitening.columns(forces);
   ScanProducts products{products_of(comparison.whitening.random, X), model.cols()};
   products.all.shared = shared_columns(problem, comparison.whitening.random, about);
   return products;

@@ -102,87 +102,119 @@ bool Residual::value(const Vector& u, Vector& r) {
   return true;
 }
 
-bool Residual::difference_columns(const Vector& u, const std::vector<Eigen::Index>& columns,
-                                  Matrix& J) {
+/// Some columns of dr/du; nothing where a simulation fails.
+std::optional<Matrix> Residual::differenced(const Vector& u,
+                                            const std::vector<Eigen::Index>& columns) {
   const Vector p = simulated(u);
-  std::vector<char> done(columns.size(), 0);
+  std::vector<std::vector<Vector>> slopes(columns.size());
   tbb::parallel_for(0, count_of(columns), [&](int k) {
     const Eigen::Index i = columns[k];
     const double scale = problem_.hypotheses.parameters[free_[i]].scale;
     auto moved = difference(problem_, whitening_.alignments, p, rows_, free_[i], steps_[i] * scale);
     if (!moved) return;
     for (Vector& rows : moved->rows) rows *= scale / moved->step;
-    J.col(i) = -whitening_.apply(moved->rows);
-    if (!row_slopes_.columns.empty()) row_slopes_.columns[i] = std::move(moved->rows);
-    steps_[i] = difference_step(J.col(i).norm(), problem_.settings);
-    done[k] = 1;
+    slopes[k] = std::move(moved->rows);
   });
   predictions_ += count_of(columns);
-  return std::find(done.begin(), done.end(), 0) == done.end();
+  if (std::any_of(slopes.begin(), slopes.end(), [](const auto& own) { return own.empty(); }))
+    return {};
+
+  const Matrix J = -whitening_.columns(slopes);
+  for (int k = 0; k < count_of(columns); ++k) {
+    steps_[columns[k]] = difference_step(J.col(k).norm(), problem_.settings);
+    if (!row_slopes_.columns.empty()) row_slopes_.columns[columns[k]] = std::move(slopes[k]);
+  }
+  return J;
 }
 
-void Residual::follow(const Vector& u, const Matrix& before, Matrix& J) {
+/// `expected`: by what the slopes before say the residual moved, over the step du.
+void Residual::follow(const Vector& du, const Vector& expected, const Matrix& effects_before) {
   const Eigen::Index n = first_followed_;
-  const Vector du = u - slopes_at_, dn = du.segment(n, followed());
+  const Vector dn = du.segment(n, followed());
   if (dn.size() == 0 || dn.norm() < kLeastSecant) return;
-  Vector missed = residual_ - slopes_residual_ - before * du;
-  missed -= 0.5 * (J.leftCols(n) - before.leftCols(n)) * du.head(n);
+  Vector missed = residual_ - slopes_residual_ - expected;
+  missed -= 0.5 * (slopes_.leftCols(n) - effects_before) * du.head(n);
   secants_.push_back({std::move(missed), dn / dn.squaredNorm()});
-  J.middleCols(n, dn.size()).noalias() +=
-      secants_.back().missed * secants_.back().along.transpose();
 }
 
-void Residual::keep(const Vector& u, const Matrix& J) {
+/// A secant is a pass over all slopes, so that it waits until they are asked for as a whole.
+void Residual::add_secants() {
+  for (; added_ < secants_.size(); ++added_) {
+    const Secant& own = secants_[added_];
+    slopes_.middleCols(first_followed_, own.along.size()).noalias() +=
+        own.missed * own.along.transpose();
+  }
+}
+
+/// By what the slopes say the residual moves over a step.
+Vector Residual::expected_over(const Vector& du) const {
+  Vector expected = slopes_ * du;
+  for (std::size_t k = added_; k < secants_.size(); ++k) {
+    const Secant& own = secants_[k];
+    expected += own.missed * own.along.dot(du.segment(first_followed_, own.along.size()));
+  }
+  return expected;
+}
+
+void Residual::keep(const Vector& u, bool told) {
   slopes_at_ = u;
   slopes_residual_ = residual_;
-  slopes_ = J;
+  new_ = told;
 }
 
-bool Residual::slopes(const Vector& u, Matrix& J) {
-  if (slopes_.size() == 0) return renewed_slopes(u, J);
-  if (slopes_at_.size() == u.size() && slopes_at_ == u) {
-    J = slopes_;
-    return true;
-  }
+bool Residual::tell(const Vector& u) {
+  if (slopes_.size() == 0) return renewed_slopes(u) != nullptr;
+  if (slopes_at_.size() == u.size() && slopes_at_ == u) return true;
   std::vector<Eigen::Index> effects(first_followed_);
   std::iota(effects.begin(), effects.end(), Eigen::Index{0});
-  J = slopes_;
-  if (!difference_columns(u, effects, J)) return false;
-  if (slopes_at_.size() == u.size()) follow(u, slopes_, J);
-  keep(u, J);
-  new_ = false;
+  const std::optional<Matrix> told = differenced(u, effects);
+  if (!told) return false;
+
+  if (slopes_at_.size() == u.size()) {
+    const Vector du = u - slopes_at_, expected = expected_over(du);
+    const Matrix before = slopes_.leftCols(first_followed_);
+    slopes_.leftCols(first_followed_) = *told;
+    follow(du, expected, before);
+  } else {
+    slopes_.leftCols(first_followed_) = *told;
+  }
+  keep(u, false);
   return true;
 }
 
-bool Residual::renewed_slopes(const Vector& u, Matrix& J) {
+const Matrix* Residual::slopes(const Vector& u) {
+  if (!tell(u)) return nullptr;
+  add_secants();
+  return &slopes_;
+}
+
+const Matrix* Residual::renewed_slopes(const Vector& u) {
   const bool anew = slopes_.size() == 0;
-  if (!anew && followed() == 0) return slopes(u, J);
-  if (!anew && told_at(u)) {
-    J = slopes_;
-    return true;
-  }
+  if (!anew && (followed() == 0 || told_at(u))) return slopes(u);
+  add_secants();
 
   const double least = problem_.settings.slope_renewed * (in_windows(problem_) ? kForcesTake : 1.0);
-  J = anew ? Matrix(whitening_.rows, size()) : slopes_;
   std::vector<Eigen::Index> columns;
   for (Eigen::Index i = 0; i < (anew ? size() : first_followed_ + followed()); ++i) {
     // Effects' anew too: their steps are told by now.
-    const bool strong = i < tolerances_ || J.col(i).norm() > least;
-    if (anew || strong) columns.push_back(i);
+    const bool strong = anew || i < tolerances_ || slopes_.col(i).norm() > least;
+    if (strong) columns.push_back(i);
   }
+  const std::optional<Matrix> told = differenced(u, columns);
+  if (!told) return nullptr;
 
+  if (anew) slopes_.resize(whitening_.rows, size());
   // What effects bend by secants lands on weak nuisances too, in prior scales the ones that move.
   if (first_followed_ < nuisances_ && !anew)
     for (Eigen::Index i = nuisances_; i < first_followed_ + followed(); ++i)
       for (const Secant& secant : secants_)
-        J.col(i) -= secant.missed * secant.along[i - first_followed_];
-
-  if (!difference_columns(u, columns, J)) return false;
-  keep(u, J);
-  new_ = true;
+        slopes_.col(i) -= secant.missed * secant.along[i - first_followed_];
+  slopes_(Eigen::all, columns) = *told;
+  keep(u, true);
   secants_.clear();
+  added_ = 0;
   ++times_renewed_;
-  return true;
+  return &slopes_;
 }
 
 LinearNuisances linear_nuisances(const Problem& problem, const Whitening& whitening, Vector p) {
@@ -192,7 +224,8 @@ LinearNuisances linear_nuisances(const Problem& problem, const Whitening& whiten
   Residual residual(problem, whitening, nuisances, out.p);
   const Vector u = residual.reduced(out.p);
   Vector r;
-  if (!residual.value(u, r) || !residual.slopes(u, out.slopes)) out.slopes.resize(0, 0);
+  const Matrix* slopes = residual.value(u, r) ? residual.slopes(u) : nullptr;
+  if (slopes != nullptr) out.slopes = *slopes;
   return out;
 }
 

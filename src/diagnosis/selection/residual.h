@@ -15,6 +15,8 @@
 // fitted already the effects' slopes are known as well, those of what is added from screening: then
 // E follows by the same secants until it is renewed.
 
+#include <optional>
+
 #include "diagnosis/noise/whitening.h"
 
 namespace jaculus::diagnosis {
@@ -40,8 +42,10 @@ class Residual {
 
   /// Lets the effects' slopes follow by secants too, from where they are differenced first.
   void follow_effects() {
+    add_secants();
     first_followed_ = 0;
     secants_.clear();  // of fewer parameters; the slopes have them already
+    added_ = 0;
   }
 
   /// By what the slopes that follow were moved: N += missed along^T.
@@ -90,12 +94,21 @@ class Residual {
   /// False where the simulation fails. What was asked for last is kept: a minimiser and the rounds
   /// about it ask for the same point again.
   bool value(const Vector& u, Vector& r);
-  /// dr/du at the point of the last `value`, what follows by secants so. False where a simulation
-  /// fails.
-  bool slopes(const Vector& u, Matrix& J);
+  /// Tells slopes at the point of the last `value`: those before first_followed() by differences,
+  /// one more of secants(). False where a simulation fails.
+  bool tell(const Vector& u);
+  /// dr/du there, what follows by secants so. Null where a simulation fails; else valid until
+  /// slopes are asked for again.
+  const Matrix* slopes(const Vector& u);
+  /// As told last, secants added; and of those before first_followed().
+  [[nodiscard]] const Matrix& told() {
+    add_secants();
+    return slopes_;
+  }
+  [[nodiscard]] auto told_before() const { return slopes_.leftCols(first_followed_); }
   /// The same with those of effects, gains and strong tolerances by differences; where effects
   /// followed, the others as they were.
-  bool renewed_slopes(const Vector& u, Matrix& J);
+  const Matrix* renewed_slopes(const Vector& u);
 
   [[nodiscard]] const Settings& settings() const { return problem_.settings; }
   [[nodiscard]] long predictions() const { return predictions_; }
@@ -104,10 +117,12 @@ class Residual {
   [[nodiscard]] Eigen::Index size() const { return count_of(free_); }
 
  private:
-  [[nodiscard]] bool difference_columns(const Vector& u, const std::vector<Eigen::Index>& columns,
-                                        Matrix& J);
-  void follow(const Vector& u, const Matrix& before, Matrix& J);
-  void keep(const Vector& u, const Matrix& J);
+  [[nodiscard]] std::optional<Matrix> differenced(const Vector& u,
+                                                  const std::vector<Eigen::Index>& columns);
+  void follow(const Vector& du, const Vector& expected, const Matrix& effects_before);
+  void add_secants();
+  [[nodiscard]] Vector expected_over(const Vector& du) const;
+  void keep(const Vector& u, bool told);
 
   const Problem& problem_;
   const Whitening& whitening_;
@@ -122,9 +137,10 @@ class Residual {
   Vector at_, residual_;      ///< of the last `value`
   Vector slopes_at_, slopes_residual_;
   RowSlopes row_slopes_;  ///< of every free parameter, as differenced last; empty: not kept
-  Matrix slopes_;         ///< there; empty: not known anywhere
+  Matrix slopes_;         ///< there, with the first `added_` secants; empty: not known anywhere
   bool new_ = false;      ///< whether those of all but weak tolerances were differenced there
   std::vector<Secant> secants_;
+  std::size_t added_ = 0;
   int times_renewed_ = 0;
   long predictions_ = 0;
   std::string message_;

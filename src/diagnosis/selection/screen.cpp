@@ -63,8 +63,9 @@ struct Base {
 /// The posterior of one more candidate's columns beside the base model's own, which come first.
 LinearEvidence with_columns(const Base& base, const Matrix& own) {
   const RandomEffects& random = base.whitening.random;
-  const Products products =
-      side_by_side(random, base.standing.model, columns_of(random, own)).products;
+  const Columns& model = base.standing.model;
+  const Products products = side_by_side(model.products, products_between(random, model.X, own),
+                                         products_of(random, own));
   return followed_by(base.problem, random, products, base.fit.scales,
                      base.problem.settings.screening_scale_steps)
       .linear;

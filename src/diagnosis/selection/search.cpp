@@ -1,104 +1,17 @@
 #include "diagnosis/selection/search.h"
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <functional>
 #include <set>
 
 #include "diagnosis/selection/fitted_models.h"
+#include "diagnosis/selection/indistinguishable.h"
 #include "diagnosis/selection/neighbouring_sets.h"
 
 namespace jaculus::diagnosis {
 namespace {
-
-/// Columns of every candidate at the two strengths; none where its probe is not valid.
-using ProbedColumns = std::vector<std::vector<Columns>>;
-
-ProbedColumns columns_of_probes(const RandomEffects& random, const std::vector<Probe>& probes) {
-  ProbedColumns columns(probes.size());
-  tbb::parallel_for(0, count_of(probes), [&](int c) {
-    if (!probes[c].valid) return;
-    for (const Matrix* own : {&probes[c].small, &probes[c].full})
-      columns[c].push_back(columns_of(random, *own));
-  });
-  return columns;
-}
-
-/// Log evidence of every candidate alone: as fitted, else as screening has it.
-std::vector<double> evidence_alone(const FittedModels& models, const std::vector<Probe>& probes) {
-  std::vector<double> evidence;
-  for (int c = 0; c < count_of(probes); ++c) {
-    const ModelFit* fitted = models.find({c});
-    const bool known = fitted != nullptr && fitted->fit.valid;
-    evidence.push_back(known ? fitted->fit.log_evidence
-                             : models.none().fit.log_evidence + probes[c].score);
-  }
-  return evidence;
-}
-
-/// Candidates whose columns, at either strength, reproduce the signature of a fitted single. A
-/// signature that the nuisances reproduce by themselves says nothing of candidates: then those that
-/// are as probable.
-Members indistinguishable_from(const RandomEffects& random, const ModelFit& none,
-                               const ModelFit& single, const ProbedColumns& probed,
-                               const std::vector<double>& evidence, double below) {
-  const Columns nuisances = columns_of(random, none.fit.jacobian);
-  const Columns signature =
-      side_by_side(random, columns_of(random, none.fit.residual - single.fit.residual), nuisances);
-  std::vector<double> energy(probed.size(), kInfinity);
-  tbb::parallel_for(0, count_of(probed), [&](int c) {
-    for (const Columns& own : probed[c])
-      energy[c] =
-          std::min(energy[c], unexplained_energy(random, single.fit.scales,
-                                                 side_by_side(random, signature, own).products,
-                                                 nuisances.X.cols()));
-  });
-
-  const double alone =
-      unexplained_energy(random, single.fit.scales, signature.products, nuisances.X.cols());
-  const double least = 0.5 * alone < below ? single.fit.log_evidence - below : -kInfinity;
-  Members found;
-  for (int c = 0; c < count_of(probed); ++c)
-    if (0.5 * energy[c] < below && evidence[c] >= least) found.push_back(c);
-  return found;
-}
-
-/// Fits whatever can't be told from the best single, best by screening first.
-void fit_indistinguishable(const Settings& settings, const RandomEffects& random,
-                           const std::vector<Probe>& probes, const ProbedColumns& probed,
-                           FittedModels& models) {
-  const ModelFit* best = models.best(1);
-  const ModelFit none = models.none();
-  if (best == nullptr || models.value(*best) < models.value(none)) return;
-
-  Members others =
-      indistinguishable_from(random, none, *best, probed, evidence_alone(models, probes),
-                             settings.indistinguishable_below);
-  std::stable_sort(others.begin(), others.end(),
-                   [&](int a, int b) { return probes[a].score > probes[b].score; });
-  std::erase_if(others, [&](int c) { return models.find({c}) != nullptr; });
-  if (count_of(others) > settings.indistinguishable_fitted)
-    others.resize(settings.indistinguishable_fitted);
-  models.extend(none, probes, others);
-}
-
-std::vector<Members> indistinguishable_sets(const RandomEffects& random, const FittedModels& models,
-                                            const std::vector<Probe>& probes,
-                                            const ProbedColumns& probed, double below) {
-  const std::vector<double> evidence = evidence_alone(models, probes);
-  std::vector<Members> sets(probed.size());
-  for (const ModelFit& model : models.all()) {
-    if (model.candidates.size() != 1 || !model.fit.valid) continue;
-    const int own = model.candidates.front();
-    Members others = indistinguishable_from(random, models.none(), model, probed, evidence, below);
-    std::erase(others, own);
-    others.insert(others.begin(), own);
-    sets[own] = others;
-  }
-  return sets;
-}
 
 /// Backwards from the best set, and one for one: each member dropped, what is left fitted, and
 /// extended anew where it was not.
@@ -309,7 +222,6 @@ SearchResult search_models(const Problem& problem, const Comparison& comparison,
   if (options.progress) options.progress("screening");
   out.probes = models.probe(none);
   const RandomEffects& random = comparison.whitening.random;
-  const ProbedColumns probed = columns_of_probes(random, out.probes);
   if (in_windows(problem)) {
     if (options.earlier != nullptr) models.fit_again(leading_models(*options.earlier, problem));
     search_from_leader(problem, comparison.whitening, out.probes, options, models);
@@ -318,7 +230,7 @@ SearchResult search_models(const Problem& problem, const Comparison& comparison,
     models.extend(none, out.probes, problem.settings.kept_singles);
     if (options.earlier != nullptr) models.fit_again(rivals_that_led(*options.earlier, problem));
     models.fit_again(options.known);
-    fit_indistinguishable(problem.settings, random, out.probes, probed, models);
+    fit_indistinguishable(problem.settings, random, out.probes, models);
     search_about_leaders(problem, options, models);
     if (options.largest > 1)
       search_from_leader(problem, comparison.whitening, out.probes, options, models);
@@ -327,8 +239,8 @@ SearchResult search_models(const Problem& problem, const Comparison& comparison,
   const Members led = options.known.empty() ? Members{} : options.known.front().candidates;
   if (options.earlier != nullptr && !beyond_reach(problem, models))
     models.refine(options.none, led);
-  out.indistinguishable = indistinguishable_sets(random, models, out.probes, probed,
-                                                 problem.settings.indistinguishable_below);
+  out.indistinguishable =
+      indistinguishable_sets(random, models, out.probes, problem.settings.indistinguishable_below);
   out.models = models.all();
   out.predictions = models.predictions();
   return out;

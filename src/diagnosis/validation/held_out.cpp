@@ -35,17 +35,10 @@ std::optional<std::vector<std::vector<Vector>>> slopes_of(const Problem& problem
   return slopes;
 }
 
-/// Of white rows, by the parameters of raw slopes.
-Matrix white_slopes(const Whitening& space, const std::vector<std::vector<Vector>>& slopes) {
-  Matrix J(space.rows, count_of(slopes));
-  for (Eigen::Index i = 0; i < J.cols(); ++i) J.col(i) = -space.apply(slopes[i]);
-  return J;
-}
-
 /// Slopes B of each dataset as B S^(1/2), S = (J^T J + I)^-1 by the rows of a fold.
 std::vector<Matrix> open_rows_of(const Problem& problem, const Whitening& fold,
                                  const std::vector<std::vector<Vector>>& slopes) {
-  const Matrix J = white_slopes(fold, slopes);
+  const Matrix J = -fold.columns(slopes);
   Matrix told = J.transpose() * J;
   told.diagonal().array() += 1.0;
   const Eigen::LLT<Matrix> root(told);
