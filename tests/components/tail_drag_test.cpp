@@ -22,15 +22,15 @@ model::PlanarDrag scoop() {
   return d;
 }
 
-struct State {
+struct StripState {
   double s, omega;
 };
 
 // Random states: plain, reversing along the strip, nearly uniform flow, nearly still.
-std::vector<State> states(const model::PlanarDrag& drag, int count) {
+std::vector<StripState> states(const model::PlanarDrag& drag, int count) {
   std::mt19937 rng(20210401);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
-  std::vector<State> out;
+  std::vector<StripState> out;
   for (int i = 0; i < count; ++i) {
     const double omega = 30.0 * unit(rng);
     const double turn = drag.start + (drag.end - drag.start) * 0.5 * (1.0 + unit(rng));
@@ -58,7 +58,7 @@ std::vector<State> states(const model::PlanarDrag& drag, int count) {
 // Int l^j f(s + omega l) dl by adaptive Gauss-Kronrod on pieces that shrink geometrically towards
 // the place where the flow turns: a kink or a near one between its nodes would deceive the rule's
 // own error estimate.
-double quadrature(const model::PlanarDrag& d, const State& x, int j, const auto& f) {
+double quadrature(const model::PlanarDrag& d, const StripState& x, int j, const auto& f) {
   std::vector<double> cuts{d.start, d.end};
   const double turn = -x.s / x.omega;
   for (double step = 1e-7; step < 4.0; step *= 3.0) {
@@ -83,7 +83,7 @@ TEST(TailDrag, ForceAloneIsThatOfTheLoad) {
     model::PlanarDrag drag = scoop();
     drag.kind = kind;
     for (const double smoothing : {0.0, 0.02}) {
-      for (const State& x : states(drag, 100)) {
+      for (const StripState& x : states(drag, 100)) {
         const DragLoad load = drag_load(drag, x.s, x.omega, smoothing);
         const DragForce force = drag_force(drag, x.s, x.omega, smoothing);
         EXPECT_DOUBLE_EQ(force.force, load.force);
@@ -99,7 +99,7 @@ TEST(TailDrag, EquationEightEqualsAdaptiveQuadrature) {
     d.start = start;
     const double k = 0.5 * d.density * d.coefficient * d.width;
     int reversing = 0;
-    for (const State& x : states(d, 250)) {
+    for (const StripState& x : states(d, 250)) {
       const DragLoad load = drag_load(d, x.s, x.omega, 0.0);
       const auto law = [](double u) { return u * std::abs(u); };
       const auto slope = [](double u) { return 2.0 * std::abs(u); };
@@ -150,7 +150,7 @@ TEST(TailDrag, SmoothedLawEqualsAdaptiveQuadrature) {
       const auto g = [&](double u) { return u * r(u); };
       const auto g1 = [&](double u) { return r(u) + u * u / r(u); };
       const auto g2 = [&](double u) { return u / r(u) * (3.0 - u * u / (r(u) * r(u))); };
-      for (const State& x : states(d, 60)) {
+      for (const StripState& x : states(d, 60)) {
         const DragLoad load = drag_load(d, x.s, x.omega, eps);
         const double u = eps + std::abs(x.s) + std::abs(x.omega);
         EXPECT_NEAR(load.force, -k * quadrature(d, x, 0, g), 1e-12 * k * u * u);
@@ -177,7 +177,7 @@ TEST(TailDrag, DerivativesOfEveryKindAgreeWithDifferences) {
                                model::DragKind::rotation, model::DragKind::none}) {
     model::PlanarDrag d = scoop();
     d.kind = kind;
-    for (const State& x : states(d, 100)) {
+    for (const StripState& x : states(d, 100)) {
       const DragLoad load = drag_load(d, x.s, x.omega, eps);
       for (int j = 0; j < 2; ++j) {
         const auto at = [&](double step) {
@@ -218,7 +218,7 @@ TEST(TailDrag, SmoothingErrsByNoMoreThanTheStatedBound) {
             k * (std::pow(d.end, 4) - std::pow(d.start, 4)) * eps * eps / (8.0 * d.end * d.end);
       }
       double worst = 0.0;
-      for (const State& x : states(d, 300)) {
+      for (const StripState& x : states(d, 300)) {
         const DragLoad smooth = drag_load(d, x.s, x.omega, eps);
         const DragLoad exact = drag_load(d, x.s, x.omega, 0.0);
         EXPECT_LE(std::abs(smooth.force - exact.force), force_bound + 1e-12);

@@ -30,7 +30,7 @@ namespace fs = std::filesystem;
 
 constexpr int kTasks = 60;
 
-std::string answer(int index) { return std::to_string(task_seed(3, index)); }
+std::string seed_text(int index) { return std::to_string(task_seed(3, index)); }
 
 /// Folders for jobs and for the state of the fake Slurm, which is first on the PATH meanwhile.
 class OnFakeSlurm : public testing::Test {
@@ -130,7 +130,7 @@ std::vector<TaskResult> run_list(const fs::path& folder, const std::string& fing
       kill(getppid(), SIGKILL);
     // as the disk does that is full: the first few tasks run where the list is given
     if (wrong == "worker_ends" && !worker_stage().empty()) kill(getppid(), SIGKILL);
-    return answer(i);
+    return seed_text(i);
   };
   return run_tasks(kTasks, task, options);
 }
@@ -156,7 +156,7 @@ void expect_all(const std::vector<TaskResult>& results) {
   ASSERT_EQ(results.size(), kTasks);
   for (int i = 0; i < kTasks; ++i) {
     ASSERT_EQ(results[i].state, TaskState::done) << i << " " << results[i].error;
-    ASSERT_EQ(results[i].bytes, answer(i));
+    ASSERT_EQ(results[i].bytes, seed_text(i));
   }
 }
 

@@ -11,18 +11,18 @@
 namespace jaculus::diagnosis {
 namespace {
 
-enum : int { kFriction, kCable, kWave };
+enum : int { kEffect, kForce, kOtherForce };
 constexpr int kTried = 150;
 
-/// An effect and two patterns as candidates.
-struct Candidates {
+/// An effect and two forces, of patterns, as candidates.
+struct ForceCandidates {
   std::vector<effects::Effect> effects{3};
   Problem problem;
 
-  Candidates() {
+  ForceCandidates() {
     const char* names[] = {"friction", "cable", "wave"};
     for (int c = 0; c < 3; ++c) {
-      effects[c].pattern = c >= kCable;
+      effects[c].pattern = c >= kForce;
       problem.hypotheses.candidates.push_back(
           {names[c], effects::Component::body, {}, &effects[c]});
     }
@@ -33,7 +33,7 @@ struct Candidates {
 SearchResult led(const std::vector<std::pair<std::vector<int>, double>>& models) {
   SearchResult search;
   search.probes.resize(3);
-  search.indistinguishable = {{kFriction, kCable}, {kCable, kWave}, {}};
+  search.indistinguishable = {{kEffect, kForce}, {kForce, kOtherForce}, {}};
   const auto add = [&](const std::vector<int>& members, double nats) {
     ModelFit model;
     model.candidates = members;
@@ -49,10 +49,10 @@ SearchResult led(const std::vector<std::pair<std::vector<int>, double>>& models)
 double asked(const Settings& settings) { return settings.clear_lead + std::log(kTried); }
 
 TEST(EstablishedForce, LeadsWhatHasNoneByMoreThanHowManyWereTried) {
-  const Candidates c;
+  const ForceCandidates c;
   const double most = asked(c.problem.settings);
   const auto established = [&](double nats) {
-    return force_established(c.problem, led({{{kFriction}, 40.0}, {{kCable}, 40.0 + nats}}), kCable,
+    return force_established(c.problem, led({{{kEffect}, 40.0}, {{kForce}, 40.0 + nats}}), kForce,
                              kTried);
   };
   EXPECT_TRUE(established(most + 0.1));
@@ -60,62 +60,62 @@ TEST(EstablishedForce, LeadsWhatHasNoneByMoreThanHowManyWereTried) {
 }
 
 TEST(EstablishedForce, MayBeOfAnotherForm) {
-  const Candidates c;
+  const ForceCandidates c;
   EXPECT_TRUE(
-      force_established(c.problem, led({{{kWave}, 59.0}, {{kCable}, 60.0}}), kCable, kTried));
+      force_established(c.problem, led({{{kOtherForce}, 59.0}, {{kForce}, 60.0}}), kForce, kTried));
 }
 
 // Each of two must be needed: one may not ride on the other.
 TEST(EstablishedForce, IsAskedBesideAnother) {
-  const Candidates c;
+  const ForceCandidates c;
   const SearchResult search =
-      led({{{kFriction, kWave}, 59.0}, {{kCable, kWave}, 60.0}, {{kFriction}, 5.0}});
-  EXPECT_FALSE(force_established(c.problem, search, kCable, kTried));
-  EXPECT_TRUE(force_established(c.problem, search, kWave, kTried));
+      led({{{kEffect, kOtherForce}, 59.0}, {{kForce, kOtherForce}, 60.0}, {{kEffect}, 5.0}});
+  EXPECT_FALSE(force_established(c.problem, search, kForce, kTried));
+  EXPECT_TRUE(force_established(c.problem, search, kOtherForce, kTried));
 }
 
 // Where what is without it leaves more, a force is missing anyhow.
 TEST(EstablishedForce, NeedsAClearLeadOnlyInThePlaceOfWhatLeavesNothing) {
-  const Candidates c;
+  const ForceCandidates c;
   const double lead = c.problem.settings.worth + std::log(kTried) + 0.1;
-  SearchResult search = led({{{kFriction}, 40.0}, {{kCable}, 40.0 + lead}});
-  EXPECT_FALSE(force_established(c.problem, search, kCable, kTried));
+  SearchResult search = led({{{kEffect}, 40.0}, {{kForce}, 40.0 + lead}});
+  EXPECT_FALSE(force_established(c.problem, search, kForce, kTried));
   search.models[1].fit.log_complete = -1e6;
-  EXPECT_TRUE(force_established(c.problem, search, kCable, kTried));
+  EXPECT_TRUE(force_established(c.problem, search, kForce, kTried));
 }
 
 // Between a push and a pattern that are both needed the more probable one is told.
 TEST(EstablishedForce, IsNotAskedToLeadOneOfAnotherKind) {
-  Candidates c;
-  c.effects[kWave].pattern = false;
-  c.effects[kWave].event = true;
-  const SearchResult search = led({{{kFriction}, 5.0}, {{kCable}, 58.0}, {{kWave}, 60.0}});
-  EXPECT_TRUE(force_established(c.problem, search, kWave, kTried));
+  ForceCandidates c;
+  c.effects[kOtherForce].pattern = false;
+  c.effects[kOtherForce].event = true;
+  const SearchResult search = led({{{kEffect}, 5.0}, {{kForce}, 58.0}, {{kOtherForce}, 60.0}});
+  EXPECT_TRUE(force_established(c.problem, search, kOtherForce, kTried));
 }
 
 TEST(LeaveOut, WhatDoesNotHoldIsNoCandidateAnyMore) {
-  const Candidates c;
+  const ForceCandidates c;
   Selection found;
-  found.search = led({{{kFriction}, 55.0}, {{kCable}, 60.0}, {{kWave}, 30.0}});
+  found.search = led({{{kEffect}, 55.0}, {{kForce}, 60.0}, {{kOtherForce}, 30.0}});
   leave_out_unfounded(c.problem, kTried, found);
-  EXPECT_EQ(leading(found.search).candidates, std::vector<int>{kFriction});
+  EXPECT_EQ(leading(found.search).candidates, std::vector<int>{kEffect});
   EXPECT_EQ(found.search.models.size(), 2U);
-  EXPECT_EQ(found.search.indistinguishable[kFriction], std::vector<int>{kFriction});
-  EXPECT_FALSE(found.search.probes[kCable].valid);
+  EXPECT_EQ(found.search.indistinguishable[kEffect], std::vector<int>{kEffect});
+  EXPECT_FALSE(found.search.probes[kForce].valid);
 
-  found.search = led({{{kFriction}, 20.0}, {{kCable}, 60.0}, {{kWave}, 30.0}});
+  found.search = led({{{kEffect}, 20.0}, {{kForce}, 60.0}, {{kOtherForce}, 30.0}});
   leave_out_unfounded(c.problem, kTried, found);
-  EXPECT_EQ(leading(found.search).candidates, std::vector<int>{kCable});
-  EXPECT_EQ(found.search.models.size(), 3U);  // the wave, which doesn't lead, is left out
+  EXPECT_EQ(leading(found.search).candidates, std::vector<int>{kForce});
+  EXPECT_EQ(found.search.models.size(), 3U);  // the other force, which doesn't lead, is left out
 }
 
 // Neither is needed beside the other: the more probable one is told, not the other one.
 TEST(LeaveOut, OfTwoThatExplainTheSameTheMoreProbableStays) {
-  const Candidates c;
+  const ForceCandidates c;
   Selection found;
-  found.search = led({{{kWave}, 49.0}, {{kCable}, 50.0}, {{kCable, kWave}, 52.0}});
+  found.search = led({{{kOtherForce}, 49.0}, {{kForce}, 50.0}, {{kForce, kOtherForce}, 52.0}});
   leave_out_unfounded(c.problem, kTried, found);
-  EXPECT_EQ(leading(found.search).candidates, std::vector<int>{kCable});
+  EXPECT_EQ(leading(found.search).candidates, std::vector<int>{kForce});
 }
 
 /// Data of one toy effect, fitted by it and by another that is called a push; the push leads by so

@@ -25,7 +25,7 @@ trajectory::Dataset times(trajectory::Dataset dataset, const std::string& ending
   return dataset;
 }
 
-Diagnosis diagnosed(const trajectory::Dataset& dataset) {
+Diagnosis diagnosed_pendulum(const trajectory::Dataset& dataset) {
   DiagnoseOptions options;
   options.effects = {effects::find_effect("joint_coulomb_friction"),
                      effects::find_effect("link_mass")};
@@ -33,7 +33,7 @@ Diagnosis diagnosed(const trajectory::Dataset& dataset) {
 }
 
 TEST(InvertedInput, IsNamedAndNothingElse) {
-  const Diagnosis found = diagnosed(times(pendulum(), "_torque", -1.0));
+  const Diagnosis found = diagnosed_pendulum(times(pendulum(), "_torque", -1.0));
   EXPECT_EQ(found.verdict, Verdict::insufficient);
   ASSERT_EQ(found.reasons.size(), 1u);
   EXPECT_NE(found.reasons[0].find("looks inverted"), std::string::npos) << found.reasons[0];
@@ -41,7 +41,7 @@ TEST(InvertedInput, IsNamedAndNothingElse) {
 }
 
 TEST(InvertedInput, IsNotSeenInALogThatIsRight) {
-  const Diagnosis found = diagnosed(pendulum());
+  const Diagnosis found = diagnosed_pendulum(pendulum());
   EXPECT_NE(found.verdict, Verdict::insufficient);
 }
 
@@ -51,7 +51,7 @@ TEST(Units, OfWhatSlidesAreRefusedForAJointThatTurns) {
     for (trajectory::Stream& stream : trial.streams)
       if (const int c = stream.channel("pendulum"); c >= 0) stream.units[c] = "m";
   try {
-    (void)diagnosed(dataset);
+    (void)diagnosed_pendulum(dataset);
     FAIL() << "accepted";
   } catch (const InputError& error) {
     EXPECT_NE(std::string(error.what()).find("is in m, but the joint turns; allowed: rad"),

@@ -90,7 +90,7 @@ TEST(MotionPatterns, NothingIsSaidOfLeapsThatTheModelMade) {
 }
 
 /// Among a few effects.
-Diagnosis diagnosed(const trajectory::Dataset& dataset) {
+Diagnosis diagnosed_leaps(const trajectory::Dataset& dataset) {
   const DiagnoseOptions options =
       test::among({"leg_coulomb_friction", "wind", "payload", "controller_gains"});
   return diagnose({dataset}, options);
@@ -98,7 +98,7 @@ Diagnosis diagnosed(const trajectory::Dataset& dataset) {
 
 // A cable is no effect of the catalogue, yet some of these explain a part of what it does.
 TEST(PatternSearch, ACableIsNoEffectOfTheCatalogue) {
-  const Diagnosis found = diagnosed(leaps(kTether, {"tether:stiffness=500"}, 3));
+  const Diagnosis found = diagnosed_leaps(leaps(kTether, {"tether:stiffness=500"}, 3));
   EXPECT_EQ(found.verdict, Verdict::unexplained) << to_text(found.verdict);
   EXPECT_TRUE(found.effects.empty());
   ASSERT_FALSE(found.remainder.places.empty());
@@ -138,7 +138,7 @@ TEST(PatternSearch, ADeadBandOfAllDriversIsOneForce) {
 
 // Two of them leave nothing more, and forces of other forms are tried for that.
 TEST(PatternSearch, EffectsOfTheCatalogueStayThese) {
-  const Diagnosis found = diagnosed(
+  const Diagnosis found = diagnosed_leaps(
       leaps("", {"leg_coulomb_friction:torque=0.3", "controller_gains:proportional_scale=0.6"}, 3));
   EXPECT_EQ(found.verdict, Verdict::several) << to_text(found.verdict);
   std::vector<std::string> names;

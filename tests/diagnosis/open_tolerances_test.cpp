@@ -13,13 +13,13 @@ namespace {
 using test::toy_problem;
 using test::toy_shape;
 
-constexpr int kTolerance = 4;   // index of the parameter
+constexpr int kStiffness = 4;   // index of the parameter
 constexpr double kMoved = 0.1;  // by one deviation of it at the end of the second dataset
 
 double value_of(int dataset, int channel, double t, const Vector& p) {
   const Vector time = Vector::Constant(1, t);
   const double s = std::max(0.0, t) / 0.5;
-  return toy_shape(channel, time, p.head(4))[0] + (dataset == 1 ? kMoved * p[kTolerance] * s : 0.0);
+  return toy_shape(channel, time, p.head(4))[0] + (dataset == 1 ? kMoved * p[kStiffness] * s : 0.0);
 }
 
 /// Two conditions of one robot, of which the second alone shows its tolerance.
@@ -27,7 +27,7 @@ std::shared_ptr<Problem> two_conditions(double deviations) {
   auto problem = toy_problem(Vector::Zero(4));
   problem->hypotheses.parameters.push_back(
       {"tolerance", "stiffness", "deviations", 0.0, 1.0, {-2.0, 2.0}});
-  problem->hypotheses.tolerances = {kTolerance};
+  problem->hypotheses.tolerances = {kStiffness};
   test::ToyData other;
   other.seed = 2;
   problem->observations.datasets.push_back(

@@ -17,8 +17,8 @@ using test::toy_problem;
 using test::toy_truth;
 
 /// A model of some candidates, fitted, and what judges it.
-struct Fitted {
-  Fitted(const Vector& truth, const std::vector<int>& members)
+struct FittedSet {
+  FittedSet(const Vector& truth, const std::vector<int>& members)
       : problem(toy_problem(truth)),
         comparison(comparison_about(*problem, estimate_noise(*problem, Vector::Zero(4)))),
         none(fit_model(*problem, comparison.whitening, {}, {Vector::Zero(4)})),
@@ -42,7 +42,7 @@ struct Fitted {
 };
 
 TEST(Shares, OfOneEffectAreAllThreeWhatItExplains) {
-  Fitted toy(toy_truth(0.0, 0.05), {1});
+  FittedSet toy(toy_truth(0.0, 0.05), {1});
   const auto shares = toy.shares();
   ASSERT_TRUE(shares.at(0));
   const double explained = toy.explained(toy.gaps.of(toy.model));
@@ -55,7 +55,7 @@ TEST(Shares, OfOneEffectAreAllThreeWhatItExplains) {
 
 TEST(Shares, OfShapleySumToWhatTheSetExplains) {
   for (const std::vector<int>& members : {std::vector<int>{0, 1}, {0, 1, 3}}) {
-    Fitted toy(toy_truth(0.2, 0.05), members);
+    FittedSet toy(toy_truth(0.2, 0.05), members);
     double sum = 0.0;
     for (const auto& share : toy.shares()) {
       ASSERT_TRUE(share);
@@ -66,7 +66,7 @@ TEST(Shares, OfShapleySumToWhatTheSetExplains) {
 }
 
 TEST(Shares, OfWhatDoesNothingAreNought) {
-  Fitted toy(toy_truth(0.0, 0.05), {1, 3});  // second, and one that nothing shows
+  FittedSet toy(toy_truth(0.0, 0.05), {1, 3});  // second, and one that nothing shows
   const auto shares = toy.shares();
   ASSERT_TRUE(shares.at(0) && shares.at(1));
   EXPECT_GT(shares[0]->last, 0.95);
@@ -76,7 +76,7 @@ TEST(Shares, OfWhatDoesNothingAreNought) {
 }
 
 TEST(Shares, OfTwinsAreHalvedAndNeitherIsMissed) {
-  Fitted toy(toy_truth(0.05, 0.0), {0, 2});  // either makes the same
+  FittedSet toy(toy_truth(0.05, 0.0), {0, 2});  // either makes the same
   const auto shares = toy.shares();
   ASSERT_TRUE(shares.at(0) && shares.at(1));
   for (const auto& share : shares) {
@@ -87,7 +87,7 @@ TEST(Shares, OfTwinsAreHalvedAndNeitherIsMissed) {
 }
 
 TEST(Shares, AreNotStatedOfAGapWithinNoise) {
-  Fitted toy(toy_truth(0.0, 0.0), {1});
+  FittedSet toy(toy_truth(0.0, 0.0), {1});
   EXPECT_FALSE(toy.shares().at(0));
 }
 

@@ -187,6 +187,12 @@ const std::vector<Experiment>& experiments() {
   return all;
 }
 
+const model::PlanarModel& tailed() {
+  static const model::PlanarModel model =
+      model::read_robot(source_folder() / "models" / "minitaur_tail").planar;
+  return model;
+}
+
 const Experiment& two_joints() {
   static const Experiment experiment = double_pendulum();
   return experiment;

@@ -27,6 +27,8 @@ struct Experiment {
 
 /// One of each kind that can be set up here: the leap needs the authors' plan.
 const std::vector<Experiment>& experiments();
+/// The Minitaur with its tail.
+const model::PlanarModel& tailed();
 /// A robot of two plain joints, shoulder and elbow, both driven.
 const Experiment& two_joints();
 

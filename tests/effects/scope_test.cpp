@@ -14,13 +14,8 @@
 namespace jaculus::effects {
 namespace {
 
+using test::tailed;
 using Names = std::vector<std::string>;
-
-const model::PlanarModel& tailed() {
-  static const model::PlanarModel model =
-      model::read_robot(source_folder() / "models" / "minitaur_tail").planar;
-  return model;
-}
 
 TEST(JointGroups, AreDerivedFromTheModel) {
   const JointGroups groups = joint_groups(tailed());

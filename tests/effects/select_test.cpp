@@ -6,18 +6,13 @@
 
 #include <cmath>
 
-#include "jaculus/core/installation.h"
-#include "jaculus/model/robot.h"
+#include "experiments.h"
 #include "support/input_error.h"
 
 namespace jaculus::effects {
 namespace {
 
-const model::PlanarModel& tailed() {
-  static const model::PlanarModel model =
-      model::read_robot(source_folder() / "models" / "minitaur_tail").planar;
-  return model;
-}
+using test::tailed;
 
 TEST(ReadEffect, TakesOwnAndShownNames) {
   const EffectValue shown =

@@ -38,8 +38,8 @@ echo '{"format": "jaculus-diagnosis/1", "verdict": "none", "effects": [], "ranki
                                  R"sh(answer/diagnosis.json
 )sh";
 
-struct Batch {
-  Batch() {
+struct CaseFolder {
+  CaseFolder() {
     program = folder.write("program", kProgram);
     fs::permissions(program, fs::perms::owner_all);
     fs::create_directories(folder / "cases");
@@ -82,7 +82,7 @@ TEST(Catalogues, WhatIsOutsideOneIsNotInTheOther) {
 }
 
 TEST(RunDiagnosis, SeesTheDatasetAndNothingElse) {
-  Batch batch;
+  CaseFolder batch;
   batch.add("k3", "format: jaculus-dataset/1\n");
   ::setenv("JACULUS_LABEL_KEY", "open sesame", 1);
   const Prediction prediction = evaluation::run_diagnosis(
@@ -101,7 +101,7 @@ TEST(RunDiagnosis, SeesTheDatasetAndNothingElse) {
 }
 
 TEST(RunDiagnosis, FailuresAreAnswersThatSayWhy) {
-  Batch batch;
+  CaseFolder batch;
   for (const char* id : {"refuse", "crash", "sleep", "garbage"}) batch.add(id, id);
   const auto prediction = [&](const std::string& id) {
     return evaluation::run_diagnosis({batch.program,
@@ -119,7 +119,7 @@ TEST(RunDiagnosis, FailuresAreAnswersThatSayWhy) {
 }
 
 TEST(ScoreCases, OpensTheLabelsAfterTheLastAnswerAndResumes) {
-  Batch batch;
+  CaseFolder batch;
   batch.add("a", "none\n");
   batch.add("b", "refuse\n");
   bool opened = false;
@@ -160,7 +160,7 @@ TEST(ScoreCases, OpensTheLabelsAfterTheLastAnswerAndResumes) {
 }
 
 TEST(RunDiagnosis, DiagnosesTheDatasetsOfAGroupTogether) {
-  Batch batch;
+  CaseFolder batch;
   for (const char* set : {"set_1", "set_2", "set_3"}) {
     fs::create_directories(batch.folder / "cases" / "g" / set);
     batch.folder.write(std::string("cases/g/") + set + "/dataset.yaml", "one of three\n");
@@ -180,7 +180,7 @@ TEST(RunDiagnosis, DiagnosesTheDatasetsOfAGroupTogether) {
 }
 
 TEST(ScoreCases, AFirstPartSaysSoAndTheRestGoesOn) {
-  Batch batch;
+  CaseFolder batch;
   for (const char* id : {"a", "b", "c"}) batch.add(id, "none\n");
   const auto labels = [&] {
     return std::vector<CaseTruth>{nothing("a"), nothing("b"), nothing("c")};
@@ -203,7 +203,7 @@ TEST(ScoreCases, AFirstPartSaysSoAndTheRestGoesOn) {
 }
 
 TEST(ScoreCases, BadInputIsNamed) {
-  Batch batch;
+  CaseFolder batch;
   const auto none = [] { return std::vector<CaseTruth>(); };
   const auto message = [&] {
     return test::input_error_of(

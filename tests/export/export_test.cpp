@@ -19,7 +19,7 @@ using test::input_error_of;
 using transcription::InputHold;
 
 /// Two intervals of 0.1 s, theta = t^3, torque 1 then -2.
-Source source(InputHold hold) {
+Source two_steps(InputHold hold) {
   Source s;
   s.name = "2 steps";
   s.hold = hold;
@@ -48,7 +48,7 @@ Source source(InputHold hold) {
 }
 
 TEST(Resample, CubicMotionIsExactBetweenSamples) {
-  const Export plan = resample(source(InputHold::held), 1000.0, Side::joint);
+  const Export plan = resample(two_steps(InputHold::held), 1000.0, Side::joint);
   ASSERT_EQ(plan.time.size(), 201u);
   for (std::size_t k = 0; k < plan.time.size(); ++k) {
     const double t = plan.time[k];
@@ -58,18 +58,18 @@ TEST(Resample, CubicMotionIsExactBetweenSamples) {
 }
 
 TEST(Resample, HonoursTheHoldOfTheInputs) {
-  const Export held = resample(source(InputHold::held), 40.0, Side::joint);
+  const Export held = resample(two_steps(InputHold::held), 40.0, Side::joint);
   EXPECT_EQ(held.motors[0].torque[3], 1.0);
   EXPECT_EQ(held.motors[0].torque[4], -2.0);
-  const Export linear = resample(source(InputHold::linear), 40.0, Side::joint);
+  const Export linear = resample(two_steps(InputHold::linear), 40.0, Side::joint);
   // From 1 to -2 in 0.1 s: in the middle of [0.05, 0.075].
   EXPECT_NEAR(linear.motors[0].torque[2], 1.0 - 30.0 * 0.0625, 1e-12);
 }
 
 TEST(Resample, ASampleHasTheImpulseOfThePlanWhateverTheRate) {
   for (const double rate : {7.0, 37.0, 1000.0}) {
-    const Export held = resample(source(InputHold::held), rate, Side::joint);
-    const Export linear = resample(source(InputHold::linear), rate, Side::joint);
+    const Export held = resample(two_steps(InputHold::held), rate, Side::joint);
+    const Export linear = resample(two_steps(InputHold::linear), rate, Side::joint);
     double impulses[] = {0.0, 0.0};
     for (std::size_t k = 0; k < held.time.size(); ++k) {
       const double lasts = std::min(held.time[k] + 1.0 / rate, 0.2) - held.time[k];
@@ -84,7 +84,7 @@ TEST(Resample, ASampleHasTheImpulseOfThePlanWhateverTheRate) {
 /// One interval of 0.1 s in which the arm turns at 0.031 s, under a torque of 2 N m against 1.5 N m
 /// of dry friction: v = 2000 (t - 0.031).
 Source turning(InputHold hold) {
-  Source s = source(hold);
+  Source s = two_steps(hold);
   s.motors[0].dry_friction = 1.5;
   s.motors[0].torque_limit = kInfinity;
   s.table.values.resize(2, 4);
@@ -119,7 +119,7 @@ TEST(Resample, WithoutFrictionNothingIsAdded) {
 
 /// The arm as a left joint and a right one that turns the other way, and a joint that is held.
 Export two_sided() {
-  Source s = source(InputHold::held);
+  Source s = two_steps(InputHold::held);
   s.motors[0].file_joints = {{"left", 1.0}, {"right", -1.0}};
   s.held_joints = {{"roll", 0.25, false}};
   return resample(s, 10.0, Side::joint);
@@ -159,14 +159,14 @@ TEST(ExportFormats, HeldJointsStandInEveryFormat) {
 }
 
 TEST(ExportFormats, WhatSlidesIsInMetresAndNewtons) {
-  Source s = source(InputHold::held);
+  Source s = two_steps(InputHold::held);
   s.motors[0].slides = true;
   const std::string text = to_csv(resample(s, 10.0, Side::joint));
   EXPECT_TRUE(holds(text, "arm [m],arm_velocity [m/s],arm_torque [N]")) << text;
 }
 
 TEST(ExportFormats, CaptionsOfAHeaderHaveTheUnitsOfEachJoint) {
-  Source s = source(InputHold::held);
+  Source s = two_steps(InputHold::held);
   s.motors[0].slides = true;
   EXPECT_TRUE(holds(to_c(resample(s, 10.0, Side::joint)), "/* joint torque [N] */"));
   s.table.columns.insert(s.table.columns.end(),
@@ -181,7 +181,7 @@ TEST(ExportFormats, CaptionsOfAHeaderHaveTheUnitsOfEachJoint) {
 }
 
 TEST(ExportFormats, AnAttachedJointIsSaidToBeNoneOfTheFile) {
-  Source s = source(InputHold::held);
+  Source s = two_steps(InputHold::held);
   s.motors[0].file_joints = {{"tail", 1.0, true}};
   const Export plan = resample(s, 10.0, Side::joint);
   EXPECT_TRUE(holds(to_c(plan), "tail: attached by robot.yaml, not in the robot's file"));
@@ -190,7 +190,7 @@ TEST(ExportFormats, AnAttachedJointIsSaidToBeNoneOfTheFile) {
 }
 
 TEST(ExportFormats, WhatIsHeldStaysOnItsJointsSideOfTheGear) {
-  Source s = source(InputHold::held);
+  Source s = two_steps(InputHold::held);
   s.held_joints = {{"roll", 0.25, false}};
   const Export plan = resample(s, 10.0, Side::motor);
   const auto held = nlohmann::json::parse(to_json(plan))["held_joints"][0];
@@ -200,7 +200,7 @@ TEST(ExportFormats, WhatIsHeldStaysOnItsJointsSideOfTheGear) {
 }
 
 TEST(Resample, ASpeedLimitIsHeldBeforeTheGearAtBothEndsOfASample) {
-  Source s = source(InputHold::held);
+  Source s = two_steps(InputHold::held);
   // 3 t^2 at the end, 0.2 s, times the gear of 4
   const double peak = 4.0 * 3.0 * 0.04;
   const auto speed_of = [&](double limit) {
@@ -218,7 +218,7 @@ TEST(Resample, ASpeedLimitIsHeldBeforeTheGearAtBothEndsOfASample) {
 }
 
 TEST(ExportFormats, UnknownJointsAreSaidToBeThePlansOwn) {
-  const Export plan = resample(source(InputHold::held), 10.0, Side::joint);
+  const Export plan = resample(two_steps(InputHold::held), 10.0, Side::joint);
   EXPECT_FALSE(plan.file_joints_known);
   EXPECT_TRUE(holds(to_c(plan), "joints are the plan's"));
   EXPECT_EQ(nlohmann::json::parse(to_json(plan))["joints_of_robot_file"], false);
@@ -226,7 +226,7 @@ TEST(ExportFormats, UnknownJointsAreSaidToBeThePlansOwn) {
 }
 
 TEST(Resample, AtTheBorderOfTwoPhasesTheLaterCounts) {
-  Source s = source(InputHold::held);
+  Source s = two_steps(InputHold::held);
   Matrix values(4, 4);
   values.topRows(2) = s.table.values.topRows(2);
   values.bottomRows(2) = s.table.values.bottomRows(2);
@@ -237,14 +237,14 @@ TEST(Resample, AtTheBorderOfTwoPhasesTheLaterCounts) {
 }
 
 TEST(Resample, MotorSideIsBeforeTheGear) {
-  const Export plan = resample(source(InputHold::held), 10.0, Side::motor);
+  const Export plan = resample(two_steps(InputHold::held), 10.0, Side::motor);
   EXPECT_NEAR(plan.motors[0].torque[0], 1.0 / (4.0 * 0.5), 1e-15);
   EXPECT_NEAR(plan.motors[0].position[2], 4.0 * 0.008, 1e-15);
   EXPECT_NEAR(plan.motors[0].velocity[2], 4.0 * 0.12, 1e-15);
 }
 
 TEST(Resample, ChecksLimitsAtBothEndsOfASample) {
-  const Export plan = resample(source(InputHold::held), 10.0, Side::joint);
+  const Export plan = resample(two_steps(InputHold::held), 10.0, Side::joint);
   ASSERT_EQ(plan.checks.size(), 4u);
   EXPECT_EQ(plan.checks[0].quantity, trajectory::Quantity::torque);
   EXPECT_NEAR(plan.checks[0].peak, 1.0, 1e-12);
@@ -253,13 +253,13 @@ TEST(Resample, ChecksLimitsAtBothEndsOfASample) {
   // 9 A and 0.5 A through 0.2 ohm at the second sample, less what the motion induces.
   EXPECT_NEAR(plan.checks[2].peak, 0.2 * 9.5 - 0.1 * 4.0 * 0.03, 1e-12);
   EXPECT_FALSE(plan.checks[2].exceeded);
-  Source tight = source(InputHold::held);
+  Source tight = two_steps(InputHold::held);
   tight.motors[0].voltage_limit = 1.5;
   EXPECT_TRUE(resample(tight, 10.0, Side::joint).checks[2].exceeded);
 }
 
 TEST(ExportFormats, JointTrajectoryIsYamlWithAllPoints) {
-  const Export plan = resample(source(InputHold::held), 10.0, Side::joint);
+  const Export plan = resample(two_steps(InputHold::held), 10.0, Side::joint);
   const yaml::Node node = yaml::Node::parse(to_joint_trajectory(plan), "export");
   node.only({"header", "joint_names", "points"});
   EXPECT_EQ(node.at("joint_names").texts(), std::vector<std::string>{"arm"});
@@ -270,7 +270,7 @@ TEST(ExportFormats, JointTrajectoryIsYamlWithAllPoints) {
 }
 
 TEST(ExportFormats, StateSideHoldAndExceededLimits) {
-  Source s = source(InputHold::linear);
+  Source s = two_steps(InputHold::linear);
   s.motors[0].voltage_limit = 0.5;
   const Export plan = resample(s, 10.0, Side::motor);
   const std::string text = to_c(plan);
@@ -287,7 +287,7 @@ TEST(ExportFormats, StateSideHoldAndExceededLimits) {
 
 TEST(ExportFormats, CsvReadsBack) {
   const test::TemporaryFolder folder;
-  const Export plan = resample(source(InputHold::held), 1000.0, Side::joint);
+  const Export plan = resample(two_steps(InputHold::held), 1000.0, Side::joint);
   const trajectory::Table table = trajectory::read_csv(folder.write("e.csv", to_csv(plan)));
   const auto column = table.values.col(table.column("arm_torque"));
   ASSERT_EQ(column.size(), plan.time.size());

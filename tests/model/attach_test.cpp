@@ -18,7 +18,7 @@ using test::input_error_of;
 using testing::Folder;
 
 // A trunk on one leg; its frame lies with y up and z forward where `turned`.
-const char* const kUrdf =
+const char* const kHopperUrdf =
     R"(<robot name="hopper">
 <link name="trunk"><inertial><origin xyz="0.1 0 0.05"/><mass value="6"/>
 <inertia ixx="0.02" iyy="0.08" izz="0.09" ixy="0" ixz="0" iyz="0"/></inertial></link>
@@ -29,7 +29,7 @@ const char* const kUrdf =
 </robot>
 )";
 
-const char* const kYaml = R"(format: jaculus-robot/1
+const char* const kHopperYaml = R"(format: jaculus-robot/1
 base: floating
 friction: 0.8
 feet:
@@ -51,8 +51,8 @@ attach:
 Robot robot_with(const std::string& from = "", const std::string& to = "",
                  const std::vector<std::pair<std::string, std::string>>& overrides = {}) {
   const Folder folder;
-  folder.write("robot.urdf", kUrdf);
-  folder.write("robot.yaml", from.empty() ? kYaml : testing::replaced(kYaml, from, to));
+  folder.write("robot.urdf", kHopperUrdf);
+  folder.write("robot.yaml", from.empty() ? kHopperYaml : testing::replaced(kHopperYaml, from, to));
   std::vector<Override> list;
   for (const auto& [path, value] : overrides) {
     const yaml::Node node = yaml::Node::parse("{\"" + path + "\": " + value + "}", "problem.yaml");
@@ -154,7 +154,7 @@ TEST(Attach, OverridesReplaceAnyOfItsKeys) {
 TEST(Attach, ItStandsUprightOnALinkWhoseAxesLieOtherwise) {
   // the same trunk with y up and z forward
   const Folder folder;
-  std::string urdf = testing::replaced(kUrdf, "xyz=\"0.1 0 0.05\"", "xyz=\"0 0.05 0.1\"");
+  std::string urdf = testing::replaced(kHopperUrdf, "xyz=\"0.1 0 0.05\"", "xyz=\"0 0.05 0.1\"");
   urdf = testing::replaced(urdf, "ixx=\"0.02\" iyy=\"0.08\" izz=\"0.09\"",
                            "ixx=\"0.08\" iyy=\"0.09\" izz=\"0.02\"");
   urdf = testing::replaced(urdf, "<axis xyz=\"0 1 0\"/>", "<axis xyz=\"1 0 0\"/>");
@@ -162,7 +162,7 @@ TEST(Attach, ItStandsUprightOnALinkWhoseAxesLieOtherwise) {
   urdf = testing::replaced(urdf, "ixx=\"0.02\" iyy=\"0.03\"", "ixx=\"0.03\" iyy=\"0.02\"");
   folder.write("robot.urdf", urdf);
   folder.write("robot.yaml",
-               testing::replaced(testing::replaced(kYaml, "base: floating",
+               testing::replaced(testing::replaced(kHopperYaml, "base: floating",
                                                    "axes: {forward: +z, up: +y}\nbase: floating"),
                                  "feet:\n  foot: {link: leg, point: [0, -0.3]}\n", ""));
   const Robot robot = read_robot(folder.path());
@@ -175,8 +175,8 @@ TEST(Attach, ItStandsUprightOnALinkWhoseAxesLieOtherwise) {
 
 TEST(Attach, TheTreeInSpaceHasItToo) {
   const Folder folder;
-  folder.write("robot.urdf", kUrdf);
-  folder.write("robot.yaml", kYaml);
+  folder.write("robot.urdf", kHopperUrdf);
+  folder.write("robot.yaml", kHopperYaml);
   const SpatialTree tree = read_tree(folder.path());
   // written out and read again it is the robot that robot.yaml composes
   const Folder whole;
@@ -190,14 +190,14 @@ TEST(Attach, TheTreeInSpaceHasItToo) {
 
 TEST(Attach, ASecondUrdfIsFixedAtThePivot) {
   const Folder folder;
-  folder.write("robot.urdf", kUrdf);
+  folder.write("robot.urdf", kHopperUrdf);
   folder.write("whip.urdf",
                R"(<robot name="whip"><link name="mount"/>
 <link name="whip"><inertial><origin xyz="0 0 0.2"/><mass value="0.5"/>
 <inertia ixx="0.02" iyy="0.02" izz="0.001" ixy="0" ixz="0" iyz="0"/></inertial></link>
 <joint name="root" type="continuous"><parent link="mount"/><child link="whip"/>
 <origin xyz="0 0 0.1"/><axis xyz="0 1 0"/></joint></robot>)");
-  std::string yaml = kYaml;
+  std::string yaml = kHopperYaml;
   yaml.resize(yaml.find("attach:"));
   folder.write("robot.yaml",
                yaml + "attach:\n  back: {to: trunk, at: [-0.2, 0.03], urdf: whip.urdf}\n");
@@ -209,14 +209,14 @@ TEST(Attach, ASecondUrdfIsFixedAtThePivot) {
 
 TEST(Attach, ASecondUrdfOfKindNoneTakesItsMotorsAlong) {
   const Folder folder;
-  folder.write("robot.urdf", kUrdf);
+  folder.write("robot.urdf", kHopperUrdf);
   folder.write("whip.urdf",
                R"(<robot name="whip"><link name="mount"/>
 <link name="whip"><inertial><origin xyz="0 0 0.2"/><mass value="0.5"/>
 <inertia ixx="0.02" iyy="0.02" izz="0.001" ixy="0" ixz="0" iyz="0"/></inertial></link>
 <joint name="root" type="continuous"><parent link="mount"/><child link="whip"/>
 <origin xyz="0 0 0.1"/><axis xyz="0 1 0"/></joint></robot>)");
-  std::string yaml = testing::replaced(kYaml, "motors:\n",
+  std::string yaml = testing::replaced(kHopperYaml, "motors:\n",
                                        "rest_pose: {root: 0.1}\nranges: {root: [-1, 1]}\n"
                                        "points: {lash: {link: whip, point: [0, 0.4]}}\n"
                                        "motors:\n  root: {kind: ideal, torque_limit: 2 N m}\n");
@@ -242,11 +242,11 @@ TEST(Attach, JointsInSpaceSayThatTheFileDoesNotHaveThem) {
 
 TEST(Attach, TheTreeBeginsAtTheBaseLinkAndShowsTheTail) {
   const Folder folder;
-  folder.write("robot.urdf", testing::replaced(kUrdf, "</robot>", R"(<link name="rail"/>
+  folder.write("robot.urdf", testing::replaced(kHopperUrdf, "</robot>", R"(<link name="rail"/>
 <joint name="slide" type="prismatic"><parent link="rail"/><child link="trunk"/><origin xyz="0 0 1"/>
 <axis xyz="0 0 1"/><limit lower="-1" upper="2" effort="30" velocity="5"/></joint></robot>)"));
-  folder.write("robot.yaml",
-               testing::replaced(kYaml, "base: floating", "base_link: trunk\nbase: floating"));
+  folder.write("robot.yaml", testing::replaced(kHopperYaml, "base: floating",
+                                               "base_link: trunk\nbase: floating"));
   const SpatialTree tree = read_tree(folder.path());
   EXPECT_EQ(tree.links.at(tree.root).name, "trunk");
   EXPECT_EQ(tree.joint_index("slide"), -1);

@@ -14,20 +14,13 @@ namespace jaculus::model {
 namespace {
 
 using test::holds;
+using testing::Imported;
+using testing::imported;
 
-struct Imported {
-  Proposal proposal;
-  Robot robot;
-};
-
-Imported imported(const std::string& urdf, bool loops = true) {
-  const testing::Folder folder;
+Imported without_loops(const std::string& urdf) {
   ProposeOptions options;
-  options.loops = loops;
-  const Proposal proposal = propose_robot(parse_urdf(urdf, "robot.urdf"), options);
-  folder.write("robot.urdf", urdf);
-  folder.write("robot.yaml", proposal.yaml);
-  return {proposal, read_robot(folder.path())};
+  options.loops = false;
+  return imported(urdf, options);
 }
 
 /// One chain of a leg: where its links point with all joints at zero, from straight down about +y
@@ -123,7 +116,7 @@ TEST(FiveBar, TwoAlikeChainsFromOneHipAreOne) {
   EXPECT_EQ(m.robot.planar.loops[0].point_a, Vec2(0.0, -0.2));
   expect_closed(m);
 
-  const Imported apart = imported(five_bars(), false);
+  const Imported apart = without_loops(five_bars());
   EXPECT_TRUE(apart.robot.planar.loops.empty());
   EXPECT_EQ(apart.robot.planar.feet.size(), 4u);
 }
@@ -298,7 +291,7 @@ TEST(FiveBar, UnlikeChainsAreLeftApartWithTheLinesForAPin) {
   EXPECT_EQ(m.robot.planar.feet.size(), 4u);
   EXPECT_TRUE(holds(missing(m), "a five-bar's would be alike"));
   EXPECT_TRUE(holds(m.proposal.yaml, "left open: they aren't alike"));
-  EXPECT_TRUE(imported(five_bars({}, longer), false).proposal.yaml.find("loops") ==
+  EXPECT_TRUE(without_loops(five_bars({}, longer)).proposal.yaml.find("loops") ==
               std::string::npos);
 }
 

@@ -4,7 +4,6 @@
 
 #include <cstdlib>
 
-#include "jaculus/core/installation.h"
 #include "jaculus/model/robot.h"
 #include "jaculus/trajectory/csv.h"
 #include "model/support.h"
@@ -13,8 +12,7 @@ namespace jaculus::model {
 namespace {
 
 namespace fs = std::filesystem;
-
-const fs::path kModels = source_folder() / "models";
+using testing::kModels;
 
 const PlanarBody& body_at(const PlanarModel& model, const std::string& joint) {
   return model.bodies.at(model.body_of_joint(joint));

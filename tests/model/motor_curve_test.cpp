@@ -14,7 +14,7 @@ namespace {
 using test::holds;
 using test::input_error_of;
 
-const char* const kUrdf = R"(<robot name="arm"><link name="base"/>
+const char* const kArmUrdf = R"(<robot name="arm"><link name="base"/>
 <link name="arm"><inertial><origin xyz="0 0 -0.1"/><mass value="2"/>
 <inertia ixx="0.02" iyy="0.03" izz="0.02" ixy="0" ixz="0" iyz="0"/></inertial></link>
 <joint name="j" type="continuous"><parent link="base"/><child link="arm"/>
@@ -23,7 +23,7 @@ const char* const kUrdf = R"(<robot name="arm"><link name="base"/>
 
 PlanarMotor motor_of(const std::string& keys) {
   const testing::Folder folder;
-  folder.write("robot.urdf", kUrdf);
+  folder.write("robot.urdf", kArmUrdf);
   folder.write("robot.yaml",
                "format: jaculus-robot/1\nbase: fixed\nmotors:\n  j: {" + keys + "}\n");
   return read_robot(folder.path()).planar.motors.at(0);

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "jaculus/core/installation.h"
 #include "jaculus/model/urdf.h"
 #include "model/support.h"
 
@@ -14,8 +13,7 @@ namespace jaculus::model {
 namespace {
 
 namespace fs = std::filesystem;
-
-const fs::path kModels = source_folder() / "models";
+using testing::kModels;
 
 Override set(const std::string& path, const std::string& value) {
   const yaml::Node node = yaml::Node::parse("override: {" + path + ": " + value + "}", "p.yaml");

@@ -21,6 +21,8 @@
 
 namespace jaculus::testing {
 
+inline const std::filesystem::path kModels = source_folder() / "models";
+
 /// A folder that is gone with the object.
 class Folder {
  public:

@@ -7,14 +7,14 @@
 #include <filesystem>
 #include <string>
 
-#include "jaculus/core/installation.h"
 #include "jaculus/model/robot.h"
+#include "model/support.h"
 #include "support/input_error.h"
 
 namespace jaculus::model {
 namespace {
 
-const std::filesystem::path kModels = source_folder() / "models";
+using testing::kModels;
 
 std::vector<std::string> unusual(const std::string& robot, const std::string& path,
                                  const std::string& value) {

@@ -18,15 +18,15 @@ namespace {
 using namespace test;
 
 /// Minitaur pushes off from a crouch under joint PD: the legs stretch, the tail swings.
-struct Push {
+struct PushOff {
   Plant plant;
   Controller controller;
   StartState start;
 };
 
-Push push_off() {
+PushOff push_off() {
   const model::PlanarModel model = model::read_robot(model::find_robot("minitaur_tail", "")).planar;
-  Push p{nominal_plant(model), {}, {}};
+  PushOff p{nominal_plant(model), {}, {}};
   Reference& r = p.controller.reference;
   const auto motors = std::ssize(model.motors);
   r.time = Vector::LinSpaced(3, 0.0, 0.1);
@@ -49,7 +49,7 @@ Push push_off() {
   return p;
 }
 
-Simulation run(const Push& p, double duration = 0.1) {
+Simulation run(const PushOff& p, double duration = 0.1) {
   SimulationOptions options = options_for(duration, 21);
   const Simulation s = simulate(p.plant, p.controller, p.start, options);
   EXPECT_EQ(s.status, SimulationStatus::done) << s.message;
@@ -57,7 +57,7 @@ Simulation run(const Push& p, double duration = 0.1) {
 }
 
 TEST(Components, NominalValuesChangeNoBit) {
-  Push p = push_off();
+  PushOff p = push_off();
   const Simulation bare = run(p);
   p.plant.friction = {{"tail", 0, 0, 0, 1, 0, 0.1}, {"front_a_knee", 0, 0, 0, 1, 0, 0.1}};
   p.plant.transmissions = {{"tail", 0, 0.3, 0}, {"front_a", 0, 0, 0}};
@@ -73,8 +73,8 @@ TEST(Components, NominalValuesChangeNoBit) {
 }
 
 /// Largest change of the coordinates against the bare plant.
-double influence(const std::function<void(Push&)>& edit) {
-  Push p = push_off();
+double influence(const std::function<void(PushOff&)>& edit) {
+  PushOff p = push_off();
   const Simulation bare = run(p);
   edit(p);
   const Simulation with = run(p);
@@ -83,47 +83,47 @@ double influence(const std::function<void(Push&)>& edit) {
 }
 
 TEST(Components, InfluenceGoesToZeroWithTheParameter) {
-  const std::vector<std::pair<std::string, std::function<void(Push&, double)>>> edits = {
+  const std::vector<std::pair<std::string, std::function<void(PushOff&, double)>>> edits = {
       {"compliance",
-       [](Push& p, double s) {
+       [](PushOff& p, double s) {
          p.plant.transmissions = {{"tail", 0.01 * s, 0.1, 0}};
        }},
       {"compliance of a leg",
-       [](Push& p, double s) {
+       [](PushOff& p, double s) {
          p.plant.transmissions = {{"rear_a", 0.01 * s, 0.2, 0}};
        }},
       {"play",
-       [](Push& p, double s) {
+       [](PushOff& p, double s) {
          p.plant.transmissions = {{"tail", 0, 0.1, 0.02 * s}};
        }},
-      {"delay", [](Push& p, double s) { p.plant.actuation.delay = 3e-3 * s; }},
-      {"late start", [](Push& p, double s) { p.plant.actuation.late_start = 3e-3 * s; }},
+      {"delay", [](PushOff& p, double s) { p.plant.actuation.delay = 3e-3 * s; }},
+      {"late start", [](PushOff& p, double s) { p.plant.actuation.late_start = 3e-3 * s; }},
       {"coulomb friction",
-       [](Push& p, double s) {
+       [](PushOff& p, double s) {
          p.plant.friction = {{"tail", 0.2 * s, 0, 0, 1, 0, 0.1}};
        }},
       {"friction of a knee",
-       [](Push& p, double s) {
+       [](PushOff& p, double s) {
          p.plant.friction = {{"rear_a_knee", 0.2 * s, 0, 0, 1, 0, 0.1}};
        }},
       {"ground compliance",
-       [](Push& p, double s) {
+       [](PushOff& p, double s) {
          p.plant.ground.compliance = 3e-5 * s;
          p.plant.ground.damping_ratio = 0.3;
          p.start = reference_start(p.plant, p.controller.reference);
        }},
       {"foot radius",
-       [](Push& p, double s) {
+       [](PushOff& p, double s) {
          p.plant.ground.foot_radius = 0.01 * s;
          p.start = reference_start(p.plant, p.controller.reference);
        }},
       {"torque",
-       [](Push& p, double s) { p.plant.actuation.torque_scale["rear_a"] = 1.0 - 0.1 * s; }},
-      {"winding", [](Push& p, double s) { p.plant.winding.heat = s; }},
-      {"encoder", [](Push& p, double s) { p.plant.sensing.offset["rear_a"] = 0.01 * s; }}};
+       [](PushOff& p, double s) { p.plant.actuation.torque_scale["rear_a"] = 1.0 - 0.1 * s; }},
+      {"winding", [](PushOff& p, double s) { p.plant.winding.heat = s; }},
+      {"encoder", [](PushOff& p, double s) { p.plant.sensing.offset["rear_a"] = 0.01 * s; }}};
   for (const auto& [name, edit] : edits) {
-    const double large = influence([&](Push& p) { edit(p, 1.0); });
-    const double small = influence([&](Push& p) { edit(p, 0.1); });
+    const double large = influence([&](PushOff& p) { edit(p, 1.0); });
+    const double small = influence([&](PushOff& p) { edit(p, 0.1); });
     EXPECT_LT(small, 0.25 * large + 1e-9)
         << name << ": " << large << " and a tenth of it " << small;
     EXPECT_LT(large, 0.3) << name;
@@ -133,7 +133,7 @@ TEST(Components, InfluenceGoesToZeroWithTheParameter) {
 }
 
 TEST(Components, DelayShiftsARobotThatStandsStill) {
-  Push p = push_off();
+  PushOff p = push_off();
   const Simulation bare = run(p, 0.08);
   p.plant.actuation.late_start = 0.02;
   const Simulation late = run(p, 0.1);
@@ -145,7 +145,7 @@ TEST(Components, HeldWhileItWaitsFromWhateverStart) {
   // Feet that stand leave one combination of torques without effect, and none of it may be asked
   // for: the rank decides, start by start.
   for (int k = 0; k < 60; ++k) {
-    Push p = push_off();
+    PushOff p = push_off();
     for (Eigen::Index m = 0; m < 4; ++m)
       p.controller.reference.initial[p.controller.reference.motors[m]] +=
           0.004 * std::sin(1.0 + 7.3 * k + 2.1 * static_cast<double>(m));
@@ -276,7 +276,7 @@ TEST(Components, JointFrictionBringsASpinToRest) {
 }
 
 TEST(Components, BadInputIsToldByName) {
-  Push p = push_off();
+  PushOff p = push_off();
   p.plant.friction = {{"tale", 0.1, 0, 0, 1, 0, 0.1}};
   EXPECT_THROW(run(p), InputError);
   p = push_off();
@@ -294,7 +294,7 @@ TEST(Components, BadInputIsToldByName) {
 }
 
 TEST(Components, StartsWhereEncodersShowTheStatedPoseButNotBeyondAStop) {
-  Push p = push_off();
+  PushOff p = push_off();
   const int tail = p.plant.model.coordinate_index("tail");
   const double stated = p.start.q[tail];
   p.plant.stops = {{"tail", {stated, stated + 2.0}, 0.0}};
@@ -315,7 +315,7 @@ TEST(Components, StartsWhereEncodersShowTheStatedPoseButNotBeyondAStop) {
 }
 
 TEST(Components, AStateAsReadIsLessItsEncodersOffsetsAndByTheirScales) {
-  Push p = push_off();
+  PushOff p = push_off();
   const int tail = p.plant.model.coordinate_index("tail");
   StartState read = p.start;
   read.v[tail] = 3.0;
@@ -332,7 +332,7 @@ TEST(Components, AStateAsReadIsLessItsEncodersOffsetsAndByTheirScales) {
 
 TEST(Components, StepsBetweenCommandsKeepWellBelowTheTolerance) {
   // At 1e-13 no step of the short method is accepted: the reference is Dormand and Prince's alone.
-  Push p = push_off();
+  PushOff p = push_off();
   for (const double friction : {0.8, 0.25}) {  // standing fast, and slipping
     p.plant.ground.friction = friction;
     SimulationOptions options = options_for(0.1, 21);
@@ -351,7 +351,7 @@ TEST(Components, StepsBetweenCommandsKeepWellBelowTheTolerance) {
 }
 
 TEST(Components, LegsDrivenTowardsTheirSingularPoseMeetTheEndBeforeIt) {
-  Push p = push_off();
+  PushOff p = push_off();
   const int a = p.plant.model.motor_index("front_a"), b = p.plant.model.motor_index("front_b");
   for (const int m : {a, b}) {
     p.controller.reference.position.row(m) << 1.0, 2.2, 3.4;  // at pi both knees coincide
@@ -366,7 +366,7 @@ TEST(Components, LegsDrivenTowardsTheirSingularPoseMeetTheEndBeforeIt) {
 }
 
 TEST(Components, DivergenceIsAStatusWithItsTime) {
-  Push p = push_off();
+  PushOff p = push_off();
   p.plant.stops.clear();
   // Drives the faster, the faster it turns: exp(100 t).
   p.plant.friction.push_back({.joint = "tail", .viscous = -5.0});

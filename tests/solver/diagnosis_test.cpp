@@ -15,9 +15,8 @@ namespace {
 
 using testing::DenseNlp;
 using testing::hs071;
+using testing::kHs071Start;
 using testing::projection;
-
-const Vector kHs071Start = Eigen::Vector4d(1, 5, 5, 1);
 
 TEST(Violations, RankedByScaledAmountWithNamesAndUnits) {
   DenseNlp nlp = hs071();

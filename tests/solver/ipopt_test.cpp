@@ -16,10 +16,10 @@ namespace {
 
 using testing::DenseNlp;
 using testing::hs071;
+using testing::kHs071Start;
 using testing::projection;
 using testing::rosenbrock;
 
-const Vector kHs071Start = Eigen::Vector4d(1, 5, 5, 1);
 const Vector kHs071Solution = Eigen::Vector4d(1.0, 4.742999637, 3.821149979, 1.379408293);
 
 /// Largest entry of grad f + J' lambda - z_lower + z_upper, evaluated here and not by the solver.

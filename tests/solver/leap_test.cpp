@@ -18,7 +18,7 @@ transcription::Problem coarse_leap() {
   return problem;
 }
 
-NlpResult solve(transcription::NonlinearProgram& program) {
+NlpResult solve_leap(transcription::NonlinearProgram& program) {
   SolverOptions options;
   options.row_tolerance = 1e-6;
   return solve_nlp(program, {transcription::initial_guess(program, program.problem().guess, 1), {}},
@@ -52,7 +52,7 @@ Matrix active_jacobian(transcription::NonlinearProgram& program, const Vector& x
 
 TEST(Leap, RowsActiveAtTheSolutionAreIndependent) {
   transcription::NonlinearProgram program = test::make_program(coarse_leap());
-  const NlpResult result = solve(program);
+  const NlpResult result = solve_leap(program);
   ASSERT_TRUE(result.converged()) << to_string(result.status);
   const Matrix active = active_jacobian(program, result.x());
   ASSERT_LE(active.rows(), active.cols());
@@ -63,7 +63,7 @@ TEST(Leap, RowsActiveAtTheSolutionAreIndependent) {
 TEST(Leap, SameStartGivesTheSameBits) {
   transcription::NonlinearProgram first = test::make_program(coarse_leap()),
                                   second = test::make_program(coarse_leap());
-  const NlpResult a = solve(first), b = solve(second);
+  const NlpResult a = solve_leap(first), b = solve_leap(second);
   ASSERT_TRUE(a.converged());
   EXPECT_TRUE((a.x().array() == b.x().array()).all());
   EXPECT_EQ(a.iterations, b.iterations);
@@ -72,7 +72,7 @@ TEST(Leap, SameStartGivesTheSameBits) {
 TEST(Leap, HopLandsAndStands) {
   transcription::NonlinearProgram program =
       test::make_program(test::on_grid(test::extended_problem("hop", ""), {8, 6, 8}));
-  const NlpResult result = solve(program);
+  const NlpResult result = solve_leap(program);
   ASSERT_TRUE(result.converged()) << to_string(result.status);
   const trajectory::Trajectory plan = transcription::to_trajectory(program, result.x());
   // At rest in all joints although only the rates that stance leaves free are fixed; the rest is

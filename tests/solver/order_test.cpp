@@ -12,7 +12,7 @@
 namespace jaculus::solver {
 namespace {
 
-Vector solve(transcription::NonlinearProgram& program) {
+Vector solution(transcription::NonlinearProgram& program) {
   SolverOptions options;
   options.tolerance = 1e-9;
   options.row_tolerance = 1e-11;
@@ -28,7 +28,7 @@ double node_error(const std::string& scheme, int intervals) {
       test::extended_problem("pendulum_swing_up",
                              "transcription: {scheme: " + scheme + ", inputs: linear}"),
       {intervals}));
-  const Vector x = solve(program);
+  const Vector x = solution(program);
   return verify_plan(program, x).angle_error;
 }
 
@@ -46,7 +46,7 @@ TEST(Order, TrapezoidalIsOfSecondOrder) {
 TEST(Verify, PassesAPlanFromRestToRestAndTellsAPerturbedOne) {
   transcription::NonlinearProgram program =
       test::make_program(test::extended_problem("double_integrator", ""));
-  Vector x = solve(program);
+  Vector x = solution(program);
   const PlanVerification good = verify_plan(program, x);
   EXPECT_TRUE(good.passed) << (good.failures.empty() ? "" : good.failures.front());
   EXPECT_LT(good.energy_balance, 1e-6);
@@ -59,7 +59,7 @@ TEST(Verify, PassesAPlanFromRestToRestAndTellsAPerturbedOne) {
 TEST(Verify, LeapAgreesWithItsNodes) {
   transcription::NonlinearProgram program =
       test::make_program(transcription::read_problem(test::problem_file("leap_tail_as_published")));
-  const PlanVerification leap = verify_plan(program, solve(program));
+  const PlanVerification leap = verify_plan(program, solution(program));
   EXPECT_TRUE(leap.passed) << (leap.failures.empty() ? "" : leap.failures.front());
   EXPECT_LT(leap.length_error, 1e-3);
   EXPECT_LT(leap.angle_error, 0.1 * 3.14159265358979 / 180.0);

@@ -140,6 +140,8 @@ inline DenseNlp hs071() {
   return nlp;
 }
 
+inline const Vector kHs071Start = Eigen::Vector4d(1, 5, 5, 1);  ///< where it is started from
+
 /// Rosenbrock's valley, no rows: minimum 0 at (1, 1).
 inline DenseNlp rosenbrock() {
   DenseNlp nlp(2, 0);

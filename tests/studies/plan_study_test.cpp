@@ -22,11 +22,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path kProblems = source_folder() / "problems";
+const fs::path kTailLengths = source_folder() / "problems" / "leap_tail_length.yaml";
 
 /// problems/leap_tail_length.yaml with fewer factors, on the leap with fewer intervals.
 std::string small_study(const std::string& factors) {
-  std::string text = test::bytes_of(kProblems / "leap_tail_length.yaml");
+  std::string text = test::bytes_of(kTailLengths);
   const auto replace = [&text](const std::string& key, const std::string& line) {
     const std::size_t at = text.find("\n" + key) + 1;
     EXPECT_NE(at, 0u) << key;
@@ -39,7 +39,7 @@ std::string small_study(const std::string& factors) {
 
 std::string small_leap() {
   return "format: jaculus-problem/1\nextends: " +
-         (kProblems / "leap_tail_as_published.yaml").string() +
+         (kTailLengths.parent_path() / "leap_tail_as_published.yaml").string() +
          "\nname: small\nphases:\n"
          "  - {name: all_feet, contacts: [front_foot, rear_foot], intervals: 6, mesh: [1, 1, 1, 1, "
          "1, 0.4], duration: "
@@ -62,8 +62,7 @@ class PlanStudy : public ::testing::Test {
 };
 
 TEST_F(PlanStudy, ShippedSweepOverTheTailsLengthIsGoodInput) {
-  EXPECT_NE(check_study(kProblems / "leap_tail_length.yaml").find("11 plans of leap_tail"),
-            std::string::npos);
+  EXPECT_NE(check_study(kTailLengths).find("11 plans of leap_tail"), std::string::npos);
 }
 
 TEST_F(PlanStudy, SweepsTheTailsLengthOverOptimisedLeaps) {

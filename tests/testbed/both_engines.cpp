@@ -8,11 +8,13 @@
 #include "jaculus/simulation/simulate.h"
 #include "jaculus/testbed/effects.h"
 
-namespace jaculus::testbed::test {
+namespace jaculus::test {
 namespace {
 
-TrialSpec exact_spec(double after) {
-  TrialSpec spec;
+using testbed::Changes;
+
+testbed::TrialSpec exact_spec(double after) {
+  testbed::TrialSpec spec;
   spec.exact = true;
   spec.trials = 1;
   spec.after = after;
@@ -22,7 +24,7 @@ TrialSpec exact_spec(double after) {
 }  // namespace
 
 Motion on_testbed(const trajectory::Dataset& asked, const Changes& changes, double after) {
-  const trajectory::Dataset run = run_trials(asked, changes, exact_spec(after));
+  const trajectory::Dataset run = testbed::run_trials(asked, changes, exact_spec(after));
   const trajectory::Stream& mocap = *run.trials.front().stream("mocap");
   return {mocap.time, mocap.values};
 }
@@ -66,14 +68,14 @@ void expect_agreement(const trajectory::Dataset& asked, double after) {
 
 void expect_the_same_gap(const trajectory::Dataset& asked, const std::string& name, double value,
                          double after) {
-  const auto known = bench_effects(model::find_robot(asked.robot, kModels));
-  const BenchEffect* bench_effect = find_bench_effect(known, name);
+  const auto known = testbed::bench_effects(model::find_robot(asked.robot, kModels));
+  const testbed::BenchEffect* bench_effect = testbed::find_bench_effect(known, name);
   const effects::Effect* effect = effects::find_effect(name);
   ASSERT_NE(bench_effect, nullptr);
   ASSERT_NE(effect, nullptr);
   Vector theta = effect->nominal();
   std::vector<double> values;
-  for (const BenchParameter& p : bench_effect->parameters) values.push_back(p.usual);
+  for (const testbed::BenchParameter& p : bench_effect->parameters) values.push_back(p.usual);
   values[0] = value;
   for (int i = 0; i < count_of(values); ++i) theta[i] = values[i];
   Changes changes;
@@ -90,4 +92,4 @@ void expect_the_same_gap(const trajectory::Dataset& asked, const std::string& na
   EXPECT_LT(left, 0.15 * gap + 0.2) << "gap " << gap;
 }
 
-}  // namespace jaculus::testbed::test
+}  // namespace jaculus::test

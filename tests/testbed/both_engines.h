@@ -10,9 +10,11 @@
 #include "jaculus/effects/effect.h"
 #include "jaculus/testbed/trials.h"
 
-namespace jaculus::testbed::test {
+namespace jaculus::test {
 
 inline const std::filesystem::path kModels = source_folder() / "models";
+
+inline constexpr double kDegree = std::numbers::pi / 180.0;  // [rad]
 
 // Half the noise floor of motion capture (0.3 mm, 0.15 deg).
 inline constexpr double kHalfPosition = 0.15e-3;                        // [m]
@@ -24,7 +26,7 @@ struct Motion {
   Matrix base;
 };
 
-Motion on_testbed(const trajectory::Dataset& asked, const Changes& changes, double after);
+Motion on_testbed(const trajectory::Dataset& asked, const testbed::Changes& changes, double after);
 
 /// `effect` with its parameters `theta`; null for none.
 Motion on_plant(const trajectory::Dataset& asked, const effects::Effect* effect,
@@ -38,4 +40,4 @@ void expect_agreement(const trajectory::Dataset& asked, double after);
 void expect_the_same_gap(const trajectory::Dataset& asked, const std::string& effect, double value,
                          double after);
 
-}  // namespace jaculus::testbed::test
+}  // namespace jaculus::test

@@ -7,17 +7,16 @@
 #include <cmath>
 #include <set>
 
-#include "jaculus/core/installation.h"
 #include "support/input_error.h"
+#include "testbed/both_engines.h"
 #include "testbed/labels.h"
 
 namespace jaculus::testbed {
 namespace {
 
-using jaculus::test::holds;
-using jaculus::test::input_error_of;
-
-const std::filesystem::path kModels = source_folder() / "models";
+using test::holds;
+using test::input_error_of;
+using test::kModels;
 using Strings = std::vector<std::string>;
 
 /// Friction that stands in for a push at one joint: it shows, and grows with the peak.

@@ -27,12 +27,12 @@ using Names = std::vector<std::string>;
 
 const fs::path kHopper = source_folder() / "examples" / "hopper";
 const fs::path kLizard = source_folder() / "tests" / "data" / "lizard";
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 /// The hopper straightens its leg from a crouch of 100 deg to 30 deg within 0.15 s, the foot under
 /// the hip; the joints follow by feedback alone.
 trajectory::Table hop() {
-  constexpr double kDuration = 0.15, kCrouch = 100.0 * kDegree, kStraight = 30.0 * kDegree;
+  constexpr double kDuration = 0.15, kCrouch = 100.0 * test::kDegree,
+                   kStraight = 30.0 * test::kDegree;
   constexpr int kSamples = 76;
   trajectory::Table plan;
   plan.columns = {{"time", "s"},
@@ -65,7 +65,7 @@ class HopperOnBothEngines : public ::testing::Test {
     asked_ = leap(kHopper, folder_ / "plan.csv", trajectory::Quantity::torque);
   }
 
-  jaculus::test::TemporaryFolder folder_;
+  test::TemporaryFolder folder_;
   trajectory::Dataset asked_;
 };
 
@@ -92,19 +92,17 @@ TEST_F(HopperOnBothEngines, HasEffectsOnItsLegAndNoneOnATail) {
   Changes changes;
   offset->apply({0.05}, changes);
   EXPECT_EQ(changes.joint_offset, (std::map<std::string, double>{{"hip", 0.05}, {"knee", 0.05}}));
-  EXPECT_TRUE(jaculus::test::holds(
-      jaculus::test::input_error_of([] { (void)self_righting(kHopper); }), "no tail"));
+  EXPECT_TRUE(test::holds(test::input_error_of([] { (void)self_righting(kHopper); }), "no tail"));
 }
 
 /// A quadruped as `robot import` writes it: abduction held, pairs of joints alone, knees that rub.
 /// Its legs straighten within 0.15 s, feet under the hips.
 TEST(ImportedQuadruped, AgreesToHalfTheNoiseFloor) {
   if (!available()) GTEST_SKIP() << "built without MuJoCo";
-  const jaculus::test::TemporaryFolder folder;
-  const std::string urdf =
-      std::regex_replace(jaculus::test::quadruped_urdf(),
-                         std::regex("(upper=\"-0.9\" effort=\"25\" velocity=\"20\"/>)"),
-                         "$1<dynamics damping=\"0.1\" friction=\"0.3\"/>");
+  const test::TemporaryFolder folder;
+  const std::string urdf = std::regex_replace(
+      test::quadruped_urdf(), std::regex("(upper=\"-0.9\" effort=\"25\" velocity=\"20\"/>)"),
+      "$1<dynamics damping=\"0.1\" friction=\"0.3\"/>");
   const model::Proposal proposal = model::propose_robot(model::parse_urdf(urdf, "robot.urdf"));
   folder.write("robot.urdf", urdf);
   folder.write("robot.yaml", proposal.yaml);
@@ -151,8 +149,7 @@ std::string with_fixed_links(const std::vector<std::string>& left,
   };
   for (const std::string& name : left) add("FL_shank", name);
   for (const std::string& name : right) add("FR_shank", name);
-  return std::regex_replace(jaculus::test::quadruped_urdf(), std::regex("</robot>"),
-                            links + "</robot>");
+  return std::regex_replace(test::quadruped_urdf(), std::regex("</robot>"), links + "</robot>");
 }
 
 struct OnTestbed {
@@ -160,8 +157,8 @@ struct OnTestbed {
   std::vector<std::string> notes;
 };
 
-OnTestbed files_of(const std::string& urdf) {
-  const jaculus::test::TemporaryFolder folder;
+OnTestbed imported(const std::string& urdf) {
+  const test::TemporaryFolder folder;
   folder.write("robot.urdf", urdf);
   folder.write("robot.yaml", model::propose_robot(model::parse_urdf(urdf, "robot.urdf")).yaml);
   return {read_robot_files(folder.path()), notes_on_robot(folder.path())};
@@ -169,7 +166,7 @@ OnTestbed files_of(const std::string& urdf) {
 
 TEST(ImportedQuadruped, FixedLinksArePairedByTheirNamesWhateverTheirOrder) {
   const auto [files, notes] =
-      files_of(with_fixed_links({"FL_cap", "FL_guard"}, {"FR_guard", "FR_cap"}));
+      imported(with_fixed_links({"FL_cap", "FL_guard"}, {"FR_guard", "FR_cap"}));
   EXPECT_EQ(files.link_pairs.at("FR_cap"), "FL_cap");
   EXPECT_EQ(files.link_pairs.at("FR_guard"), "FL_guard");
   EXPECT_TRUE(notes.empty()) << notes.front();
@@ -177,17 +174,17 @@ TEST(ImportedQuadruped, FixedLinksArePairedByTheirNamesWhateverTheirOrder) {
 
 TEST(ImportedQuadruped, WhatNamesOfFixedLinksDontTellIsSaid) {
   const auto [files, notes] =
-      files_of(with_fixed_links({"FL_cap", "part_1"}, {"part_2", "FR_cap"}));
+      imported(with_fixed_links({"FL_cap", "part_1"}, {"part_2", "FR_cap"}));
   EXPECT_EQ(files.link_pairs.at("FR_cap"), "FL_cap");
   EXPECT_EQ(files.link_pairs.at("part_2"), "part_1");
   ASSERT_EQ(notes.size(), 1U);
-  EXPECT_TRUE(jaculus::test::holds(notes.front(), "'part_1' and 'part_2' are taken as left"));
+  EXPECT_TRUE(test::holds(notes.front(), "'part_1' and 'part_2' are taken as left"));
 
-  const OnTestbed uneven = files_of(with_fixed_links({"FL_cap", "sensor"}, {"FR_cap"}));
+  const OnTestbed uneven = imported(with_fixed_links({"FL_cap", "sensor"}, {"FR_cap"}));
   EXPECT_EQ(uneven.files.link_pairs.at("FR_cap"), "FL_cap");
   EXPECT_EQ(uneven.files.link_pairs.count("sensor"), 0U);
   ASSERT_EQ(uneven.notes.size(), 1U);
-  EXPECT_TRUE(jaculus::test::holds(uneven.notes.front(), "'sensor' has none on the other side"));
+  EXPECT_TRUE(test::holds(uneven.notes.front(), "'sensor' has none on the other side"));
 }
 
 TEST(Lizard, ItsLimbsAreFoundByWhatTheyCarry) {
@@ -214,7 +211,7 @@ TEST(Lizard, DropsAsOnThePlant) {
   test::expect_the_same_gap(asked, "tail_coulomb_friction", 0.2, 0.0);
 }
 
-double measured(const std::string& name, double value) {
+double measured_on_lizard(const std::string& name, double value) {
   const RobotFiles files = read_robot_files(kLizard);
   const auto effects = bench_effects(files);
   const BenchEffect& effect = *find_bench_effect(effects, name);
@@ -227,14 +224,14 @@ double measured(const std::string& name, double value) {
 
 TEST(Lizard, ATailThatPointsToTheRearBendsAndRattlesAsBuilt) {
   if (!available()) GTEST_SKIP() << "built without MuJoCo";
-  EXPECT_NEAR(measured("tail_compliance", 0.05), 0.05, 0.01 * 0.05);
-  EXPECT_NEAR(measured("tail_backlash", 0.02), 0.02, 0.03 * 0.02);
-  EXPECT_NEAR(measured("tail_stop_restitution", 0.5), 0.5, 0.05);
+  EXPECT_NEAR(measured_on_lizard("tail_compliance", 0.05), 0.05, 0.01 * 0.05);
+  EXPECT_NEAR(measured_on_lizard("tail_backlash", 0.02), 0.02, 0.03 * 0.02);
+  EXPECT_NEAR(measured_on_lizard("tail_stop_restitution", 0.5), 0.5, 0.05);
 }
 
 TEST(Lizard, CasesAreBlindedOnIt) {
   if (!available()) GTEST_SKIP() << "built without MuJoCo";
-  const jaculus::test::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   BlindingSpec spec;
   spec.none = spec.outside = 1;
   spec.robots = {kLizard};

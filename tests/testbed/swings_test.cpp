@@ -23,12 +23,10 @@
 namespace jaculus::testbed {
 namespace {
 
-using jaculus::test::holds;
-using jaculus::test::input_error_of;
+using test::holds;
+using test::input_error_of;
 using test::kModels;
 using trajectory::ControllerKind;
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 /// Planar motors x samples, and when they were taken.
 struct JointMotion {
@@ -108,7 +106,7 @@ TEST_P(Swings, AreTheSameOnBothEngines) {
   ASSERT_EQ(plant.rows(), bench.angles.rows());
   for (Eigen::Index i = 0; i < plant.rows(); ++i) {
     const double swing = bench.angles.row(i).maxCoeff() - bench.angles.row(i).minCoeff();
-    EXPECT_GT(swing, 4.0 * kDegree) << "joint " << i << " hardly moves";
+    EXPECT_GT(swing, 4.0 * test::kDegree) << "joint " << i << " hardly moves";
     EXPECT_LT((bench.angles.row(i) - plant.row(i)).cwiseAbs().maxCoeff(), test::kHalfAngle)
         << "joint " << i << ", which swings by " << swing << " rad";
   }
@@ -128,7 +126,7 @@ TEST_P(Swings, EndAtTheSameAnglesWithTwiceAsManySteps) {
   const Recording one = play(files, {}, plan.commands, options, Numerics{});
   const Recording other = play(files, {}, plan.commands, options, fine);
   const Vector apart = one.position.rightCols<1>() - other.position.rightCols<1>();
-  EXPECT_LT(apart.cwiseAbs().maxCoeff(), 0.5 * kDegree);
+  EXPECT_LT(apart.cwiseAbs().maxCoeff(), 0.5 * test::kDegree);
 }
 
 /// Another start by 4 mrad, as trials scatter it, may not end more than ten times as far away.
@@ -222,7 +220,7 @@ TEST(Swing, LogsTheTorquesThatDroveItAndNotItsCommands) {
   const Matrix plant = joints_on_plant(driven, bench.time);
   EXPECT_LT((bench.angles - plant).cwiseAbs().maxCoeff(), test::kHalfAngle);
 
-  jaculus::test::TemporaryFolder folder;
+  test::TemporaryFolder folder;
   trajectory::Dataset run = run_trials(asked, {}, exact_joints());
   EXPECT_FALSE(run.script.has_value());
   trajectory::write_dataset(run, folder / "swing");
@@ -306,7 +304,7 @@ TEST(Quadruped, SwingsItsLegsOnTheBenchAsOnThePlant) {
   const trajectory::Dataset asked = leg_bench(kModels / "quadruped25");
   const JointMotion bench = joints_on_testbed(asked);
   const Matrix plant = joints_on_plant(asked, bench.time);
-  EXPECT_GT(bench.angles.row(0).maxCoeff() - bench.angles.row(0).minCoeff(), 4.0 * kDegree);
+  EXPECT_GT(bench.angles.row(0).maxCoeff() - bench.angles.row(0).minCoeff(), 4.0 * test::kDegree);
   EXPECT_LT((bench.angles - plant).cwiseAbs().maxCoeff(), test::kHalfAngle);
 }
 

@@ -14,12 +14,12 @@ namespace {
 using test::holds;
 using test::input_error_of;
 
-std::vector<BagTopic> map_of(const std::string& topics) {
+std::vector<BagTopic> topics_of(const std::string& topics) {
   return read_bag_map(yaml::Node::parse("format: jaculus-bag/1\ntopics:\n" + topics, "bag.yaml"));
 }
 
 TEST(BagMap, ReadsTopicsOfKnownTypesInTheOrderOfTheFile) {
-  const auto topics = map_of(
+  const auto topics = topics_of(
       "  /z: {}\n"
       "  /joint_states: {stream: legs, rate_hz: 500, stamp: log, joints: {a: front_a}}\n"
       "  /pose: {forward: -y, rest: 500 ms}\n");
@@ -36,7 +36,7 @@ TEST(BagMap, ReadsTopicsOfKnownTypesInTheOrderOfTheFile) {
 }
 
 TEST(BagMap, ReadsFieldsAsChannelsInSi) {
-  const auto topics = map_of(
+  const auto topics = topics_of(
       "  /status:\n    channels:\n"
       "      hip: {fields: [\"m[0].q\", \"m[1].q\"], unit: deg, scale: -2, offset: 90}\n");
   const MappedChannel& hip = topics.at(0).channels.at(0);
@@ -48,7 +48,7 @@ TEST(BagMap, ReadsFieldsAsChannelsInSi) {
 
 TEST(BagMap, RefusesWhatItCannotMean) {
   const auto told = [](const std::string& topics) {
-    return input_error_of([&] { map_of(topics); });
+    return input_error_of([&] { topics_of(topics); });
   };
   EXPECT_TRUE(holds(told("  /a: {stamp: mine}\n"), "bag.yaml:3"));
   EXPECT_TRUE(holds(told("  /a: {strem: x}\n"), "did you mean 'stream'"));

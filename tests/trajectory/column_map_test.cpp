@@ -31,15 +31,15 @@ ColumnMap map_of(const std::string& text) {
   return read_column_map(yaml::Node::parse(text, "map.yaml"));
 }
 
-Stream log_of(const std::string& text, std::vector<std::string>& notes,
-              const std::string& map = kMap) {
+Stream table_of(const std::string& text, std::vector<std::string>& notes,
+                const std::string& map = kMap) {
   std::istringstream stream(text);
   return read_mapped_csv(stream, "log.txt", map_of(map), notes);
 }
 
 TEST(ColumnMap, ReadsForeignTables) {
   std::vector<std::string> notes;
-  const Stream stream = log_of(
+  const Stream stream = table_of(
       "made by a logger\n\"t (us)\";q0;what;q4;U\n0;90;ok;90;15000\n10000;0;ok;-90;lost\n20000;0",
       notes);
   ASSERT_EQ(stream.channels, (std::vector<std::string>{"front_a", "bus_voltage", "front_a_apart"}));
@@ -62,9 +62,9 @@ TEST(ColumnMap, ReadsForeignTables) {
 TEST(ColumnMap, ReadsTablesWithoutAHeaderPartedByBlanks) {
   std::vector<std::string> notes;
   const Stream stream =
-      log_of("  0   1.5 7\n 0.1\t-2  8\n", notes,
-             "format: jaculus-columns/1\nseparator: space\nheader: false\nchannels:\n"
-             "  time: {column: 1, unit: s}\n  tail: {column: 2, unit: rad}\n");
+      table_of("  0   1.5 7\n 0.1\t-2  8\n", notes,
+               "format: jaculus-columns/1\nseparator: space\nheader: false\nchannels:\n"
+               "  time: {column: 1, unit: s}\n  tail: {column: 2, unit: rad}\n");
   EXPECT_EQ(stream.values(0, 1), -2.0);
 }
 
@@ -72,10 +72,10 @@ TEST(ColumnMap, ReadsTorquesInTheUnitsThatLogsHave) {
   const auto torque_in = [](const std::string& unit) {
     std::vector<std::string> notes;
     const Stream stream =
-        log_of("t,tau\n0,1500\n1,0\n", notes,
-               "format: jaculus-columns/1\nchannels:\n  time: {column: t, unit: s}\n"
-               "  tail_torque: {column: tau, unit: \"" +
-                   unit + "\"}\n");
+        table_of("t,tau\n0,1500\n1,0\n", notes,
+                 "format: jaculus-columns/1\nchannels:\n  time: {column: t, unit: s}\n"
+                 "  tail_torque: {column: tau, unit: \"" +
+                     unit + "\"}\n");
     EXPECT_EQ(stream.units[0], "N m") << unit;
     return stream.values(0, 0);
   };
@@ -107,7 +107,7 @@ TEST(ColumnMap, BadFilesAndMapsNameThePlace) {
            {head + "5;0\n6;0;0;1\n", "log.txt:3: the row has fewer cells than the others (4)"},
            {head + "5;0;0;1;2\n", "log.txt:3: the row has 5 cells; the others have 4"},
        })
-    EXPECT_TRUE(holds(input_error_of([&] { (void)log_of(c.text, notes); }), c.message)) << c.text;
+    EXPECT_TRUE(holds(input_error_of([&] { (void)table_of(c.text, notes); }), c.message)) << c.text;
   struct Fault {
     std::string what, by, message;
   };
@@ -132,7 +132,7 @@ TEST(ColumnMap, NamesTheSeparatorThatAFileHasInPlaceOfAComma) {
       "format: jaculus-columns/1\nchannels:\n  time: {column: t, unit: s}\n"
       "  front_a: {column: q, unit: rad}\n";
   try {
-    (void)log_of("t;q\n0;1\n", notes, map);
+    (void)table_of("t;q\n0;1\n", notes, map);
     FAIL() << "accepted";
   } catch (const InputError& error) {
     EXPECT_EQ(std::string(error.what()),

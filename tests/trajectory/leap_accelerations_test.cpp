@@ -4,13 +4,12 @@
 
 #include <string>
 
+#include "trajectory/accelerated.h"
+
 namespace jaculus::trajectory {
 namespace {
 
-/// x of a body that rests until 0 and then accelerates by a, sampled.
-Vector accelerated(const Vector& time, double a) {
-  return time.unaryExpr([a](double t) { return t > 0.0 ? 0.5 * a * t * t : 0.0; });
-}
+using test::accelerated;
 
 TEST(LeapAccelerations, AreTheRecipeOnEveryTrialBesideThePlan) {
   const Vector time = Vector::LinSpaced(241, -0.5, 0.5);

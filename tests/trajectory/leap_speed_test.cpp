@@ -7,14 +7,12 @@
 
 #include "jaculus/trajectory/dataset.h"
 #include "support/shared_data.h"
+#include "trajectory/accelerated.h"
 
 namespace jaculus::trajectory {
 namespace {
 
-/// x of a body that rests until 0 and then accelerates by a, sampled.
-Vector accelerated(const Vector& time, double a) {
-  return time.unaryExpr([a](double t) { return t > 0.0 ? 0.5 * a * t * t : 0.0; });
-}
+using test::accelerated;
 
 TEST(LeapSpeed, OnAConstantAccelerationItsErrorIsThatOfAForwardDifference) {
   const double a = 5.0, dt = 1.0 / 240.0, duration = 0.2;
