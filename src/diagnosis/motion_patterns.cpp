@@ -231,11 +231,12 @@ std::vector<RemainderPlace> patterns_of_motion(const Diagnosis& found) {
   const std::optional<PatternProblem> own = pattern_problem(
       stated_model(found), found.noise ? found.noise->alignments : std::vector<Alignment>());
   if (!own || own->comparison.whitening.random.size() == 0) return {};
-  const LinearPatterns linear = linear_patterns(*own);
+  LinearPatterns linear = without_patterns(*own);
   const Settings& settings = found.problem->settings;
   const double mean_square =
       linear.residual.squaredNorm() / static_cast<double>(linear.residual.size());
   if (most_left(own->comparison.whitening, linear.residual) < settings.plain_gap) return {};
+  add_columns(*own, linear);
   const std::vector<int> members = selected_patterns(*own, linear);
   if (members.empty()) return {};
   const PatternShares shares = shares_of(*own, linear, members);

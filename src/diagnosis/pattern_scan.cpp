@@ -113,7 +113,7 @@ std::optional<PatternProblem> pattern_problem(const KnownModel& about,
   return out;
 }
 
-LinearPatterns linear_patterns(const PatternProblem& own) {
+LinearPatterns without_patterns(const PatternProblem& own) {
   const Problem& problem = *own.built.problem;
   const Whitening& whitening = own.comparison.whitening;
   const std::vector<int> nuisances = problem.hypotheses.nuisances();
@@ -127,22 +127,25 @@ LinearPatterns linear_patterns(const PatternProblem& own) {
   if (whitening.random.blocks.empty())
     for (Eigen::Index k = 1; k < X.cols(); ++k) out.model.products.shared.push_back(k - 1);
 
-  const Shrinkage tolerances = shrinkage(J);
-  tolerances.apply(out.residual);
-  out.columns.resize(own.patterns.size());
-  out.acting.resize(own.patterns.size());
+  out.nuisances = shrinkage(J);
+  out.nuisances.apply(out.residual);
+  return out;
+}
+
+void add_columns(const PatternProblem& own, LinearPatterns& linear) {
+  linear.columns.resize(own.patterns.size());
+  linear.acting.resize(own.patterns.size());
   tbb::parallel_for(0, count_of(own.patterns), [&](int k) {
-    const int c = problem.hypotheses.candidate(own.patterns[k].name);
+    const int c = own.built.problem->hypotheses.candidate(own.patterns[k].name);
     if (c < 0) return;
     const Matrix acting = pattern_columns(own, c);
     Matrix left = acting;
-    tolerances.apply_to_columns(left);
+    linear.nuisances.apply_to_columns(left);
     if (!(left.squaredNorm() > 1.0)) return;
-    out.acting[k] = columns_of(whitening.random, acting);
-    out.columns[k] = std::move(left);
+    linear.acting[k] = columns_of(own.comparison.whitening.random, acting);
+    linear.columns[k] = std::move(left);
   });
-  for (const Matrix& columns : out.columns) out.tried += columns.cols() > 0 ? 1 : 0;
-  return out;
+  for (const Matrix& columns : linear.columns) linear.tried += columns.cols() > 0 ? 1 : 0;
 }
 
 Matrix columns_of(const LinearPatterns& linear, const std::vector<int>& members) {
@@ -172,7 +175,8 @@ double log_evidence(const PatternProblem& own, const LinearPatterns& linear,
 PatternScan likely_patterns(const KnownModel& about, const std::vector<Alignment>& alignments) {
   const std::optional<PatternProblem> own = pattern_problem(about, alignments);
   if (!own || own->comparison.whitening.random.size() == 0) return {};
-  const LinearPatterns linear = linear_patterns(*own);
+  LinearPatterns linear = without_patterns(*own);
+  add_columns(*own, linear);
   const double without = log_evidence(*own, linear, {});
   std::vector<double> gains(own->patterns.size(), -kInfinity);
   tbb::parallel_for(0, count_of(own->patterns), [&](int k) {

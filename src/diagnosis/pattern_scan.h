@@ -51,12 +51,15 @@ std::optional<PatternProblem> pattern_problem(const KnownModel& about,
 /// The linear problem of the patterns.
 struct LinearPatterns {
   Columns model;                ///< [r_0 J_t]
-  std::vector<Columns> acting;  ///< Y_k, a pattern each; empty where it can't act
+  Shrinkage nuisances;          ///< M^-1/2
   Vector residual;              ///< M^-1/2 r_0
+  std::vector<Columns> acting;  ///< Y_k, a pattern each; empty where it can't act
   std::vector<Matrix> columns;  ///< M^-1/2 Y_k, likewise
   int tried = 0;
 };
-LinearPatterns linear_patterns(const PatternProblem& own);
+/// The same before any pattern's columns are known, which take a simulation or two each.
+LinearPatterns without_patterns(const PatternProblem& own);
+void add_columns(const PatternProblem& own, LinearPatterns& linear);
 
 /// M^-1/2 Y_k of some patterns, side by side.
 Matrix columns_of(const LinearPatterns& linear, const std::vector<int>& members);

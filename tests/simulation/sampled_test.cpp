@@ -19,6 +19,7 @@ Simulation swing(Sampled sampled) {
   motor.joint = "arm";
   motor.body = 1;
   motor.torque_constant = 0.1;
+  motor.saturation_linear = 10.0;  // [A/(N m)], its inverse
   motor.resistance = 0.2;
   motor.voltage = 12.0;
   model.motors = {motor};
