@@ -146,6 +146,17 @@ std::string effect_phrase(const FoundEffect& effect) {
 /// Shares as sentences give them: what is beyond nothing and all is noise.
 std::string clipped(double share) { return per_cent(std::clamp(share, 0.0, 1.0)); }
 
+/// "A and B explain 69 % of what the builder's tolerances leave of the held-out gap, 1.3 noise
+/// floors": where these take nearly all, shares of the whole say nothing of the effects.
+std::string explaining_the_rest(const Diagnosis& d, const std::vector<FoundEffect>& effects) {
+  std::vector<std::string> phrases;
+  for (const FoundEffect& e : effects) phrases.push_back(effect_phrase(e));
+  return fmt::format(
+      "{} {} {} of what the builder's tolerances leave of the held-out gap, {:.2g} noise floors",
+      capital(listed(phrases)), effects.size() > 1 ? "explain" : "explains",
+      clipped(1.0 - energy_left(d.gap.adjusted, d.gap.after)), d.gap.adjusted);
+}
+
 /// "A explains 73 % of the gap's energy, with B 96 %", the largest share first; empty where there
 /// are none.
 std::string explaining(const Diagnosis& d) {
@@ -156,13 +167,17 @@ std::string explaining(const Diagnosis& d) {
     return a.share->alone > b.share->alone;
   });
 
+  const double all = 1.0 - energy_left(d.gap.before, d.gap.after);
+  const double tolerances = effects[0].share->tolerances;
+  const bool by_tolerances = tolerances >= kWorthAWord && all - tolerances < kWorthAWord;
+  if (by_tolerances && d.gap.adjusted > std::max(1.0, d.gap.after))
+    return explaining_the_rest(d, effects);
+
   std::string text =
       fmt::format("{} explains {} of the held-out gap's energy", capital(effect_phrase(effects[0])),
                   clipped(effects[0].share->alone));
   std::vector<std::string> others;
   for (std::size_t i = 1; i < effects.size(); ++i) others.push_back(effect_phrase(effects[i]));
-  const double all = 1.0 - energy_left(d.gap.before, d.gap.after);
-  const double tolerances = effects[0].share->tolerances;
   if (!others.empty())
     text += fmt::format(", together with {} {}", listed(others), clipped(all - tolerances));
   if (tolerances >= kWorthAWord)

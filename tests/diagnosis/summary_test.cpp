@@ -40,6 +40,26 @@ TEST(Summary, LeadsWithWhatExplainsMost) {
             "from torque constant.");
 }
 
+// Tolerances take the rotor's 15 floors to 1.3, the scale these to 1.1: a share of the whole is 0 %.
+TEST(Summary, CountsWhatTolerancesLeaveWhereTheyTakeNearlyAll) {
+  Diagnosis d = friction();
+  d.verdict = Verdict::effect;
+  d.effects = {{"sensor_scale", "", 0.9, {{"scale", "-", 0.938, {0.93, 0.946}}}, {}}};
+  d.effects[0].share = EffectShare{0.002, 0.002, 0.002, {kNaN, kNaN}, 0.997};
+  d.gap.before = 15.0;
+  d.gap.adjusted = 1.3;
+  d.gap.after = 1.1;
+  EXPECT_EQ(summary_of(d).which,
+            "Sensor scale (scale 0.938, 0.93 to 0.946) explains 70 % of what the builder's "
+            "tolerances leave of the held-out gap, 1.3 noise floors.");
+
+  d.effects[0].share->tolerances = 0.2;
+  d.effects[0].share->alone = 0.797;
+  EXPECT_EQ(summary_of(d).which,
+            "Sensor scale (scale 0.938, 0.93 to 0.946) explains 80 % of the held-out gap's energy, "
+            "beside the builder's tolerances (20 %).");
+}
+
 TEST(Summary, GivesTheGapInUnits) {
   EXPECT_EQ(summary_of(friction()).how_far,
             "Error falls in arm from 4.8 to 0.7 deg (rms up to 0.5 s after the start, trials that "
