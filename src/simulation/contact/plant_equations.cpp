@@ -137,16 +137,21 @@ const FastParts& PlantEquations::fast_parts(const State& y, const std::vector<To
   return fast_;
 }
 
+/// Motors by their commands at (t, y); the bus' voltage.
+double PlantEquations::set_drive(double t, const State& y) {
+  read_motors(y);
+  const Command* commands = inputs_.commands(t, motor_position_.data(), motor_velocity_.data());
+  return drive_.set(inputs_.quantity(), commands, motor_velocity_.data(),
+                    warm_ ? &y[windings()] : nullptr);
+}
+
 /// force_ and free_, everything up to the acceleration without rigid contacts. Weighed at y.
 void PlantEquations::set_forces(double t, const State& y, const std::vector<Touch>& modes) {
   const double *q = y.data(), *v = q + size();
   force_.fill(0.0);
-  read_motors(y);
-  const Command* commands = inputs_.commands(t, motor_position_.data(), motor_velocity_.data());
   const double* own = y.data() + law_states();
   if (!laws_.empty()) take_changes(laws_.before_motors(mechanism_, inertia_, t, q, v, own));
-  at_.bus = drive_.set(inputs_.quantity(), commands, motor_velocity_.data(),
-                       warm_ ? &y[windings()] : nullptr);
+  at_.bus = set_drive(t, y);
 
   for (std::size_t m = 0; m < motor_velocity_.size(); ++m) {
     const double torque = plant_.model.motors[m].count * drive_.motors[m].torque;
@@ -287,11 +292,8 @@ void PlantEquations::set_slow_rates(const State& y, State& dydt) const {
 
 bool PlantEquations::sample_drive(double t, const State& y, DriveSample& out) {
   if (!laws_.empty()) return false;
-  read_motors(y);
-  const Command* commands = inputs_.commands(t, motor_position_.data(), motor_velocity_.data());
   out.motors = drive_.motors;
-  out.bus = drive_.set(inputs_.quantity(), commands, motor_velocity_.data(),
-                       warm_ ? &y[windings()] : nullptr);
+  out.bus = set_drive(t, y);
   out.motors.swap(drive_.motors);
   return true;
 }

@@ -105,6 +105,7 @@ class PlantEquations {
   bool weigh(const State& y);
   bool fill_rows(const State& y, const std::vector<int>& touching);
   void read_motors(const State& y);
+  double set_drive(double t, const State& y);
   void set_forces(double t, const State& y, const std::vector<Touch>& modes);
   void add_ground(const State& y, const std::vector<Touch>& modes);
   void add_push(const Push& push, double t, const double* q, const double* v);
