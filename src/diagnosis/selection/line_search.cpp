@@ -68,7 +68,8 @@ struct Line {
   /// A point each.
   [[nodiscard]] std::vector<Point> at(const std::vector<double>& steps) const {
     std::vector<Point> points;
-    std::vector<std::vector<Vector>> changes;  // of rows, where the step can be simulated
+    std::vector<std::vector<Vector>> changes;  // of rows
+    std::vector<std::size_t> simulated;        // of which steps they are
     for (const double u : steps) {
       points.push_back({u});
       Vector p = base.simulated;
@@ -77,17 +78,15 @@ struct Line {
       if (!set.valid) continue;
       changes.push_back(rows_of(problem, whitening.alignments, set));
       for (std::size_t d = 0; d < base.rows.size(); ++d) changes.back()[d] -= base.rows[d];
-      points.back().influence = 0.0;
+      simulated.push_back(points.size() - 1);
     }
 
     const Matrix moved = -whitening.columns(changes);
     const Across across = products_between(whitening.random, standing.model.X, moved);
-    Eigen::Index k = 0;
-    for (Point& point : points)
-      if (point.influence == 0.0) {
-        point = scored(point.u, moved.col(k), across.of(k, 1));
-        ++k;
-      }
+    for (Eigen::Index k = 0; k < moved.cols(); ++k) {
+      Point& point = points[simulated[static_cast<std::size_t>(k)]];
+      point = scored(point.u, moved.col(k), across.of(k, 1));
+    }
     return points;
   }
 

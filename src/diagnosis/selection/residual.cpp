@@ -127,13 +127,14 @@ std::optional<Matrix> Residual::differenced(const Vector& u,
   return J;
 }
 
-/// `expected`: by what the slopes before say the residual moved, over the step du.
-void Residual::follow(const Vector& du, const Vector& expected, const Matrix& effects_before) {
+/// One more secant, of the step to u at which the effects' slopes are `effects`; before these are
+/// taken.
+void Residual::follow(const Vector& u, const Matrix& effects) {
   const Eigen::Index n = first_followed_;
-  const Vector dn = du.segment(n, followed());
+  const Vector du = u - slopes_at_, dn = du.segment(n, followed());
   if (dn.size() == 0 || dn.norm() < kLeastSecant) return;
-  Vector missed = residual_ - slopes_residual_ - expected;
-  missed -= 0.5 * (slopes_.leftCols(n) - effects_before) * du.head(n);
+  Vector missed = residual_ - slopes_residual_ - expected_over(du);
+  missed -= 0.5 * (effects - slopes_.leftCols(n)) * du.head(n);
   secants_.push_back({std::move(missed), dn / dn.squaredNorm()});
 }
 
@@ -170,23 +171,13 @@ bool Residual::tell(const Vector& u) {
   const std::optional<Matrix> told = differenced(u, effects);
   if (!told) return false;
 
-  if (slopes_at_.size() == u.size()) {
-    const Vector du = u - slopes_at_, expected = expected_over(du);
-    const Matrix before = slopes_.leftCols(first_followed_);
-    slopes_.leftCols(first_followed_) = *told;
-    follow(du, expected, before);
-  } else {
-    slopes_.leftCols(first_followed_) = *told;
-  }
+  if (slopes_at_.size() == u.size()) follow(u, *told);
+  slopes_.leftCols(first_followed_) = *told;
   keep(u, false);
   return true;
 }
 
-const Matrix* Residual::slopes(const Vector& u) {
-  if (!tell(u)) return nullptr;
-  add_secants();
-  return &slopes_;
-}
+const Matrix* Residual::slopes(const Vector& u) { return tell(u) ? &told() : nullptr; }
 
 const Matrix* Residual::renewed_slopes(const Vector& u) {
   const bool anew = slopes_.size() == 0;

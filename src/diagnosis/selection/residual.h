@@ -97,15 +97,15 @@ class Residual {
   /// Tells slopes at the point of the last `value`: those before first_followed() by differences,
   /// one more of secants(). False where a simulation fails.
   bool tell(const Vector& u);
-  /// dr/du there, what follows by secants so. Null where a simulation fails; else valid until
-  /// slopes are asked for again.
-  const Matrix* slopes(const Vector& u);
-  /// As told last, secants added; and of those before first_followed().
+  /// dr/du as told last, what follows by secants so; and of what comes before first_followed().
   [[nodiscard]] const Matrix& told() {
     add_secants();
     return slopes_;
   }
   [[nodiscard]] auto told_before() const { return slopes_.leftCols(first_followed_); }
+  /// dr/du at the point of the last `value`, what follows by secants so. Null where a simulation
+  /// fails; else valid until slopes are asked for again.
+  const Matrix* slopes(const Vector& u);
   /// The same with those of effects, gains and strong tolerances by differences; where effects
   /// followed, the others as they were.
   const Matrix* renewed_slopes(const Vector& u);
@@ -119,7 +119,7 @@ class Residual {
  private:
   [[nodiscard]] std::optional<Matrix> differenced(const Vector& u,
                                                   const std::vector<Eigen::Index>& columns);
-  void follow(const Vector& du, const Vector& expected, const Matrix& effects_before);
+  void follow(const Vector& u, const Matrix& effects);
   void add_secants();
   [[nodiscard]] Vector expected_over(const Vector& du) const;
   void keep(const Vector& u, bool told);
@@ -140,7 +140,7 @@ class Residual {
   Matrix slopes_;         ///< there, with the first `added_` secants; empty: not known anywhere
   bool new_ = false;      ///< whether those of all but weak tolerances were differenced there
   std::vector<Secant> secants_;
-  std::size_t added_ = 0;
+  std::size_t added_ = 0;  ///< of them, to `slopes_`
   int times_renewed_ = 0;
   long predictions_ = 0;
   std::string message_;
