@@ -140,7 +140,7 @@ void add_columns(const PatternProblem& own, LinearPatterns& linear) {
     if (c < 0) return;
     const Matrix acting = pattern_columns(own, c);
     Matrix left = acting;
-    linear.nuisances.apply_to_columns(left);
+    linear.nuisances.apply(left);
     if (!(left.squaredNorm() > 1.0)) return;
     linear.acting[k] = columns_of(own.comparison.whitening.random, acting);
     linear.columns[k] = std::move(left);

@@ -35,7 +35,7 @@ Across Across::of(Eigen::Index first, Eigen::Index count) const {
   return some;
 }
 
-Across Across::and_of(const Across& more) const {
+Across Across::with(const Across& more) const {
   Across all{joined(gram, more.gram), {}};
   for (std::size_t c = 0; c < misfits.size(); ++c)
     all.misfits.emplace_back(joined(misfits[c], more.misfits[c]));

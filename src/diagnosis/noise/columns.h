@@ -23,7 +23,7 @@ struct Across {
 
   /// Those of some columns of B; and with those of more columns behind it.
   [[nodiscard]] Across of(Eigen::Index first, Eigen::Index count) const;
-  [[nodiscard]] Across and_of(const Across& more) const;
+  [[nodiscard]] Across with(const Across& more) const;
 };
 Across products_between(const RandomEffects& effects, ConstMatrixRef A, ConstMatrixRef B);
 

@@ -51,7 +51,7 @@ Matrix NuisanceShrinkage::times(ConstMatrixRef X) const {
   return sum;
 }
 
-void NuisanceShrinkage::apply_to_columns(MatrixRef X) const {
+void NuisanceShrinkage::apply(MatrixRef X) const {
   if (parts_.empty()) return;
   const Matrix along = C_ * times(X);
   for (const Part& part : parts_)

@@ -21,7 +21,7 @@ class NuisanceShrinkage {
   NuisanceShrinkage(const Matrix& A, const std::vector<std::pair<int, int>>& spans, double apart);
 
   /// On each column of X.
-  void apply_to_columns(MatrixRef X) const;
+  void apply(MatrixRef X) const;
   /// The directions that are taken off, as if they shrank like the others.
   [[nodiscard]] const Shrinkage& apart() const { return apart_; }
 

@@ -210,13 +210,7 @@ double Misfit::log_det(double s) const {
   return values * std::log(own) + (rows - values) * (1.0 - 1.0 / own);
 }
 
-void Shrinkage::apply(VectorRef x) const {
-  if (shrink.size() == 0) return;
-  const Vector along = shrink.cwiseProduct(U.transpose() * x);
-  x -= U * along;
-}
-
-void Shrinkage::apply_to_columns(MatrixRef X) const {
+void Shrinkage::apply(MatrixRef X) const {
   if (shrink.size() == 0) return;
   const Matrix along = shrink.asDiagonal() * (U.transpose() * X);
   X.noalias() -= U * along;

@@ -40,16 +40,14 @@
 
 namespace jaculus::diagnosis {
 
-/// s^2 below which a direction shrinks by less than its rounding.
+/// s^2 below which a direction stays as it is: it would shrink by 5e-6 of itself [-]. Chosen.
 inline constexpr double kLeastEnergy = 1e-5;
 
 /// I - U diag(shrink) U^T on some rows.
 struct Shrinkage {
-  Matrix U;       ///< rows x k, orthonormal columns
-  Vector shrink;  ///< k, 1 - 1/sqrt(1 + s^2)
-  void apply(VectorRef x) const;
-  /// On each column: one product of matrices in place of one with a vector each.
-  void apply_to_columns(MatrixRef X) const;
+  Matrix U;                       ///< rows x k, orthonormal columns
+  Vector shrink;                  ///< k, 1 - 1/sqrt(1 + s^2)
+  void apply(MatrixRef X) const;  ///< on each column
 };
 /// That of the columns A, already scaled by their priors.
 Shrinkage shrinkage(const Matrix& A);

@@ -95,7 +95,7 @@ RandomBlock force_block(const DatasetWhitening& whitening, const SegmentBlock& s
   RandomBlock block{first + segment.first, segment.count, {}, {}, {}};
   const Matrix slopes = in_bands(raw.middleRows(own.first, own.count), forces, block.group);
   block.columns = whitening.whiten_block(whitening.block_of(segment.segment), slopes);
-  segment.nuisances.apply_to_columns(block.columns);
+  segment.nuisances.apply(block.columns);
   return block;
 }
 
@@ -248,7 +248,7 @@ Vector DatasetWhitening::apply(const Vector& raw) const {
 
 void DatasetWhitening::take_nuisances(MatrixRef white) const {
   for (const SegmentBlock& block : blocks)
-    block.nuisances.apply_to_columns(white.middleRows(block.first, block.count));
+    block.nuisances.apply(white.middleRows(block.first, block.count));
 }
 
 Matrix DatasetWhitening::apart_of(ConstMatrixRef white) const {

@@ -30,7 +30,7 @@ RandomEffects without_tolerances(const RandomEffects& random, const Shrinkage& t
     all.group.insert(all.group.end(), block.group.begin(), block.group.end());
     next += block.columns.cols();
   }
-  tolerances.apply_to_columns(all.columns);
+  tolerances.apply(all.columns);
   all.gram = all.columns.transpose() * all.columns;
   out.blocks.push_back(std::move(all));
   return out;
@@ -168,8 +168,8 @@ std::optional<CurvePoint> curve_point(const SignatureSpace& space, const std::ve
                                       const Vector& p, Matrix* plain) {
   const auto change = change_of_rows(space, p);
   if (!change) return {};
-  CurvePoint point{1.0, space.problem->hypotheses.scaled(free, p), signature_of(space, *change),
-                   Matrix(space.whitening.rows, count_of(free))};
+  CurvePoint point{
+      1.0, space.problem->hypotheses.scaled(free, p), signature_of(space, *change), {}};
   std::vector<Vector> rows = space.rows;
   for (std::size_t d = 0; d < rows.size(); ++d) rows[d] += (*change)[d];
   const double departed = point.u.norm();
@@ -177,11 +177,9 @@ std::optional<CurvePoint> curve_point(const SignatureSpace& space, const std::ve
   const auto slopes = raw_slopes(space, p, rows, free, sensitivity);
   if (!slopes) return {};
 
-  if (plain != nullptr) plain->resize(space.whitening.rows, count_of(free));
-  for (int k = 0; k < count_of(free); ++k) {
-    point.slopes.col(k) = signature_of(space, (*slopes)[k]);
-    if (plain != nullptr) plain->col(k) = space.whitening.apply((*slopes)[k]);
-  }
+  point.slopes = space.whitening.columns(*slopes);
+  if (plain != nullptr) *plain = point.slopes;
+  space.tolerances.apply(point.slopes);
   return point;
 }
 

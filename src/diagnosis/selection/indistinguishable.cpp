@@ -65,7 +65,7 @@ Members indistinguishable_from(const RandomEffects& random, const ModelFit& none
   tbb::parallel_for(0, count_of(energy), [&](int c) {
     for (const Probed& p : probed.candidates[c])
       energy[c] = std::min(
-          energy[c], energy_beside(across.and_of(products_between(random, signature.X, p.own.X)),
+          energy[c], energy_beside(across.with(products_between(random, signature.X, p.own.X)),
                                    side_by_side(nuisances.products, p.nuisances, p.own.products)));
   });
 
