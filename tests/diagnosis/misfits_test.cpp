@@ -5,11 +5,11 @@
 
 #include <Eigen/LU>
 #include <cmath>
-#include <random>
 
 #include "diagnosis/noise/columns.h"
 #include "diagnosis/noise/random_effects.h"
 #include "diagnosis/noise/random_weights.h"
+#include "diagnosis/normal_matrix.h"
 #include "diagnosis/selection/minimise.h"
 
 namespace jaculus::diagnosis {
@@ -17,13 +17,6 @@ namespace {
 
 constexpr int kMisfitRows = 40;
 constexpr double kMisfitValues = 6.0;
-
-Matrix noise_matrix(Eigen::Index rows, Eigen::Index cols, unsigned seed) {
-  std::mt19937 generator(seed);
-  std::normal_distribution<double> normal;
-  return Matrix::NullaryExpr(rows, cols,
-                             [&](Eigen::Index, Eigen::Index) { return normal(generator); });
-}
 
 /// Two datasets whose rows take turns: two spans of each.
 RandomEffects two_datasets(int rows = kMisfitRows) {
@@ -44,7 +37,7 @@ double misfit_energy(const Misfit& own, const Vector& r) {
 
 TEST(Misfits, TheMostLikelyOnesCostTheLogarithmOfTheEnergyBeyondNoise) {
   const RandomEffects effects = two_datasets();
-  Vector r = noise_matrix(2 * kMisfitRows, 1, 1);
+  Vector r = normal_matrix(2 * kMisfitRows, 1, 1);
   for (const auto& [first, count] : effects.misfits[0].spans) r.segment(first, count) *= 5.0;
   for (const auto& [first, count] : effects.misfits[1].spans) r.segment(first, count) *= 0.5;
 
@@ -67,7 +60,7 @@ TEST(Misfits, TheMostLikelyOnesCostTheLogarithmOfTheEnergyBeyondNoise) {
 TEST(Misfits, WeighRowsAsWeightsDo) {
   const RandomEffects effects = two_datasets();
   const Vector scales{{2.0, 0.3}};
-  const Matrix X = noise_matrix(2 * kMisfitRows, 3, 2);
+  const Matrix X = normal_matrix(2 * kMisfitRows, 3, 2);
   const RandomWeights weights(effects, scales);
   const Weighed weighed = weigh(effects, products_of(effects, X), scales);
   EXPECT_LT((X.transpose() * weights.inverse(X) - weighed.gram).norm(), 1e-10);
@@ -77,9 +70,9 @@ TEST(Misfits, WeighRowsAsWeightsDo) {
 
 TEST(Misfits, SidesAndMovesHaveTheProductsOfTheWhole) {
   const RandomEffects effects = two_datasets();
-  const Columns a = columns_of(effects, noise_matrix(2 * kMisfitRows, 3, 3)),
-                b = columns_of(effects, noise_matrix(2 * kMisfitRows, 2, 4)),
-                moved = columns_of(effects, noise_matrix(2 * kMisfitRows, 1, 5));
+  const Columns a = columns_of(effects, normal_matrix(2 * kMisfitRows, 3, 3)),
+                b = columns_of(effects, normal_matrix(2 * kMisfitRows, 2, 4)),
+                moved = columns_of(effects, normal_matrix(2 * kMisfitRows, 1, 5));
   const auto expect_products = [&](const Products& built, const Matrix& X) {
     const Products whole = products_of(effects, X);
     EXPECT_LT((built.gram - whole.gram).norm(), 1e-10);
@@ -97,14 +90,14 @@ TEST(Misfits, SidesAndMovesHaveTheProductsOfTheWhole) {
 
   // Of some columns, and of more behind them.
   const Across all = products_between(effects, a.X, both.X);
-  const Across again = all.of(0, 3).and_of(all.of(3, 2));
+  const Across again = all.of(0, 3).with(all.of(3, 2));
   EXPECT_EQ(again.gram, all.gram);
   EXPECT_EQ(again.misfits.back(), all.misfits.back());
 }
 
 TEST(Misfits, ThatWerePlantedComeBack) {
   const RandomEffects effects = two_datasets(4000);
-  Vector r = noise_matrix(8000, 1, 6);
+  Vector r = normal_matrix(8000, 1, 6);
   // A misfit of 3 noise floors in the first, the same in both spans.
   for (const auto& [first, count] : effects.misfits[0].spans)
     r.segment(first, count).array() += 3.0;
@@ -118,7 +111,7 @@ TEST(Misfits, AreNotBelowTheirLeast) {
   // Two models that leave 80 and 90 % of the noise's energy, of 4,000 rows: told apart by 200 nats
   // of details of the noise, or by little where any model may be off by a part of it.
   RandomEffects effects = two_datasets(2000);
-  const Vector none(0), more = std::sqrt(0.9) * noise_matrix(4000, 1, 8),
+  const Vector none(0), more = std::sqrt(0.9) * normal_matrix(4000, 1, 8),
                         less = std::sqrt(0.8 / 0.9) * more;
   const auto gain = [&] {
     return cost_of(effects, Vector::Zero(2), Misfits::follow, more, none) -
@@ -136,7 +129,7 @@ TEST(Misfits, AreNotBelowTheirLeast) {
 TEST(Misfits, AtTheirLeastCostNothing) {
   RandomEffects effects = two_datasets(2000);
   for (RandomGroup& group : effects.groups) group.least = 0.3;
-  Vector r = noise_matrix(4000, 1, 10);
+  Vector r = normal_matrix(4000, 1, 10);
   const auto cost = [&] {
     return estimated_scales(effects, products_of(effects, r), first_scales(effects), 50, 2.3)
         .log_cost;
@@ -166,7 +159,7 @@ TEST(Misfits, MoreSamplesOfTheSameMisfitAddLittleEvidence) {
 TEST(Misfits, ACoordinateThatNothingExplainsDoesNotOutvoteTheOthers) {
   // The first is off by 1,000 noise floors, whatever u, and asks for u = 5 by the way; the second
   // is explained by u = 1.
-  Matrix X = noise_matrix(2 * kMisfitRows, 2, 9);
+  Matrix X = normal_matrix(2 * kMisfitRows, 2, 9);
   const RandomEffects own = two_datasets();
   for (const auto& [first, count] : own.misfits[0].spans) {
     const Vector slopes = 2000.0 * Vector::Unit(count, 0);
@@ -196,7 +189,7 @@ TEST(Misfits, WhatModelsShareIsNotMarginalised) {
   // Two models of the same residual whose shared columns differ in size alone: how well data tell
   // these is no evidence.
   const RandomEffects effects = two_datasets();
-  Matrix X = noise_matrix(2 * kMisfitRows, 3, 7);
+  Matrix X = normal_matrix(2 * kMisfitRows, 3, 7);
   X.rightCols(2) *= 50.0;
   Products products = products_of(effects, X);
   products.shared = {0, 1};

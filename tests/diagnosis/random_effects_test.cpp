@@ -8,21 +8,14 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <numbers>
-#include <random>
 
 #include "diagnosis/noise/columns.h"
 #include "diagnosis/noise/random_weights.h"
+#include "diagnosis/normal_matrix.h"
 #include "diagnosis/selection/fit.h"
 
 namespace jaculus::diagnosis {
 namespace {
-
-Matrix normal_matrix(Eigen::Index rows, Eigen::Index cols, unsigned seed) {
-  std::mt19937 generator(seed);
-  std::normal_distribution<double> normal;
-  return Matrix::NullaryExpr(rows, cols,
-                             [&](Eigen::Index, Eigen::Index) { return normal(generator); });
-}
 
 /// Two blocks of rows, two groups of columns that change places between them.
 RandomEffects small_effects(int rows_each, int columns) {

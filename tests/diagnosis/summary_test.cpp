@@ -40,7 +40,7 @@ TEST(Summary, LeadsWithWhatExplainsMost) {
             "from torque constant.");
 }
 
-// Tolerances take the rotor's 15 floors to 1.3, the scale these to 1.1: a share of the whole is 0 %.
+// Tolerances take 15 floors to 1.3, the scale these to 1.1: 0 % of the whole.
 TEST(Summary, CountsWhatTolerancesLeaveWhereTheyTakeNearlyAll) {
   Diagnosis d = friction();
   d.verdict = Verdict::effect;
