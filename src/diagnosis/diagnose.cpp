@@ -86,7 +86,7 @@ std::vector<std::string> notes_of_own(const Problem& problem, const SearchResult
     double gain = search.probes[c].valid ? search.probes[c].score : kNaN;
     for (const ModelFit& model : search.models)
       if (model.candidates == std::vector<int>{c} && model.fit.valid)
-        gain = model.fit.log_evidence - search.models.front().fit.log_evidence;
+        gain = model.log_evidence() - search.models.front().log_evidence();
     notes.push_back(
         std::isfinite(gain)
             ? fmt::format("{} ({}): tried and not named; alone its log evidence is {:+.1f} against "

@@ -97,7 +97,8 @@ Fit fit_from(const Problem& problem, const Whitening& whitening, const std::vect
         random.blocks.empty() && round > 0 && settled && fell < settings.scales_settled;
     fit.valid = residual.value(u, fit.residual);
     const Matrix* slopes = nullptr;
-    if (fit.valid) slopes = stays ? residual.slopes(u) : residual.renewed_slopes(u);
+    if (fit.valid)
+      slopes = stays || !options.renew ? residual.slopes(u) : residual.renewed_slopes(u);
     if (slopes == nullptr) return before_round;
 
     fit.jacobian = *slopes;
@@ -114,7 +115,7 @@ Fit fit_from(const Problem& problem, const Whitening& whitening, const std::vect
         estimated_scales(random, products, from, steps, settings.scale_spread, at);
     complete(random, residual, products, estimate, u, at, fit);
 
-    if (free.empty() || round >= settings.renewals) return fit;
+    if (free.empty() || round >= settings.renewals || !options.renew) return fit;
     if (options.hold_scales) {
       if (settled) return fit;
       continue;
@@ -136,7 +137,8 @@ Fit fit_from(const Problem& problem, const Whitening& whitening, const std::vect
 
 Residual residual_of(const Problem& problem, const Whitening& whitening,
                      const std::vector<int>& free, const Vector& p, const FitOptions& options) {
-  const bool by_rows = !options.known_rows.columns.empty();
+  // White ones are those of the rows, where both are there.
+  const bool by_rows = !options.known_rows.columns.empty() && options.known.cols() == 0;
   const Matrix known = by_rows ? whitening.slopes(options.known_rows) : options.known;
   Residual residual =
       options.by_slopes == nullptr
@@ -294,6 +296,16 @@ Fit fit_model(const Problem& problem, const Whitening& whitening, const std::vec
 
   best.predictions = predictions;
   return best;
+}
+
+Fit fit_near(const Problem& problem, const Whitening& whitening, const std::vector<int>& free,
+             const Vector& start, const FitOptions& options) {
+  if (free.empty()) return evaluate_model(problem, whitening, start, options);
+  Residual residual = residual_of(problem, whitening, free, start, options);
+  Fit fit = fit_from(problem, whitening, free, options, residual, residual.reduced(start));
+  fit.message = residual.message();
+  fit.predictions = residual.predictions();
+  return fit;
 }
 
 Fit fit_from_lower(const Problem& problem, const Whitening& whitening, Fit fit,

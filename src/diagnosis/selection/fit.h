@@ -68,6 +68,8 @@ struct FitOptions {
   /// Tolerances by their slopes alone (residual.h); null or without slopes: simulated. Has to
   /// outlive the fit.
   const LinearNuisances* by_slopes = nullptr;
+  /// Whether slopes that follow by secants are told anew where a fit ends; else they stay so.
+  bool renew = true;
   /// Whether forces are granted from the first round on, at `scales`; else it is plain least
   /// squares.
   bool with_forces = false;
@@ -78,6 +80,11 @@ struct FitOptions {
 /// keeps the best.
 Fit fit_model(const Problem& problem, const Whitening& whitening, const std::vector<int>& free,
               const std::vector<Vector>& starts, const FitOptions& options = {});
+
+/// The same from where a fit of another space stands, `known_rows` that one's: misfits follow from
+/// the first step on, and no plain least squares lead away from there.
+Fit fit_near(const Problem& problem, const Whitening& whitening, const std::vector<int>& free,
+             const Vector& start, const FitOptions& options);
 
 /// Fixed parameters: r and log evidence alone. Of the options the deviations count.
 Fit evaluate_model(const Problem& problem, const Whitening& whitening, const Vector& p,

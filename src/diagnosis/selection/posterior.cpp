@@ -9,7 +9,11 @@
 namespace jaculus::diagnosis {
 double ModelFit::log_weight() const {
   if (!fit.valid) return -kInfinity;
-  return log_prior + std::max(fit.log_evidence, fit.log_complete);
+  return log_prior + std::max(log_evidence(), log_complete());
+}
+
+double ModelFit::log_weight_there() const {
+  return fit.valid ? log_prior + std::max(fit.log_evidence, fit.log_complete) : -kInfinity;
 }
 
 std::vector<const ModelFit*> most_probable_first(const std::vector<ModelFit>& models) {
@@ -84,8 +88,8 @@ Posterior posterior_of(const SearchResult& search, const Settings& settings) {
   for (ModelFit& m : out.models) {
     const bool valid = m.fit.valid;
     const bool may_lack = valid && m.fit.scales.size() > 0;
-    m.complete = valid ? m.log_prior + complete + m.fit.log_complete : -kInfinity;
-    m.lacking = may_lack ? m.log_prior + lacking + m.fit.log_evidence : -kInfinity;
+    m.complete = valid ? m.log_prior + complete + m.log_complete() : -kInfinity;
+    m.lacking = may_lack ? m.log_prior + lacking + m.log_evidence() : -kInfinity;
     all = log_of_sum(all, log_of_sum(m.complete, m.lacking));
   }
   out.untold = untold_weights(search, out.models.front().complete, settings);

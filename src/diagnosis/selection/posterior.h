@@ -20,12 +20,19 @@ struct ModelFit {
   std::vector<int> candidates;  ///< sorted; empty: none
   Fit fit;
   double log_prior = 0.0;
+  /// By how much its log evidence moves where contenders tell the noise in turn (contenders.h), and
+  /// the same without forces. 0: the space of its fit is the only one.
+  double moved = 0.0, moved_complete = 0.0;
   double complete = 0.0;  ///< probability of the model with nothing beside it
   double lacking = 0.0;   ///< probability of the model with forces beside it that it lacks
 
   [[nodiscard]] double probability() const { return complete + lacking; }
   /// log prior x evidence; -infinity for an invalid fit
   [[nodiscard]] double log_weight() const;
+  /// The same in the space of its fit alone.
+  [[nodiscard]] double log_weight_there() const;
+  [[nodiscard]] double log_evidence() const { return fit.log_evidence + moved; }
+  [[nodiscard]] double log_complete() const { return fit.log_complete + moved_complete; }
 };
 
 /// The most probable of the models of which a condition holds, of equals the first; null where it

@@ -33,12 +33,15 @@ void FittedModels::refine(const std::optional<Vector>& none_in_own, const Member
   if (problem_.hypotheses.tolerances.empty() || linear_.slopes.cols() == 0) return;
   std::set<Members> refined = {Members{}};
   std::map<Members, double> moved;  // what simulating changed, of those with effects
+  double best_by_slopes = -kInfinity;
+  for (const ModelFit& model : models_) best_by_slopes = std::max(best_by_slopes, value(model));
   std::vector<Vector> own;
   if (none_in_own) own.push_back(*none_in_own);
   refine(models_.front(), own);
   for (int count = 0;; ++count) {
     if (count >= problem_.settings.refined && refined.contains(leading()->candidates)) break;
-    ModelFit* next = next_to_refine(refined, moved, count < problem_.settings.refined);
+    const bool widely = count < problem_.settings.refined;
+    ModelFit* next = next_to_refine(refined, moved, widely ? best_by_slopes : kInfinity);
     if (next == nullptr) break;
     const double before = value(*next);
     refine(*next);
@@ -53,16 +56,19 @@ void FittedModels::refine(const std::optional<Vector>& none_in_own, const Member
 }
 
 ModelFit* FittedModels::next_to_refine(const std::set<Members>& refined,
-                                       const std::map<Members, double>& moved, bool widely) {
+                                       const std::map<Members, double>& moved,
+                                       double best_by_slopes) {
   const Settings& settings = problem_.settings;
   const double best = value(*leading());
   return most_probable(models_, [&](const ModelFit& model) {
     if (!model.fit.valid || refined.contains(model.candidates)) return false;
     const std::optional<double> alike = moved_alike(model.candidates, moved);
-    // Slopes misjudge a model by more than what tells two apart, but alike what it contains.
-    const double behind = widely && !alike ? settings.clear_lead : settings.indistinguishable_below;
-    const bool near = value(model) + alike.value_or(0.0) >= best - behind;
-    return near || &model == leading();
+    if (&model == leading()) return true;
+    // Slopes misjudge a model by more than what tells two apart, but alike what it contains; what
+    // contains none is compared with others as slopes have them.
+    const double least = best - settings.indistinguishable_below;
+    return value(model) + alike.value_or(0.0) >= least ||
+           (!alike && value(model) >= best_by_slopes - settings.clear_lead);
   });
 }
 
@@ -136,6 +142,8 @@ FitOptions FittedModels::exact_options(const ModelFit& model) const {
   options.scales = model.fit.scales;
   options.with_forces = true;
   options.known = linear_.slopes;
+  options.known_rows = linear_.rows;
+  options.keep_rows = !in_windows(problem_);
   // Not under a plan: there a valley is narrow, and effects are few beside eighty tolerances.
   if (in_windows(problem_))
     options.effect_slopes =

@@ -213,10 +213,14 @@ LinearNuisances linear_nuisances(const Problem& problem, const Whitening& whiten
   const std::vector<int> nuisances = problem.hypotheses.nuisances();
   if (nuisances.empty()) return out;
   Residual residual(problem, whitening, nuisances, out.p);
+  // Under a plan other spaces follow from them.
+  if (!in_windows(problem)) residual.keep_rows();
   const Vector u = residual.reduced(out.p);
   Vector r;
   const Matrix* slopes = residual.value(u, r) ? residual.slopes(u) : nullptr;
-  if (slopes != nullptr) out.slopes = *slopes;
+  if (slopes == nullptr) return out;
+  out.slopes = *slopes;
+  out.rows = residual.nuisance_rows();
   return out;
 }
 

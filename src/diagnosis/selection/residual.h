@@ -23,8 +23,9 @@ namespace jaculus::diagnosis {
 
 /// Nuisances by their slopes at one point: what tolerances go by, and gains set out with.
 struct LinearNuisances {
-  Vector p;       ///< all parameters, there
-  Matrix slopes;  ///< white rows x (unknown gains, then tolerances)
+  Vector p;          ///< all parameters, there
+  Matrix slopes;     ///< white rows x (unknown gains, then tolerances)
+  RowSlopes rows{};  ///< the same before whitening; under a plan
 };
 
 /// Counts its simulations. `problem` and `whitening` have to outlive it.

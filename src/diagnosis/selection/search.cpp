@@ -6,6 +6,7 @@
 #include <functional>
 #include <set>
 
+#include "diagnosis/selection/contenders.h"
 #include "diagnosis/selection/fitted_models.h"
 #include "diagnosis/selection/indistinguishable.h"
 #include "diagnosis/selection/neighbouring_sets.h"
@@ -241,8 +242,9 @@ SearchResult search_models(const Problem& problem, const Comparison& comparison,
     models.refine(options.none, led);
   out.indistinguishable =
       indistinguishable_sets(random, models, out.probes, problem.settings.indistinguishable_below);
-  out.models = models.all();
   out.predictions = models.predictions();
+  const bool last = options.earlier != nullptr;
+  out.models = last ? pooled(problem, comparison, models.all(), out.predictions) : models.all();
   return out;
 }
 

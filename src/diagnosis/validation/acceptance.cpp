@@ -33,7 +33,7 @@ bool more_probable(HeldOutGaps& gaps, const ModelFit& model, const ModelFit& sma
   if (in_windows(gaps.problem())) return false;
   const Settings& settings = gaps.settings();
   const ModelFit &with = gaps.fitted(model), &without = gaps.fitted(smaller);
-  return with.log_weight() - without.log_weight() >= settings.strong_odds &&
+  return with.log_weight_there() - without.log_weight_there() >= settings.strong_odds &&
          no_worse(gaps.of(with).after, gaps.of(without).after, settings);
 }
 
@@ -50,6 +50,15 @@ bool harms_a_condition(const HeldOut& with, const HeldOut& without, const Settin
 /// What a member explains at most, where too many are there for all of their orders.
 double largest_share(const EffectShare& share) {
   return std::isfinite(share.shapley) ? share.shapley : std::max(share.alone, share.last);
+}
+
+/// Times a share of the gap as stated that it is of what tolerances leave of it, where that is a
+/// plain gap; else 1. A rig whose encoders are off by what its builder allows may gape thirty
+/// floors: a play that makes the two that are left one is not nothing.
+double of_what_tolerances_leave(const HeldOut& gap, const Settings& settings) {
+  const double base = std::min(gap.before, gap.adjusted);
+  if (!(base >= settings.plain_gap) || !(base > 1.0)) return 1.0;
+  return (gap.before * gap.before - 1.0) / (base * base - 1.0);
 }
 
 }  // namespace
@@ -108,10 +117,13 @@ ModelFit without_members_of_no_share(HeldOutGaps& gaps, ModelFit model) {
   const ModelFit first = model;
   while (model.candidates.size() > 1) {
     const auto shares = shares_of(gaps, model);
+    const double times = of_what_tolerances_leave(gaps.of(model), gaps.settings());
     std::vector<std::pair<double, int>> small;  // shares and members, the least first
-    for (int i = 0; i < count_of(shares); ++i)
-      if (shares[i] && largest_share(*shares[i]) < gaps.settings().remainder_share)
-        small.emplace_back(largest_share(*shares[i]), model.candidates[i]);
+    for (int i = 0; i < count_of(shares); ++i) {
+      if (!shares[i]) continue;
+      const double share = times * largest_share(*shares[i]);
+      if (share < gaps.settings().remainder_share) small.emplace_back(share, model.candidates[i]);
+    }
     std::sort(small.begin(), small.end());
 
     const auto may_go = [&](const std::pair<double, int>& own) {

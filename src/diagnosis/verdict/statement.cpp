@@ -47,7 +47,7 @@ double log_odds_of_effects(const Posterior& posterior) {
 /// Probability that a model lacks forces, given that its effects are at work.
 double lacking_probability(const ModelFit& model, const Settings& settings) {
   const double odds = settings.prior_lacking / (1.0 - settings.prior_lacking);
-  const double log_factor = model.fit.log_evidence - model.fit.log_complete;
+  const double log_factor = model.log_evidence() - model.log_complete();
   return 1.0 / (1.0 + std::exp(-log_factor) / odds);
 }
 
@@ -56,7 +56,7 @@ Ranked row_of(const Problem& problem, const ModelFit& model, double zero) {
   const std::vector<std::string> members = names_of(problem, model.candidates);
   const bool none = members.empty();
   const double evidence =
-      none ? model.fit.log_complete : std::max(model.fit.log_evidence, model.fit.log_complete);
+      none ? model.log_complete() : std::max(model.log_evidence(), model.log_complete());
   Ranked row{joined(members), evidence - zero, kNaN, none ? model.complete : model.probability(),
              members};
   row.parameters = values_of(problem, model);
@@ -66,7 +66,7 @@ Ranked row_of(const Problem& problem, const ModelFit& model, double zero) {
 /// Effects that were not worth a fit, by what screening says of them.
 void add_untold(const HeldOutGaps& gaps, double zero, std::vector<Ranked>& ranking) {
   const Posterior& posterior = gaps.posterior();
-  const double none = posterior.find({})->fit.log_complete;
+  const double none = posterior.find({})->log_complete();
   for (int c = 0; c < count_of(posterior.untold); ++c) {
     if (posterior.untold[c] == 0.0) continue;
     const std::string& name = gaps.problem().hypotheses.candidates[c].name;
@@ -80,7 +80,7 @@ std::vector<Ranked> ranking_of(HeldOutGaps& gaps, const ModelFit& chosen) {
   const Problem& problem = gaps.problem();
   const Posterior& posterior = gaps.posterior();
   const Settings& settings = gaps.settings();
-  const double zero = posterior.find({})->fit.log_evidence;
+  const double zero = posterior.find({})->log_evidence();
   std::vector<Ranked> ranking;
   int judged = 0;
   for (const ModelFit& model : posterior.models) {
