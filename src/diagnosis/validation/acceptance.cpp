@@ -20,9 +20,9 @@ const ModelFit& without_member(HeldOutGaps& gaps, const ModelFit& model, int dro
   return gaps.subset(model, without_one(model.candidates, dropped));
 }
 
-/// The sets that a set may become by losing members: all smaller ones where these are few, else those
-/// without one. Two that fit the same trials may each look needed beside the other, so that members
-/// leave together.
+/// The sets that a set may become by losing members: all smaller ones where these are few, else
+/// those without one. Two that fit the same trials may each look needed beside the other, so that
+/// members leave together.
 std::vector<std::vector<int>> smaller_sets(const std::vector<int>& members) {
   std::vector<std::vector<int>> sets;
   const int n = count_of(members);
