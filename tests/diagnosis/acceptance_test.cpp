@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "diagnosis/toy.h"
+#include "diagnosis/validation/shares.h"
 #include "diagnosis/verdict/proposal.h"
 
 namespace jaculus::diagnosis {
@@ -149,6 +150,22 @@ TEST(Acceptance, LeavesOutMembersThatExplainNothingOfTheGap) {
   with_blind.candidates = {0, 3};
   with_blind.fit = fit_model(*toy.problem, toy.comparison.whitening, {0, 3}, {Vector::Zero(4)});
   EXPECT_EQ(kept(with_blind), std::vector<int>{0});
+}
+
+TEST(Acceptance, KeepsWhatExplainsWhatTolerancesLeaveThoughTheGapAsStatedIsManyTimesThat) {
+  Fitted toy(toy_truth(0.5, 0.3));
+  toy.problem->settings.strong_odds = 1e6;  // so that shares decide
+  const Posterior posterior = posterior_of(toy.search, {});
+  const ModelFit& pair = *posterior.find({0, 1});
+  // As stated the robot is off by what a tolerance takes in full: forty times what effects do.
+  const Fit stated = evaluate_model(*toy.problem, toy.comparison.whitening, toy_truth(20.0, 0.0));
+  HeldOutGaps gaps(*toy.problem, toy.comparison, posterior, stated, toy.search.models[0].fit);
+
+  for (const auto& share : shares_of(gaps, pair)) {
+    ASSERT_TRUE(share.has_value());
+    EXPECT_LT(share->shapley, Settings{}.remainder_share);
+  }
+  EXPECT_EQ(without_members_of_no_share(gaps, pair).candidates, (std::vector<int>{0, 1}));
 }
 
 TEST(Acceptance, JudgesNothingByGapsThatAreNotThere) {

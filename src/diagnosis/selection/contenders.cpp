@@ -50,6 +50,7 @@ std::optional<Comparison> space_about(const Problem& problem, const Comparison& 
 Fit fit_there(const Problem& problem, const Comparison& there, const Fit& fit) {
   FitOptions options;
   options.scales = fit.scales;
+  options.with_forces = true;
   options.known_rows = fit.nuisance_rows;
   options.renew = false;
   return fit_near(problem, there.whitening, fit.free, fit.p, options);
@@ -101,10 +102,16 @@ std::vector<SpaceWeights> weights_there(const Problem& problem, const Comparison
     if (fit.valid) there[j][i] = weight_of(models[i], fit, problem.settings);
   });
   for (const long count : counts) predictions += count;
-  std::erase_if(there, [](const SpaceWeights& own) {
-    return std::none_of(own.begin(), own.end(), [](const auto& w) { return w.has_value(); });
+  std::erase_if(there, [&](const SpaceWeights& own) {
+    return std::any_of(contenders.begin(), contenders.end(), [&](int i) { return !own[i]; });
   });
   return there;
+}
+
+/// The same models without the slopes of rows that other spaces needed: some megabytes each.
+std::vector<ModelFit> without_rows(std::vector<ModelFit> models) {
+  for (ModelFit& model : models) model.fit.nuisance_rows = {};
+  return models;
 }
 
 }  // namespace
@@ -131,7 +138,7 @@ std::vector<ModelFit> pooled(const Problem& problem, const Comparison& compariso
                              std::vector<ModelFit> models, long& predictions) {
   if (in_windows(problem)) return models;
   const std::vector<int> contenders = contenders_of(models, problem.settings);
-  if (contenders.size() < 2) return models;
+  if (contenders.size() < 2) return without_rows(std::move(models));
 
   std::vector<SpaceWeight> here;
   for (const ModelFit& model : models)
@@ -143,7 +150,7 @@ std::vector<ModelFit> pooled(const Problem& problem, const Comparison& compariso
     if (std::isfinite(here[i].complete))
       models[i].moved_complete = all[i].complete - here[i].complete;
   }
-  return models;
+  return without_rows(std::move(models));
 }
 
 }  // namespace jaculus::diagnosis

@@ -10,7 +10,8 @@
 //   p(i) = 1/K sum_j p(i | y, j),
 // a linear opinion pool (Stone 1961; Genest and Zidek 1986) of K noise models that nothing ranks:
 // their likelihoods could be compared, but are decided by how sharp a thousand rows are. What leads
-// in every space stays as probable as it was; what leads in one alone does not.
+// clearly in every space still does; what leads in one alone does not. A space in which a contender
+// can't be fitted has no voice.
 // Contenders are the models, none among them, that were fitted with tolerances simulated and that
 // none leads by settings.clear_lead in the space of the search. Other sets that were simulated
 // are fitted in their spaces too; the rest, none where it does not contend, is as far behind what

@@ -58,7 +58,8 @@ struct FitOptions {
   /// Slopes of the nuisances to set out with, white rows x nuisances (residual.h); empty: those at
   /// the start.
   Matrix known{};
-  /// The same of their rows, in place of `known`; and whether the fit keeps those it ends with.
+  /// The same of their rows, which serve where `known` is empty; and whether the fit keeps those it
+  /// ends with.
   RowSlopes known_rows{};
   bool keep_rows = false;
   /// The same of the effects, white rows x their parameters, then by secants; empty: differenced.
@@ -68,7 +69,8 @@ struct FitOptions {
   /// Tolerances by their slopes alone (residual.h); null or without slopes: simulated. Has to
   /// outlive the fit.
   const LinearNuisances* by_slopes = nullptr;
-  /// Whether slopes that follow by secants are told anew where a fit ends; else they stay so.
+  /// Whether slopes that follow by secants are told anew where a fit ends, and it goes on from
+  /// there; else it ends with the first round.
   bool renew = true;
   /// Whether forces are granted from the first round on, at `scales`; else it is plain least
   /// squares.

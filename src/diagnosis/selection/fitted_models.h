@@ -76,10 +76,11 @@ class FittedModels {
   /// The model of these members, where it is fitted and was not refined yet.
   void refine_once(const Members& members, std::set<Members>& refined);
   /// The next of the models by slopes that may come to lead; null where none may. `moved`: by how
-  /// much refining changed others; `best_by_slopes`: also those by less than clear_lead below it.
+  /// much refining changed others; `widely`: also those by less than clear_lead below what led by
+  /// slopes, `best_by_slopes`.
   [[nodiscard]] ModelFit* next_to_refine(const std::set<Members>& refined,
                                          const std::map<Members, double>& moved,
-                                         double best_by_slopes);
+                                         double best_by_slopes, bool widely);
   /// Where a model would stand if tolerances, as far as they reach, were what a leading one's other
   /// effects are: the same robot by other names.
   [[nodiscard]] Vector by_tolerances(const ModelFit& lead, const ModelFit& model) const;

@@ -41,7 +41,7 @@ void FittedModels::refine(const std::optional<Vector>& none_in_own, const Member
   for (int count = 0;; ++count) {
     if (count >= problem_.settings.refined && refined.contains(leading()->candidates)) break;
     const bool widely = count < problem_.settings.refined;
-    ModelFit* next = next_to_refine(refined, moved, widely ? best_by_slopes : kInfinity);
+    ModelFit* next = next_to_refine(refined, moved, best_by_slopes, widely);
     if (next == nullptr) break;
     const double before = value(*next);
     refine(*next);
@@ -57,7 +57,7 @@ void FittedModels::refine(const std::optional<Vector>& none_in_own, const Member
 
 ModelFit* FittedModels::next_to_refine(const std::set<Members>& refined,
                                        const std::map<Members, double>& moved,
-                                       double best_by_slopes) {
+                                       double best_by_slopes, bool widely) {
   const Settings& settings = problem_.settings;
   const double best = value(*leading());
   return most_probable(models_, [&](const ModelFit& model) {
@@ -65,10 +65,11 @@ ModelFit* FittedModels::next_to_refine(const std::set<Members>& refined,
     const std::optional<double> alike = moved_alike(model.candidates, moved);
     if (&model == leading()) return true;
     // Slopes misjudge a model by more than what tells two apart, but alike what it contains; what
-    // contains none is compared with others as slopes have them.
+    // contains none is compared with others as slopes have them, unless the best of these fell.
     const double least = best - settings.indistinguishable_below;
     return value(model) + alike.value_or(0.0) >= least ||
-           (!alike && value(model) >= best_by_slopes - settings.clear_lead);
+           (widely && !alike &&
+            value(model) >= std::min(best, best_by_slopes) - settings.clear_lead);
   });
 }
 

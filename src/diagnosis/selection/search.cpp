@@ -129,8 +129,8 @@ bool worth_enlarging(const Problem& problem, const FittedModels& models, int siz
   return models.value(*base) >= models.value(*before) + gain && leaves_more(problem, base->fit);
 }
 
-void search_about_leaders(const Problem& problem, const Whitening& whitening,
-                          const SearchOptions& options, FittedModels& models) {
+void search_about_leaders(const Problem& problem, const SearchOptions& options,
+                          FittedModels& models) {
   const Settings& settings = problem.settings;
   for (int size = 2; size <= options.largest; ++size) {
     if (!worth_enlarging(problem, models, size)) return;
@@ -140,10 +140,7 @@ void search_about_leaders(const Problem& problem, const Whitening& whitening,
     const ModelFit from = *models.best(size - 1);
     std::set<Members> extended;
     for (const ModelFit& root : models.close_to(from, size == 2 ? settings.search_roots : 1)) {
-      const Surroundings near{problem, whitening, root, models.probe(root)};
-      models.extend(root, near.probes, settings.kept_pairs);
-      // Two at once where neither helps without the other: no move one by one comes by them.
-      if (size == 2 && options.largest > size) enlarge(near, options.largest, models);
+      models.extend(root, models.probe(root), settings.kept_pairs);
       extended.insert(root.candidates);
     }
 
@@ -235,7 +232,7 @@ SearchResult search_models(const Problem& problem, const Comparison& comparison,
     if (options.earlier != nullptr) models.fit_again(rivals_that_led(*options.earlier, problem));
     models.fit_again(options.known);
     fit_indistinguishable(problem.settings, random, out.probes, models);
-    search_about_leaders(problem, comparison.whitening, options, models);
+    search_about_leaders(problem, options, models);
     if (options.largest > 1)
       search_from_leader(problem, comparison.whitening, out.probes, options, models);
   }

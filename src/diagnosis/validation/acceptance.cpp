@@ -1,7 +1,6 @@
 #include "diagnosis/validation/acceptance.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -13,26 +12,9 @@
 namespace jaculus::diagnosis {
 namespace {
 
-constexpr int kMostTogether = 3;  // members of a set that may leave together: subsets double
-
 /// The set without one member.
 const ModelFit& without_member(HeldOutGaps& gaps, const ModelFit& model, int dropped) {
   return gaps.subset(model, without_one(model.candidates, dropped));
-}
-
-/// The sets that a set may become by losing members: all smaller ones where these are few, else
-/// those without one. Two that fit the same trials may each look needed beside the other, so that
-/// members leave together.
-std::vector<std::vector<int>> smaller_sets(const std::vector<int>& members) {
-  std::vector<std::vector<int>> sets;
-  const int n = count_of(members);
-  for (unsigned kept = 1; kept + 1 < 1u << n; ++kept) {
-    if (n > kMostTogether && std::popcount(kept) < n - 1) continue;
-    sets.emplace_back();
-    for (int i = 0; i < n; ++i)
-      if ((kept >> i & 1u) != 0) sets.back().push_back(members[i]);
-  }
-  return sets;
 }
 
 /// Whether a set leaves so much less of the held-out gap than a smaller one that the difference is
@@ -117,16 +99,13 @@ ModelFit without_harmful_members(HeldOutGaps& gaps, ModelFit model) {
     const HeldOut all = gaps.of(gaps.held(model, model.candidates));
     const HeldOut stated = gaps.of(gaps.fitted(model));
     std::optional<ModelFit> best;
-    double least = kInfinity;
-    for (const std::vector<int>& members : smaller_sets(model.candidates)) {
-      const ModelFit& less = gaps.subset(model, members);
+    for (const int dropped : model.candidates) {
+      const ModelFit& less = without_member(gaps, model, dropped);
       if (!less.fit.valid || !gaps.of(less).valid ||
-          !harms_a_condition(all, gaps.of(less), gaps.settings()))
+          !harms_a_condition(all, gaps.of(less), gaps.settings()) ||
+          !harms_a_condition(stated, gaps.of(gaps.fitted(less)), gaps.settings()))
         continue;
-      const HeldOut own = gaps.of(gaps.fitted(less));
-      if (!harms_a_condition(stated, own, gaps.settings()) || own.after >= least) continue;
-      best = less;
-      least = own.after;
+      if (!best || gaps.of(less).after < gaps.of(*best).after) best = less;
     }
     if (!best) break;
     model = std::move(*best);

@@ -24,7 +24,8 @@ ModelFit without_idle_members(HeldOutGaps& gaps, ModelFit model);
 ModelFit without_harmful_members(HeldOutGaps& gaps, ModelFit model);
 
 /// The model without those members that explain less than settings.remainder_share of the held-out
-/// gap's energy in the mean over the orders in which its members may join (shares.h), the least
+/// gap's energy in the mean over the orders in which its members may join (shares.h), of the gap
+/// that a robot within its tolerances has where that is a plain one (HeldOut::adjusted), the least
 /// first: what would not be worth stating as a remainder is not worth a name. One always stays, and
 /// so do members that the odds need, as above.
 ModelFit without_members_of_no_share(HeldOutGaps& gaps, ModelFit model);
