@@ -97,6 +97,19 @@ TEST(Contenders, ThatAreOneModelByTwoNamesStayAsProbableAsEachOther) {
   EXPECT_NEAR(first->probability() + twin->probability(), 1.0, 1e-6);
 }
 
+TEST(Contenders, TellNoiseThatMovesThemLittleWhereOneIsTrue) {
+  // So small that none contends: about none the effect is left in the rows, about it, it is not.
+  const SearchResult found = searched(*toy_problem(toy_truth(1.5e-3, 0.0)));
+  ASSERT_GT(contenders_of(found), 2);
+  bool moved = false;
+  for (const ModelFit& model : found.models) {
+    if (!model.fit.valid) continue;
+    moved = moved || model.moved != 0.0;
+    EXPECT_LT(std::abs(model.moved), 1.0);
+  }
+  EXPECT_TRUE(moved);
+}
+
 TEST(Contenders, OfWhichThereIsOneAloneKeepWhatTheSearchGaveThem) {
   const SearchResult found = searched(*toy_problem(toy_truth(0.0, 0.2)));
   ASSERT_EQ(contenders_of(found), 1);
