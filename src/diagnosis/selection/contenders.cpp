@@ -11,30 +11,17 @@
 namespace jaculus::diagnosis {
 namespace {
 
-using Weight = SpaceWeight;
+double most_of(const SpaceWeight& weight) { return std::max(weight.lacking, weight.complete); }
 
-double most_of(const Weight& weight) { return std::max(weight.lacking, weight.complete); }
-
-Weight weight_of(const ModelFit& model, const Fit& fit, const Settings& settings) {
-  Weight weight;
-  if (!fit.valid) return weight;
-  weight.complete = model.log_prior + std::log1p(-settings.prior_lacking) + fit.log_complete;
-  if (fit.scales.size() > 0)
-    weight.lacking = model.log_prior + std::log(settings.prior_lacking) + fit.log_evidence;
-  return weight;
-}
-
-/// Places of the models that may tell the noise, best first.
+/// Places of the models that may tell the noise.
 std::vector<int> contenders_of(const std::vector<ModelFit>& models, const Settings& settings) {
-  double best = -kInfinity;
-  for (const ModelFit& model : models) best = std::max(best, model.log_weight());
+  const auto valid = [](const ModelFit& model) { return model.fit.valid; };
+  const ModelFit* best = most_probable(models, valid);
   std::vector<int> places;
   for (int i = 0; i < count_of(models); ++i)
-    if (models[i].fit.valid && !models[i].fit.by_slopes() &&
-        models[i].log_weight() >= best - settings.clear_lead)
+    if (valid(models[i]) && !models[i].fit.by_slopes() &&
+        models[i].log_weight() >= best->log_weight() - settings.clear_lead)
       places.push_back(i);
-  std::stable_sort(places.begin(), places.end(),
-                   [&](int a, int b) { return models[a].log_weight() > models[b].log_weight(); });
   return places;
 }
 
@@ -64,20 +51,23 @@ bool fitted_there(const ModelFit& model, bool contends) {
 
 /// Weights of all models in one space; of those that were not fitted there as far behind what leads
 /// as `here`.
-std::vector<Weight> completed(const SpaceWeights& there, const std::vector<Weight>& here) {
+std::vector<SpaceWeight> completed(const SpaceWeights& there,
+                                   const std::vector<SpaceWeight>& here) {
   double best_there = -kInfinity, best_here = -kInfinity;
   for (const auto& own : there) best_there = std::max(best_there, own ? most_of(*own) : -kInfinity);
-  for (const Weight& own : here) best_here = std::max(best_here, most_of(own));
+  for (const SpaceWeight& own : here) best_here = std::max(best_here, most_of(own));
   const double moved = best_there - best_here;
-  std::vector<Weight> out;
+  std::vector<SpaceWeight> out;
   for (std::size_t i = 0; i < here.size(); ++i)
-    out.push_back(there[i].value_or(Weight{here[i].lacking + moved, here[i].complete + moved}));
+    out.push_back(
+        there[i].value_or(SpaceWeight{here[i].lacking + moved, here[i].complete + moved}));
   return out;
 }
 
-double log_sum(const std::vector<Weight>& weights) {
+double log_sum(const std::vector<SpaceWeight>& weights) {
   double sum = -kInfinity;
-  for (const Weight& own : weights) sum = log_of_sum(sum, log_of_sum(own.lacking, own.complete));
+  for (const SpaceWeight& own : weights)
+    sum = log_of_sum(sum, log_of_sum(own.lacking, own.complete));
   return sum;
 }
 
@@ -119,9 +109,9 @@ std::vector<ModelFit> without_rows(std::vector<ModelFit> models) {
 std::vector<SpaceWeight> over_spaces(const std::vector<SpaceWeight>& here,
                                      const std::vector<SpaceWeights>& there) {
   if (there.empty()) return here;
-  std::vector<Weight> sums(here.size());
+  std::vector<SpaceWeight> sums(here.size());
   for (const SpaceWeights& space : there) {
-    const std::vector<Weight> own = completed(space, here);
+    const std::vector<SpaceWeight> own = completed(space, here);
     const double norm = log_sum(own);
     for (std::size_t i = 0; i < here.size(); ++i) {
       sums[i].lacking = log_of_sum(sums[i].lacking, own[i].lacking - norm);
@@ -130,7 +120,7 @@ std::vector<SpaceWeight> over_spaces(const std::vector<SpaceWeight>& here,
   }
 
   const double norm = log_sum(here) - std::log(static_cast<double>(there.size()));
-  for (Weight& own : sums) own = {own.lacking + norm, own.complete + norm};
+  for (SpaceWeight& own : sums) own = {own.lacking + norm, own.complete + norm};
   return sums;
 }
 

@@ -25,10 +25,6 @@
 
 namespace jaculus::diagnosis {
 
-/// log prior x evidence of a model in one space, with the forces that it lacks and without.
-struct SpaceWeight {
-  double lacking = -kInfinity, complete = -kInfinity;
-};
 /// Of all models in one space; nothing of those that were not fitted there.
 using SpaceWeights = std::vector<std::optional<SpaceWeight>>;
 

@@ -16,6 +16,15 @@ double ModelFit::log_weight_there() const {
   return fit.valid ? log_prior + std::max(fit.log_evidence, fit.log_complete) : -kInfinity;
 }
 
+SpaceWeight weight_of(const ModelFit& model, const Fit& fit, const Settings& settings) {
+  SpaceWeight weight;
+  if (!fit.valid) return weight;
+  weight.complete = model.log_prior + std::log1p(-settings.prior_lacking) + fit.log_complete;
+  if (fit.scales.size() > 0)
+    weight.lacking = model.log_prior + std::log(settings.prior_lacking) + fit.log_evidence;
+  return weight;
+}
+
 std::vector<const ModelFit*> most_probable_first(const std::vector<ModelFit>& models) {
   std::vector<const ModelFit*> sorted;
   for (const ModelFit& model : models) sorted.push_back(&model);
@@ -82,14 +91,11 @@ Posterior posterior_of(const SearchResult& search, const Settings& settings) {
   out.inclusion.assign(search.probes.size(), 0.0);
   for (const Probe& probe : search.probes) out.scores.push_back(probe.score);
 
-  const double lacking = std::log(settings.prior_lacking),
-               complete = std::log1p(-settings.prior_lacking);
   double all = -kInfinity;
   for (ModelFit& m : out.models) {
-    const bool valid = m.fit.valid;
-    const bool may_lack = valid && m.fit.scales.size() > 0;
-    m.complete = valid ? m.log_prior + complete + m.log_complete() : -kInfinity;
-    m.lacking = may_lack ? m.log_prior + lacking + m.log_evidence() : -kInfinity;
+    const SpaceWeight weight = weight_of(m, m.fit, settings);
+    m.complete = weight.complete + m.moved_complete;
+    m.lacking = weight.lacking + m.moved;
     all = log_of_sum(all, log_of_sum(m.complete, m.lacking));
   }
   out.untold = untold_weights(search, out.models.front().complete, settings);

@@ -35,6 +35,14 @@ struct ModelFit {
   [[nodiscard]] double log_complete() const { return fit.log_complete + moved_complete; }
 };
 
+/// log prior x evidence of a model in one space, with the forces that it lacks and without;
+/// -infinity where it has none.
+struct SpaceWeight {
+  double lacking = -kInfinity, complete = -kInfinity;
+};
+/// By a fit of the model in that space.
+SpaceWeight weight_of(const ModelFit& model, const Fit& fit, const Settings& settings);
+
 /// The most probable of the models of which a condition holds, of equals the first; null where it
 /// holds of none. `models`: const or not, as what is returned.
 template <typename Models, typename Condition>

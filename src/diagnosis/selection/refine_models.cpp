@@ -33,8 +33,7 @@ void FittedModels::refine(const std::optional<Vector>& none_in_own, const Member
   if (problem_.hypotheses.tolerances.empty() || linear_.slopes.cols() == 0) return;
   std::set<Members> refined = {Members{}};
   std::map<Members, double> moved;  // what simulating changed, of those with effects
-  double best_by_slopes = -kInfinity;
-  for (const ModelFit& model : models_) best_by_slopes = std::max(best_by_slopes, value(model));
+  const double best_by_slopes = value(*leading());
   std::vector<Vector> own;
   if (none_in_own) own.push_back(*none_in_own);
   refine(models_.front(), own);
@@ -62,8 +61,8 @@ ModelFit* FittedModels::next_to_refine(const std::set<Members>& refined,
   const double best = value(*leading());
   return most_probable(models_, [&](const ModelFit& model) {
     if (!model.fit.valid || refined.contains(model.candidates)) return false;
-    const std::optional<double> alike = moved_alike(model.candidates, moved);
     if (&model == leading()) return true;
+    const std::optional<double> alike = moved_alike(model.candidates, moved);
     // Slopes misjudge a model by more than what tells two apart, but alike what it contains; what
     // contains none is compared with others as slopes have them, unless the best of these fell.
     const double least = best - settings.indistinguishable_below;

@@ -57,8 +57,7 @@ double largest_share(const EffectShare& share) {
 /// floors: a play that makes the two that are left one is not nothing.
 double of_what_tolerances_leave(const HeldOut& gap, const Settings& settings) {
   const double base = std::min(gap.before, gap.adjusted);
-  if (!(base >= settings.plain_gap) || !(base > 1.0)) return 1.0;
-  return (gap.before * gap.before - 1.0) / (base * base - 1.0);
+  return base >= settings.plain_gap && base > 1.0 ? energy_left(base, gap.before) : 1.0;
 }
 
 }  // namespace
