@@ -31,7 +31,7 @@ double promised(const Problem& problem, double score) {
 }
 
 Fit better(const Fit& a, const Fit& b) {
-  Fit best = b.valid && b.log_evidence > a.log_evidence ? b : a;
+  Fit best = b.valid && (!a.valid || b.log_evidence > a.log_evidence) ? b : a;
   best.predictions = a.predictions + b.predictions;
   return best;
 }
@@ -165,6 +165,11 @@ void FittedModels::fit_sets(const ModelFit& about, const std::vector<LinearSet>&
     Job job{set.members, {}, contained_in(set.members)};
     job.starts = starts_of(about, set, probes);
     job.enough = job.base.log_evidence + problem_.settings.member_gain;
+    if (!in_windows(problem_)) {
+      job.enough =
+          about.fit.log_evidence + promised(problem_, set.log_evidence - about.fit.log_evidence);
+      job.by_slopes = set.p;
+    }
     // Deviations near none are those of its whole misfit, and under a plan slopes reach no farther
     // than to a start: plain least squares first.
     if (!about.candidates.empty() && in_windows(problem_)) {
@@ -269,6 +274,10 @@ void FittedModels::fit(const std::vector<Job>& jobs) {
     if (in_windows(problem_) && !options.with_forces && model.fit.valid &&
         model.fit.log_evidence < least)
       model.fit = better(model.fit, fit_beside(problem_, whitening, base, free, options));
+    // Below plain least squares misfits may have another valley than the one that slopes promise.
+    if (jobs[i].by_slopes.size() > 0 && !(model.fit.log_evidence >= options.enough))
+      model.fit =
+          better(model.fit, fit_near(problem_, whitening, free, jobs[i].by_slopes, options));
     if (model.candidates.size() == 1 && !options.with_forces)
       model.fit = fit_around(problem_, comparison_.whitening, model.fit, options);
   });

@@ -61,6 +61,7 @@ class FittedModels {
     double enough = kInfinity;  ///< log evidence at which no further start is tried
     Vector scales{};            ///< deviations of the forces at the starts; empty: not known
     Matrix effect_slopes{};     ///< at the starts (fit.h); none: not known
+    Vector by_slopes{};         ///< where slopes promise `enough`, nuisances too; empty: not known
   };
 
   [[nodiscard]] std::vector<Vector> starts_of(const ModelFit& about, const LinearSet& set,
@@ -97,6 +98,9 @@ class FittedModels {
   /// without what it has more: what these effects gain must be theirs, and no valley that the
   /// smaller model has as well.
   void fit_within(const ModelFit& larger, ModelFit& model);
+  /// A model with tolerances simulated, from `start` by slopes that are known, of the nuisances'
+  /// rows.
+  Fit fit_by_known(const ModelFit& model, const Vector& start, const RowSlopes& rows);
   /// Of a fit with tolerances simulated.
   [[nodiscard]] FitOptions exact_options(const ModelFit& model) const;
   void fit(const std::vector<Job>& jobs);

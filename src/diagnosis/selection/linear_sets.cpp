@@ -3,53 +3,14 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <utility>
 
+#include "diagnosis/selection/foremost_sets.h"
 #include "diagnosis/selection/line_search.h"
+#include "diagnosis/selection/set_products.h"
 
 namespace jaculus::diagnosis {
 namespace {
-
-using SetColumns = std::vector<Eigen::Index>;
-
-/// Products of the residual, the nuisances and every candidate's columns.
-struct SetProducts {
-  Products products;
-  std::vector<SetColumns> own;  ///< of a candidate; empty where it has none
-  SetColumns nuisances;
-};
-
-SetProducts set_products(const Problem& problem, const Whitening& whitening, const Fit& fit,
-                         const std::vector<int>& about, const std::vector<Probe>& probes) {
-  SetProducts table;
-  table.own.resize(probes.size());
-  const Matrix base = linear_model(problem, fit);
-  Eigen::Index count = base.cols();
-  for (const Probe& probe : probes) count += probe.valid ? probe.better().cols() : 0;
-
-  Matrix X(base.rows(), count);
-  X.leftCols(base.cols()) = base;
-  std::vector<bool> taken(base.cols(), false);
-  for (const int c : about) {
-    for (const int i : problem.hypotheses.candidates[c].parameters) {
-      const Eigen::Index column = 1 + index_of(fit.free, i);
-      table.own[c].push_back(column);
-      taken[column] = true;
-    }
-  }
-  for (Eigen::Index i = 1; i < base.cols(); ++i)
-    if (!taken[i]) table.nuisances.push_back(i);
-
-  Eigen::Index next = base.cols();
-  for (int c = 0; c < count_of(probes); ++c) {
-    if (!probes[c].valid || !table.own[c].empty()) continue;
-    const Matrix& columns = probes[c].better();
-    X.middleCols(next, columns.cols()) = columns;
-    for (Eigen::Index k = 0; k < columns.cols(); ++k) table.own[c].push_back(next++);
-  }
-
-  table.products = products_of(whitening.random, X.leftCols(next));
-  return table;
-}
 
 /// Those of some columns of X.
 Products picked(const Products& all, const SetColumns& columns) {
@@ -72,9 +33,19 @@ bool on_their_sides(const Problem& problem, const LinearSet& set) {
   return true;
 }
 
+/// All parameters at u of the members, then of the nuisances, within bounds.
+Vector parameters_at(const Problem& problem, const Fit& fit, const std::vector<int>& about,
+                     const SetProducts& table, const std::vector<int>& members, const Vector& u) {
+  std::vector<int> free = problem.hypotheses.parameters_of(members);
+  for (const Eigen::Index column : table.nuisances)
+    free.push_back(fit.free[static_cast<std::size_t>(column - 1)]);
+  return problem.hypotheses.unscaled(free, u, problem.hypotheses.without_effects(fit.p, about));
+}
+
 LinearSet evaluated(const Problem& problem, const Whitening& whitening, const Fit& fit,
-                    const SetProducts& table, const std::vector<int>& members) {
-  LinearSet set{members, -kInfinity, {}, {}};
+                    const std::vector<int>& about, const SetProducts& table,
+                    const std::vector<int>& members) {
+  LinearSet set{members, -kInfinity, {}, {}, {}};
   SetColumns columns{0};
   for (const int c : members) {
     if (table.own[c].empty()) return set;
@@ -90,6 +61,7 @@ LinearSet evaluated(const Problem& problem, const Whitening& whitening, const Fi
   const Followed followed = followed_by(problem, whitening.random, products, fit.scales,
                                         problem.settings.set_scale_steps);
   set.mean = followed.linear.mean.head(parameters);
+  set.p = parameters_at(problem, fit, about, table, members, followed.linear.mean);
   set.scales = followed.scales;
   if (on_their_sides(problem, set)) set.log_evidence = followed.linear.log_evidence;
   return set;
@@ -100,11 +72,14 @@ LinearSet evaluated(const Problem& problem, const Whitening& whitening, const Fi
 std::vector<LinearSet> linear_sets(const Problem& problem, const Whitening& whitening,
                                    const Fit& fit, const std::vector<int>& about,
                                    const std::vector<Probe>& probes,
-                                   const std::vector<std::vector<int>>& sets) {
+                                   std::vector<std::vector<int>> sets) {
   const SetProducts table = set_products(problem, whitening, fit, about, probes);
+  if (whitening.random.blocks.empty())
+    sets = foremost_sets(problem, whitening.random, fit.scales, table, std::move(sets));
   std::vector<LinearSet> out(sets.size());
-  tbb::parallel_for(0, count_of(sets),
-                    [&](int i) { out[i] = evaluated(problem, whitening, fit, table, sets[i]); });
+  tbb::parallel_for(0, count_of(sets), [&](int i) {
+    out[i] = evaluated(problem, whitening, fit, about, table, sets[i]);
+  });
 
   std::erase_if(out, [](const LinearSet& set) { return set.log_evidence == -kInfinity; });
   std::stable_sort(out.begin(), out.end(), [](const LinearSet& a, const LinearSet& b) {

@@ -21,15 +21,16 @@ struct LinearSet {
   std::vector<int> members;  ///< candidates, sorted
   double log_evidence = -kInfinity;
   Vector mean;    ///< of u of the members' parameters, in their order
+  Vector p;       ///< all parameters there, nuisances too, within bounds
   Vector scales;  ///< deviations S that it needs
 };
 
-/// Evidence of sets about the fit of the candidates `about`, best first; without those of which a
-/// member has no columns, or an estimate on the wrong side of a boundary: what is left without it
-/// is a set of its own.
+/// Evidence of sets about the fit of the candidates `about`, best first, under a plan of the
+/// foremost of them (foremost_sets.h); without those of which a member has no columns, or an
+/// estimate on the wrong side of a boundary: what is left without it is a set of its own.
 std::vector<LinearSet> linear_sets(const Problem& problem, const Whitening& whitening,
                                    const Fit& fit, const std::vector<int>& about,
                                    const std::vector<Probe>& probes,
-                                   const std::vector<std::vector<int>>& sets);
+                                   std::vector<std::vector<int>> sets);
 
 }  // namespace jaculus::diagnosis

@@ -130,11 +130,28 @@ void FittedModels::fit_within(const ModelFit& larger, ModelFit& model) {
   std::set_difference(larger.candidates.begin(), larger.candidates.end(), model.candidates.begin(),
                       model.candidates.end(), std::back_inserter(more));
   const Vector start = problem_.hypotheses.without_effects(larger.fit.p, more);
-  Fit fit =
-      fit_model(problem_, comparison_.whitening, problem_.hypotheses.freed_by(model.candidates),
-                {start}, exact_options(model));
+  Fit fit = fit_by_known(model, start, larger.fit.nuisance_rows);
+  // In its own valley the model's own slopes lead it where it is.
+  if (fit.valid) fit = fit_by_known(model, fit.p, model.fit.nuisance_rows);
+  const double least = model.fit.log_evidence + problem_.settings.scales_settled;
+  if (!fit.valid || fit.log_evidence < least) return;
+
+  fit = fit_near(problem_, comparison_.whitening, fit.free, fit.p, exact_options(model));
   predictions_ += fit.predictions;
   if (fit.valid && fit.log_evidence > model.fit.log_evidence) model.fit = std::move(fit);
+}
+
+Fit FittedModels::fit_by_known(const ModelFit& model, const Vector& start, const RowSlopes& rows) {
+  FitOptions options = exact_options(model);
+  options.renew = false;
+  if (!rows.columns.empty()) {
+    options.known = {};
+    options.known_rows = rows;
+  }
+  Fit fit = fit_near(problem_, comparison_.whitening,
+                     problem_.hypotheses.freed_by(model.candidates), start, options);
+  predictions_ += fit.predictions;
+  return fit;
 }
 
 FitOptions FittedModels::exact_options(const ModelFit& model) const {

@@ -77,6 +77,23 @@ bool enlarge(const Surroundings& near, int largest, FittedModels& models) {
   return models.leading()->candidates != near.about.candidates;
 }
 
+/// Two effects more of which neither helps without the other: sets that linear algebra has lead all
+/// with one more.
+std::vector<LinearSet> two_at_once(const Surroundings& near, int largest,
+                                   const FittedModels& models) {
+  const Settings& settings = near.problem.settings;
+  const std::vector<Members> sets =
+      larger_sets(near.about.candidates, count_of(near.probes), largest);
+  std::vector<LinearSet> best = near.best_of(sets, models, count_of(sets));
+  const std::size_t one_more = near.about.candidates.size() + 1;
+  const auto led = std::find_if(best.begin(), best.end(), [&](const LinearSet& set) {
+    return set.members.size() == one_more;
+  });
+  best.erase(led, best.end());
+  if (count_of(best) > settings.kept_pairs) best.resize(settings.kept_pairs);
+  return best;
+}
+
 /// The same of sets of its size: what stands in for a member, unless slopes leave it far behind.
 void exchange_members(const Surroundings& near, FittedModels& models) {
   const Settings& settings = near.problem.settings;
@@ -129,8 +146,8 @@ bool worth_enlarging(const Problem& problem, const FittedModels& models, int siz
   return models.value(*base) >= models.value(*before) + gain && leaves_more(problem, base->fit);
 }
 
-void search_about_leaders(const Problem& problem, const SearchOptions& options,
-                          FittedModels& models) {
+void search_about_leaders(const Problem& problem, const Whitening& whitening,
+                          const SearchOptions& options, FittedModels& models) {
   const Settings& settings = problem.settings;
   for (int size = 2; size <= options.largest; ++size) {
     if (!worth_enlarging(problem, models, size)) return;
@@ -140,7 +157,10 @@ void search_about_leaders(const Problem& problem, const SearchOptions& options,
     const ModelFit from = *models.best(size - 1);
     std::set<Members> extended;
     for (const ModelFit& root : models.close_to(from, size == 2 ? settings.search_roots : 1)) {
-      models.extend(root, models.probe(root), settings.kept_pairs);
+      const Surroundings near{problem, whitening, root, models.probe(root)};
+      const std::vector<LinearSet> two = two_at_once(near, options.largest, models);
+      models.extend(root, near.probes, settings.kept_pairs);
+      models.fit_sets(root, two, near.probes);
       extended.insert(root.candidates);
     }
 
@@ -232,7 +252,7 @@ SearchResult search_models(const Problem& problem, const Comparison& comparison,
     if (options.earlier != nullptr) models.fit_again(rivals_that_led(*options.earlier, problem));
     models.fit_again(options.known);
     fit_indistinguishable(problem.settings, random, out.probes, models);
-    search_about_leaders(problem, options, models);
+    search_about_leaders(problem, comparison.whitening, options, models);
     if (options.largest > 1)
       search_from_leader(problem, comparison.whitening, out.probes, options, models);
   }
