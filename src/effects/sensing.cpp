@@ -90,6 +90,36 @@ Effect mocap_scale() {
   return effect;
 }
 
+bool base_travels(const PlanarModel& model) { return model.base_free[0] && model.base_free[1]; }
+
+/// Markers' middle is seldom the base's origin: where the base pitches, their x and z move by it.
+Effect tracked_point() {
+  Effect effect;
+  effect.name = "tracked_point";
+  effect.caption = "motion capture tracks another point of the base";
+  effect.where = {Component::sensing};
+  effect.excited_by = {ExperimentKind::leap};
+  effect.parameters = {{"x", "m", 0.0, {-0.2, 0.2}, 0.03}, {"z", "m", 0.0, {-0.1, 0.1}, 0.015}};
+  effect.applies = [](const PlanarModel& model) {
+    return base_travels(model) && model.base_free[2];
+  };
+  effect.apply = [](const Vector& theta, Plant& plant) { plant.sensing.tracked_point += theta; };
+  return effect;
+}
+
+/// A ground plane that was set aslant: what moves along x seems to rise or to sink.
+Effect mocap_tilt() {
+  Effect effect;
+  effect.name = "mocap_tilt";
+  effect.caption = "motion capture's axes are tilted in the plane";
+  effect.where = {Component::sensing};
+  effect.excited_by = {ExperimentKind::leap};
+  effect.parameters = {{"angle", "rad", 0.0, {-0.1, 0.1}, 0.01}};
+  effect.applies = [](const PlanarModel& model) { return base_travels(model); };
+  effect.apply = [](const Vector& theta, Plant& plant) { plant.sensing.mocap_tilt += theta[0]; };
+  return effect;
+}
+
 }  // namespace
 
 std::vector<Row> sensing() {
@@ -98,6 +128,8 @@ std::vector<Row> sensing() {
       {joint_offset, {tail, legs, other}},
       {sensor_latency},
       {mocap_scale},
+      {tracked_point},
+      {mocap_tilt},
       {joint_scale, {other}},
   };
 }

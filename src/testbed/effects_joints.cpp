@@ -149,6 +149,12 @@ void add_sensing(EffectRows& rows) {
   rows.add("sensor_scale", "motion capture measures lengths wrong", "sensing",
            {{"scale", "-", 1.0, 0.85, 1.15}}, kLeap,
            [](const Values& v, Changes& c) { c.scale["x"] = c.scale["z"] = v[0]; });
+  rows.add("tracked_point", "motion capture tracks another point", "sensing",
+           {{"x", "m", 0.0, -0.1, 0.1}, {"z", "m", 0.0, -0.05, 0.05}}, kLeap,
+           [](const Values& v, Changes& c) { c.tracked_point = Vec2(v[0], v[1]); });
+  rows.add("mocap_tilt", "motion capture's axes are tilted", "sensing",
+           {{"angle", "rad", 0.0, -0.06, 0.06}}, kLeap,
+           [](const Values& v, Changes& c) { c.mocap_tilt = v[0]; });
 }
 
 }  // namespace jaculus::testbed

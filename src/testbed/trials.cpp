@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <random>
@@ -34,8 +35,14 @@ class Observer {
   trajectory::Stream mocap() {
     const SensorSpec& s = spec_.sensors;
     trajectory::Stream stream = begin(trajectory::kMocapStream, s.mocap_rate_hz);
-    const Vector x = base(0).array() - r_.base(0, 0), z = base(1),
-                 pitch = base(2).array() - r_.base(2, 0);
+    Vector x = base(0), z = base(1);
+    const Vector angle = base(2), pitch = angle.array() - r_.base(2, 0);
+    const double rest = seen(r_.base.col(0)).x();
+    for (Eigen::Index k = 0; k < x.size(); ++k) {
+      const Vec2 place = seen({x[k], z[k], angle[k]});
+      x[k] = place.x() - rest;
+      z[k] = place.y();
+    }
     add(stream, "x", "m", value_of(changes_.scale, "x", 1.0) * x, s.mocap_position);
     add(stream, "z", "m", value_of(changes_.scale, "z", 1.0) * z, s.mocap_position);
     add(stream, "pitch", "rad", value_of(changes_.scale, "pitch", 1.0) * pitch, s.mocap_angle);
@@ -72,6 +79,12 @@ class Observer {
   }
 
  private:
+  /// x, z of what motion capture tracks on a base at x, z, pitch, on axes as they are tilted.
+  [[nodiscard]] Vec2 seen(const Eigen::Vector3d& base) const {
+    const Vec2 point = Eigen::Rotation2D<double>(-base[2]) * changes_.tracked_point;
+    return Eigen::Rotation2D<double>(changes_.mocap_tilt) * (base.head<2>() + point);
+  }
+
   trajectory::Stream begin(const std::string& name, double rate) {
     std::uniform_real_distribution<double> phase(0.0, 1.0);
     std::normal_distribution<double> shift(0.0, spec_.clock_scatter);

@@ -1,6 +1,7 @@
 #include "experiments.h"
 
 #include <cmath>
+#include <complex>
 #include <numbers>
 
 #include "jaculus/core/installation.h"
@@ -173,6 +174,25 @@ Shown show(const std::string& channel, const std::string& stream, const Eigen::R
   return shown;
 }
 
+/// x or z of what motion capture tracks, on axes as they are tilted: x - i z turns with the pitch.
+Eigen::RowVectorXd tracked(const simulation::Plant& plant, const simulation::Simulation& run,
+                           const std::string& channel) {
+  const auto row = [&](const std::string& name, Eigen::Index k) {
+    const int c = plant.model.coordinate_index(name);
+    return c < 0 ? 0.0 : run.q(c, k);
+  };
+  const simulation::Sensing& sensing = plant.sensing;
+  const std::complex<double> point(sensing.tracked_point.x(), -sensing.tracked_point.y());
+  Eigen::RowVectorXd values(run.time.size());
+  for (Eigen::Index k = 0; k < values.size(); ++k) {
+    const std::complex<double> base(row("x", k), -row("z", k));
+    const std::complex<double> seen =
+        std::polar(1.0, -sensing.mocap_tilt) * (base + std::polar(1.0, row("pitch", k)) * point);
+    values[k] = channel == "x" ? seen.real() : -seen.imag();
+  }
+  return values;
+}
+
 }  // namespace
 
 const std::vector<Experiment>& experiments() {
@@ -225,7 +245,8 @@ std::optional<std::vector<Shown>> measure(const Experiment& experiment,
     const int c = plant.model.coordinate_index(channel);
     if (c < 0) continue;
     const bool angle = std::string(channel) == "pitch";
-    shown.push_back(show(channel, "mocap", run.q.row(c), run.time, mocap, plant.sensing,
+    const Eigen::RowVectorXd row = angle ? run.q.row(c) : tracked(plant, run, channel);
+    shown.push_back(show(channel, "mocap", row, run.time, mocap, plant.sensing,
                          angle ? kMocapAngleNoise : kMocapNoise));
   }
   for (Eigen::Index m = 0; m < run.motor_position.rows(); ++m) {

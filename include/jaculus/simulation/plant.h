@@ -93,6 +93,8 @@ struct Sensing {
   /// What a log has in place of a value, scaled and offset, at the time t it is of [s]; in the
   /// channel's unit. The controller reads without it.
   std::map<std::string, std::function<double(double value, double t)>> laws;
+  Vec2 tracked_point = Vec2::Zero();  ///< of the base, that motion capture tracks, in its frame [m]
+  double mocap_tilt = 0.0;  ///< of motion capture's axes about +y, the x axis pointing down [rad]
 };
 
 /// Floor under every contact point. Rigid where compliance is 0; else a spring-damper pushing only:

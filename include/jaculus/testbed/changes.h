@@ -91,6 +91,8 @@ struct Changes {
   // Sensors
   std::map<std::string, double> latency;  ///< by stream [s]
   std::map<std::string, double> scale;    ///< by channel [-]
+  Vec2 tracked_point = Vec2::Zero();      ///< by motion capture, in the base's frame [m]
+  double mocap_tilt = 0.0;                ///< of its axes about +y [rad]
   Disturbances outside;
 };
 

@@ -39,7 +39,7 @@ Prediction prediction_of(const ObservedDataset& observed, const simulation::Plan
     const double offset = value_or(plant.sensing.offset, channel.name, 0.0);
     const double filter = value_or(plant.sensing.filter, channel.name, 0.0);
     const Eigen::RowVectorXd raw = simulation::low_passed(
-        raw_channel(plant.model, simulation, channel.name), prediction.step, filter);
+        tracked_channel(plant, simulation, channel.name), prediction.step, filter);
     prediction.values.row(c) = scale * raw.array() + offset;
     if (const auto law = plant.sensing.laws.find(channel.name); law != plant.sensing.laws.end())
       for (Eigen::Index k = 0; k < simulation.time.size(); ++k)

@@ -36,6 +36,43 @@ Eigen::RowVectorXd raw_channel(const model::PlanarModel& model, const Simulation
   return s.v.row(i);
 }
 
+namespace {
+
+/// A coordinate of the base, or its rate; zero where the robot has none.
+Eigen::RowVectorXd base_row(const model::PlanarModel& model, const Simulation& s,
+                            const std::string& name, bool rate) {
+  const int i = model.coordinate_index(name);
+  if (i < 0) return Eigen::RowVectorXd::Zero(s.time.size());
+  return rate ? s.v.row(i) : s.q.row(i);
+}
+
+}  // namespace
+
+Eigen::RowVectorXd tracked_channel(const Plant& plant, const Simulation& s,
+                                   const std::string& name) {
+  const Vec2& point = plant.sensing.tracked_point;
+  const double tilt = plant.sensing.mocap_tilt;
+  const bool x = name == "x" || name == "x_velocity", z = name == "z" || name == "z_velocity";
+  if ((!x && !z) || (point.isZero(0.0) && tilt == 0.0)) return raw_channel(plant.model, s, name);
+
+  const bool rate = name.size() > 1;
+  const Eigen::ArrayXd pitch = base_row(plant.model, s, "pitch", false).transpose().array();
+  Eigen::ArrayXd along = pitch.cos() * point.x() + pitch.sin() * point.y();
+  Eigen::ArrayXd up = pitch.cos() * point.y() - pitch.sin() * point.x();
+  if (rate) {
+    const Eigen::ArrayXd turning = base_row(plant.model, s, "pitch", true).transpose().array();
+    const Eigen::ArrayXd before = along;
+    along = turning * up;
+    up = -turning * before;
+  }
+  along += base_row(plant.model, s, "x", rate).transpose().array();
+  up += base_row(plant.model, s, "z", rate).transpose().array();
+
+  const double c = std::cos(tilt), sine = std::sin(tilt);
+  if (x) return (c * along - sine * up).matrix().transpose();
+  return (c * up + sine * along).matrix().transpose();
+}
+
 double interpolate(const Eigen::Ref<const Eigen::RowVectorXd, 0, Eigen::InnerStride<>>& values,
                    double step, double time) {
   if (values.size() == 1) return values[0];

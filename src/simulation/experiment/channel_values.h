@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "jaculus/simulation/plant.h"
 #include "jaculus/simulation/simulate.h"
 
 namespace jaculus::simulation {
@@ -20,6 +21,12 @@ MotorChannel motor_channel(const model::PlanarModel& model, const std::string& n
 /// Misuse: others.
 Eigen::RowVectorXd raw_channel(const model::PlanarModel& model, const Simulation& simulation,
                                const std::string& name);
+
+/// The same as motion capture sees it: x, z and their rates are those of the point that it tracks,
+///   y = R(-tilt) ([x z] + R(pitch) point),  R(a) [x z] = [cos a x + sin a z, cos a z - sin a x],
+/// every other channel as it is.
+Eigen::RowVectorXd tracked_channel(const Plant& plant, const Simulation& simulation,
+                                   const std::string& name);
 
 /// Linear between values on a uniform grid from zero, held at its ends.
 double interpolate(const Eigen::Ref<const Eigen::RowVectorXd, 0, Eigen::InnerStride<>>& values,

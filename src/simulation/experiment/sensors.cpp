@@ -24,7 +24,7 @@ std::string unit_of(const model::PlanarModel& model, const std::string& name) {
 Eigen::RowVectorXd read_channel(const SensorStream& spec, const std::string& name,
                                 const Plant& plant, const Simulation& truth, const Vector& stamps,
                                 double late, Random& random) {
-  const Eigen::RowVectorXd raw = low_passed(raw_channel(plant.model, truth, name), kTruthStep,
+  const Eigen::RowVectorXd raw = low_passed(tracked_channel(plant, truth, name), kTruthStep,
                                             value_or(plant.sensing.filter, name, 0.0));
   const double zero =
       spec.name == trajectory::kMocapStream && (name == "x" || name == "pitch") ? raw[0] : 0.0;
