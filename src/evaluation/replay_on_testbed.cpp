@@ -27,7 +27,14 @@ PlanReplay replay_on_testbed(const std::filesystem::path& folder, const testbed:
   if (!testbed::available())
     throw InputError("replan on the testbed: this build was made without MuJoCo");
 
-  return [folder, changes](const trajectory::Table& plan) {
+  // What the robot does, not what motion capture makes of it.
+  testbed::Changes truth = changes;
+  for (const char* channel : {"x", "z", "pitch"}) truth.scale.erase(channel);
+  truth.latency.erase(trajectory::kMocapStream);
+  truth.tracked_point.setZero();
+  truth.mocap_tilt = 0.0;
+
+  return [folder, truth](const trajectory::Table& plan) {
     const evaluation::ScratchFolder scratch("jaculus_plan_");
     const std::filesystem::path file = scratch.path / "plan.csv";
     trajectory::write_csv(plan, file);
@@ -35,8 +42,8 @@ PlanReplay replay_on_testbed(const std::filesystem::path& folder, const testbed:
     spec.trials = 1;
     spec.exact = true;
     spec.sensors.mocap_rate_hz = 2000.0;
-    const trajectory::Dataset played = testbed::run_trials(
-        testbed::leap(folder, file, trajectory::Quantity::torque), changes, spec);
+    const trajectory::Dataset played =
+        testbed::run_trials(testbed::leap(folder, file, trajectory::Quantity::torque), truth, spec);
     const trajectory::Stream* mocap = played.trials.front().stream(trajectory::kMocapStream);
     const int x = mocap == nullptr ? -1 : mocap->channel("x");
     const int time = plan.column("time");

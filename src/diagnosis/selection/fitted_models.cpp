@@ -166,8 +166,8 @@ void FittedModels::fit_sets(const ModelFit& about, const std::vector<LinearSet>&
     job.starts = starts_of(about, set, probes);
     job.enough = job.base.log_evidence + problem_.settings.member_gain;
     if (!in_windows(problem_)) {
-      job.enough =
-          about.fit.log_evidence + promised(problem_, set.log_evidence - about.fit.log_evidence);
+      const double gain = promised(problem_, set.log_evidence - about.fit.log_evidence);
+      job.enough = std::max(job.enough, about.fit.log_evidence + gain);
       job.by_slopes = set.p;
     }
     // Deviations near none are those of its whole misfit, and under a plan slopes reach no farther
@@ -275,7 +275,8 @@ void FittedModels::fit(const std::vector<Job>& jobs) {
         model.fit.log_evidence < least)
       model.fit = better(model.fit, fit_beside(problem_, whitening, base, free, options));
     // Below plain least squares misfits may have another valley than the one that slopes promise.
-    if (jobs[i].by_slopes.size() > 0 && !(model.fit.log_evidence >= options.enough))
+    const bool short_of_it = !model.fit.valid || model.fit.log_evidence < options.enough;
+    if (jobs[i].by_slopes.size() > 0 && short_of_it)
       model.fit =
           better(model.fit, fit_near(problem_, whitening, free, jobs[i].by_slopes, options));
     if (model.candidates.size() == 1 && !options.with_forces)

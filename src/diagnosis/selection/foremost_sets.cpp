@@ -4,6 +4,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <map>
 #include <numeric>
 #include <utility>
 
@@ -57,12 +58,14 @@ double squares_of(const RandomGroup& group, const Misfit& misfit, double energy)
   return energy / misfit.variance(s) + misfit.log_det(s);
 }
 
-/// What a set is worth, but for its prior; -infinity where a member has no columns.
-double worth(const RandomEffects& random, const SetProducts& table, const AtBest& all,
-             const std::vector<int>& members) {
-  SetColumns columns{0};
+/// What a set is worth, but for its prior; -infinity where a member has no columns, or would have
+/// to work the wrong way.
+double worth(const Problem& problem, const RandomEffects& random, const SetProducts& table,
+             const AtBest& all, const std::vector<int>& members) {
+  SetColumns columns{0}, firsts;
   for (const int c : members) {
     if (table.own[c].empty()) return -kInfinity;
+    firsts.push_back(static_cast<Eigen::Index>(columns.size()));
     columns.insert(columns.end(), table.own[c].begin(), table.own[c].end());
   }
   const auto n = static_cast<Eigen::Index>(columns.size()) - 1;
@@ -72,6 +75,8 @@ double worth(const RandomEffects& random, const SetProducts& table, const AtBest
   const Eigen::LLT<Matrix> factor(A);
   Vector w(1 + n);
   w << 1.0, -factor.solve(S.col(0).tail(n));
+  for (std::size_t k = 0; k < members.size(); ++k)
+    if (!on_its_side(problem, members[k], -w[firsts[k]])) return -kInfinity;
 
   double squares = w.tail(n).squaredNorm() + w.dot(all.rest(columns, columns) * w) +
                    2.0 * factor.matrixLLT().diagonal().array().log().sum();
@@ -87,21 +92,22 @@ double worth(const RandomEffects& random, const SetProducts& table, const AtBest
 std::vector<std::vector<int>> foremost_sets(const Problem& problem, const RandomEffects& random,
                                             const Vector& scales, const SetProducts& table,
                                             std::vector<std::vector<int>> sets) {
-  const auto kept = static_cast<std::size_t>(problem.settings.sets_followed);
-  if (sets.size() <= kept) return sets;
+  const int kept = problem.settings.sets_followed;
+  if (count_of(sets) <= kept) return sets;
 
   const AtBest all = at_best(random, scales, table);
   std::vector<double> worths(sets.size());
   tbb::parallel_for(0, count_of(sets), [&](int i) {
-    worths[i] = worth(random, table, all, sets[i]) +
+    worths[i] = worth(problem, random, table, all, sets[i]) +
                 log_prior(sets[i].size(), table.own.size(), problem.settings);
   });
   std::vector<int> order(sets.size());
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return worths[a] > worths[b]; });
-  order.resize(kept);
-  std::sort(order.begin(), order.end());
 
+  std::map<std::size_t, int> counts;  // by size
+  std::erase_if(order, [&](int i) { return ++counts[sets[i].size()] > kept; });
+  std::sort(order.begin(), order.end());
   std::vector<std::vector<int>> foremost;
   for (const int i : order) foremost.push_back(std::move(sets[i]));
   return foremost;

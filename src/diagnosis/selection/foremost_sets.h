@@ -8,8 +8,11 @@
 //   u = (S_uu + I)^-1 S_u0,  S = [r0 Y]^T V^-1 [r0 Y] - (N^T V^-1 [r0 Y])^T K,
 // and E_c = w^T M_c w, the energies that this leaves in each coordinate, M_c with n put in, a set
 // is worth
-//   -[sum_c (-2 log density of E_c at its most likely misfit) + |u|^2 + |n|^2
-//     + log det (S_uu + I)]/2 + log prior.
+//   -[sum_c (-2 log density of E_c at its most likely misfit) + |r|^2 of the rows of none
+//     + |u|^2 + |n|^2 + log det (S_uu + I)]/2 + log prior.
+// E_c is that at the most probable u, log det and K are by the fit's deviations, which a set that
+// explains much would make smaller: larger sets look a little better than they are, so that sets
+// of each size are ranked among themselves.
 // K, S and M_c are those of all candidates; a set's are picked out of them, in microseconds.
 
 #include <vector>
@@ -18,8 +21,8 @@
 
 namespace jaculus::diagnosis {
 
-/// The settings.sets_followed most probable of some sets, as they stood; all where they are no
-/// more.
+/// The settings.sets_followed most probable of some sets of each size, as they stood; all where
+/// they are no more.
 std::vector<std::vector<int>> foremost_sets(const Problem& problem, const RandomEffects& random,
                                             const Vector& scales, const SetProducts& table,
                                             std::vector<std::vector<int>> sets);

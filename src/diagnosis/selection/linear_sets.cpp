@@ -24,11 +24,8 @@ Products picked(const Products& all, const SetColumns& columns) {
 bool on_their_sides(const Problem& problem, const LinearSet& set) {
   Eigen::Index k = 0;
   for (const int c : set.members) {
-    const Candidate& candidate = problem.hypotheses.candidates[c];
-    const FreeParameter& own = problem.hypotheses.parameters[candidate.parameters.front()];
-    const double u = set.mean[k];
-    if (own.one_sided() && (own.bounds.lower >= own.nominal ? u <= 0.0 : u >= 0.0)) return false;
-    k += count_of(candidate.parameters);
+    if (!on_its_side(problem, c, set.mean[k])) return false;
+    k += count_of(problem.hypotheses.candidates[c].parameters);
   }
   return true;
 }
@@ -74,7 +71,7 @@ std::vector<LinearSet> linear_sets(const Problem& problem, const Whitening& whit
                                    const std::vector<Probe>& probes,
                                    std::vector<std::vector<int>> sets) {
   const SetProducts table = set_products(problem, whitening, fit, about, probes);
-  if (whitening.random.blocks.empty())
+  if (!in_windows(problem) && whitening.random.blocks.empty())
     sets = foremost_sets(problem, whitening.random, fit.scales, table, std::move(sets));
   std::vector<LinearSet> out(sets.size());
   tbb::parallel_for(0, count_of(sets), [&](int i) {

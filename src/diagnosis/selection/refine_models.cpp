@@ -27,6 +27,14 @@ std::optional<double> moved_alike(const Members& members, const std::map<Members
   return alike;
 }
 
+/// Options of a fit that sets out with the slopes of some rows, where these are known.
+FitOptions by_rows(FitOptions options, const RowSlopes& rows) {
+  if (rows.columns.empty()) return options;
+  options.known = {};
+  options.known_rows = rows;
+  return options;
+}
+
 }  // namespace
 
 void FittedModels::refine(const std::optional<Vector>& none_in_own, const Members& led) {
@@ -132,22 +140,20 @@ void FittedModels::fit_within(const ModelFit& larger, ModelFit& model) {
   const Vector start = problem_.hypotheses.without_effects(larger.fit.p, more);
   Fit fit = fit_by_known(model, start, larger.fit.nuisance_rows);
   // In its own valley the model's own slopes lead it where it is.
-  if (fit.valid) fit = fit_by_known(model, fit.p, model.fit.nuisance_rows);
+  if (fit.valid && !model.fit.nuisance_rows.columns.empty())
+    fit = fit_by_known(model, fit.p, model.fit.nuisance_rows);
   const double least = model.fit.log_evidence + problem_.settings.scales_settled;
   if (!fit.valid || fit.log_evidence < least) return;
 
-  fit = fit_near(problem_, comparison_.whitening, fit.free, fit.p, exact_options(model));
+  fit = fit_near(problem_, comparison_.whitening, fit.free, fit.p,
+                 by_rows(exact_options(model), fit.nuisance_rows));
   predictions_ += fit.predictions;
   if (fit.valid && fit.log_evidence > model.fit.log_evidence) model.fit = std::move(fit);
 }
 
 Fit FittedModels::fit_by_known(const ModelFit& model, const Vector& start, const RowSlopes& rows) {
-  FitOptions options = exact_options(model);
+  FitOptions options = by_rows(exact_options(model), rows);
   options.renew = false;
-  if (!rows.columns.empty()) {
-    options.known = {};
-    options.known_rows = rows;
-  }
   Fit fit = fit_near(problem_, comparison_.whitening,
                      problem_.hypotheses.freed_by(model.candidates), start, options);
   predictions_ += fit.predictions;

@@ -43,22 +43,28 @@ struct Surroundings {
   ModelFit about;
   std::vector<Probe> probes;
 
-  /// The most probable of some sets by linear algebra, those that were not fitted yet.
-  [[nodiscard]] std::vector<LinearSet> best_of(const std::vector<Members>& sets,
-                                               const FittedModels& models, int count) const {
-    std::vector<Members> fresh;
-    for (const Members& set : sets)
-      if (!set.empty() && !holds_twice(problem.hypotheses, set) && models.find(set) == nullptr)
-        fresh.push_back(set);
-    std::vector<LinearSet> judged =
-        linear_sets(problem, whitening, about.fit, about.candidates, probes, fresh);
+  /// Some sets by linear algebra, the most probable first.
+  [[nodiscard]] std::vector<LinearSet> judged(std::vector<Members> sets) const {
+    std::erase_if(sets, [&](const Members& set) {
+      return set.empty() || holds_twice(problem.hypotheses, set);
+    });
+    std::vector<LinearSet> out =
+        linear_sets(problem, whitening, about.fit, about.candidates, probes, std::move(sets));
     const auto weight = [&](const LinearSet& set) {
       return set.log_evidence + log_prior(set.members.size(), probes.size(), problem.settings);
     };
-    std::stable_sort(judged.begin(), judged.end(),
+    std::stable_sort(out.begin(), out.end(),
                      [&](const LinearSet& a, const LinearSet& b) { return weight(a) > weight(b); });
-    if (count_of(judged) > count) judged.resize(count);
-    return judged;
+    return out;
+  }
+
+  /// The most probable of some sets, those that were not fitted yet.
+  [[nodiscard]] std::vector<LinearSet> best_of(std::vector<Members> sets,
+                                               const FittedModels& models, int count) const {
+    std::erase_if(sets, [&](const Members& set) { return models.find(set) != nullptr; });
+    std::vector<LinearSet> best = judged(std::move(sets));
+    if (count_of(best) > count) best.resize(count);
+    return best;
   }
 };
 
@@ -77,20 +83,21 @@ bool enlarge(const Surroundings& near, int largest, FittedModels& models) {
   return models.leading()->candidates != near.about.candidates;
 }
 
-/// Two effects more of which neither helps without the other: sets that linear algebra has lead all
-/// with one more.
+/// Sets of two effects more that by linear algebra lead every set of one more: neither may help
+/// without the other. Those that were not fitted yet.
 std::vector<LinearSet> two_at_once(const Surroundings& near, int largest,
                                    const FittedModels& models) {
-  const Settings& settings = near.problem.settings;
-  const std::vector<Members> sets =
-      larger_sets(near.about.candidates, count_of(near.probes), largest);
-  std::vector<LinearSet> best = near.best_of(sets, models, count_of(sets));
-  const std::size_t one_more = near.about.candidates.size() + 1;
+  const int one_more = count_of(near.about.candidates) + 1;
+  if (one_more >= largest || !near.whitening.random.blocks.empty()) return {};
+  std::vector<LinearSet> best =
+      near.judged(larger_sets(near.about.candidates, count_of(near.probes), largest));
   const auto led = std::find_if(best.begin(), best.end(), [&](const LinearSet& set) {
-    return set.members.size() == one_more;
+    return count_of(set.members) == one_more;
   });
   best.erase(led, best.end());
-  if (count_of(best) > settings.kept_pairs) best.resize(settings.kept_pairs);
+  std::erase_if(best, [&](const LinearSet& set) { return models.find(set.members) != nullptr; });
+  const int most = near.problem.settings.kept_pairs;
+  if (count_of(best) > most) best.resize(most);
   return best;
 }
 

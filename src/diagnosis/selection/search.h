@@ -5,10 +5,10 @@
 // 1. Screen all candidates on the residual of `none`; fit the best by score and whatever these data
 //    can't tell from the best fit.
 // 2. Unless none is best, or the best needs no force that the plant lacks (noise/random_effects.h):
-//    screen again on the best single (and on the next best) and fit pairs, and sets of two more of
-//    which linear algebra says that neither helps without the other (a centre of mass and a delay);
-//    exchange each member of the best pair one for one; where the pair gains, the same for triples;
-//    drop members backwards.
+//    screen again on the best single (and on the next best) and fit pairs, and sets of two more
+//    that lead every pair by linear algebra (a centre of mass and a delay, of which neither helps
+//    alone); exchange each member of the best pair one for one; where the pair gains, the same for
+//    triples; drop members backwards.
 // 3. From what leads then, moves as under a logged input: it may be no neighbour of a better set.
 // Under a logged input errors start anew with each window, so that slopes hold for a while and sets
 // can be judged by linear algebra (linear_sets.h):

@@ -35,4 +35,11 @@ SetProducts set_products(const Problem& problem, const Whitening& whitening, con
   return table;
 }
 
+bool on_its_side(const Problem& problem, int candidate, double u) {
+  const int first = problem.hypotheses.candidates[candidate].parameters.front();
+  const FreeParameter& own = problem.hypotheses.parameters[first];
+  if (!own.one_sided()) return true;
+  return own.bounds.lower >= own.nominal ? u > 0.0 : u < 0.0;
+}
+
 }  // namespace jaculus::diagnosis

@@ -20,4 +20,7 @@ struct SetProducts {
 SetProducts set_products(const Problem& problem, const Whitening& whitening, const Fit& fit,
                          const std::vector<int>& about, const std::vector<Probe>& probes);
 
+/// Whether u of a candidate's first parameter is on its side of nominal, where that is a boundary.
+bool on_its_side(const Problem& problem, int candidate, double u);
+
 }  // namespace jaculus::diagnosis

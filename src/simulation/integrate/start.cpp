@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <Eigen/Geometry>
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
@@ -157,6 +158,26 @@ void place_by_encoders(const Plant& plant, const Vector& stated, Vector& q) {
   move_motors(rows, change, q);
 }
 
+/// The base as it is where motion capture, as it reads, shows the state read: both are about the
+/// point that it tracks on axes that may be tilted (experiment/channel_values.h).
+void place_by_tracked_point(const Plant& plant, StartState& state) {
+  const Vec2& point = plant.sensing.tracked_point;
+  const double tilt = plant.sensing.mocap_tilt;
+  const int x = plant.model.coordinate_index("x"), z = plant.model.coordinate_index("z"),
+            pitch = plant.model.coordinate_index("pitch");
+  if (x < 0 || z < 0 || (point.isZero(0.0) && tilt == 0.0)) return;
+  const double angle = pitch < 0 ? 0.0 : state.q[pitch];
+  const double turning = pitch < 0 ? 0.0 : state.v[pitch];
+  const Eigen::Rotation2D<double> level(-tilt), turned(-angle);
+  const Vec2 arm = turned * point, moved(arm.y(), -arm.x());
+  const Vec2 place = level * Vec2(state.q[x], state.q[z]) - arm;
+  const Vec2 speed = level * Vec2(state.v[x], state.v[z]) - turning * moved;
+  state.q[x] = place.x();
+  state.q[z] = place.y();
+  state.v[x] = speed.x();
+  state.v[z] = speed.y();
+}
+
 }  // namespace
 
 void level_feet(const Plant& plant, Vector& q) {
@@ -166,6 +187,7 @@ void level_feet(const Plant& plant, Vector& q) {
 StartState state_as_read(const Plant& plant, const StartState& read) {
   StartState state = read;
   place_by_encoders(plant, read.q, state.q);
+  place_by_tracked_point(plant, state);
   if (plant.sensing.scale.empty()) return state;
   const Matrix rows = motor_rows(plant.model);
   Vector change = rows * read.v;
