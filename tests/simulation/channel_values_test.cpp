@@ -6,6 +6,7 @@
 #include <string>
 
 #include "jaculus/model/robot.h"
+#include "simulation/integrate/start.h"
 
 namespace jaculus::simulation {
 namespace {
@@ -87,6 +88,26 @@ TEST(TrackedChannel, IsThatOfAPointOfTheBaseOnTiltedAxes) {
     for (const Eigen::Index k : {500, 1000, 1500})
       EXPECT_NEAR(rate[k], (value[k + 1] - value[k - 1]) / 2e-4, 1e-5) << name;
   }
+}
+
+TEST(TrackedChannel, GivesBackTheBaseThatItShows) {
+  Plant plant;
+  plant.model = model::read_robot(model::find_robot("minitaur", "")).planar;
+  const Simulation s = turning_base(plant);
+  plant.sensing.tracked_point = Vec2(0.05, 0.02);
+  plant.sensing.mocap_tilt = 0.04;
+  const Eigen::Index k = 700;
+  const StartState truth{s.q.col(k), s.v.col(k)};
+  StartState read = truth;
+  for (const std::string name : {"x", "z"}) {
+    const int i = plant.model.coordinate_index(name);
+    read.q[i] = tracked_channel(plant, s, name)[k];
+    read.v[i] = tracked_channel(plant, s, name + "_velocity")[k];
+  }
+  EXPECT_GT((read.q - truth.q).norm(), 0.02);
+  const StartState found = state_as_read(plant, read);
+  EXPECT_LT((found.q - truth.q).norm(), 1e-12);
+  EXPECT_LT((found.v - truth.v).norm(), 1e-12);
 }
 
 }  // namespace
