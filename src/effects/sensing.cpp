@@ -24,6 +24,16 @@ Effect on_encoders(const JointScope& scope, const std::string& kind, const std::
   return effect;
 }
 
+/// Motion capture sees a base that moves.
+Effect on_motion_capture(const std::string& name, const std::string& caption) {
+  Effect effect;
+  effect.name = name;
+  effect.caption = caption;
+  effect.where = {Component::sensing};
+  effect.excited_by = {ExperimentKind::leap};
+  return effect;
+}
+
 /// One offset for all joints of a scope, or one for each part: both motors of a leg alike, so that
 /// it reads longer or shorter than it is.
 Effect joint_offset(const JointScope& scope) {
@@ -75,11 +85,8 @@ Effect sensor_latency() {
 }
 
 Effect mocap_scale() {
-  Effect effect;
-  effect.name = "sensor_scale";
-  effect.caption = "motion capture reads lengths too large or too small";
-  effect.where = {Component::sensing};
-  effect.excited_by = {ExperimentKind::leap};
+  Effect effect =
+      on_motion_capture("sensor_scale", "motion capture reads lengths too large or too small");
   effect.parameters = {{"scale", "-", 1.0, {0.8, 1.2}, 0.03}};
   effect.applies = [](const PlanarModel& model) {
     return model.base_free[0] || model.base_free[1];
@@ -94,11 +101,8 @@ bool base_travels(const PlanarModel& model) { return model.base_free[0] && model
 
 /// Markers' middle is seldom the base's origin: where the base pitches, their x and z move by it.
 Effect tracked_point() {
-  Effect effect;
-  effect.name = "tracked_point";
-  effect.caption = "motion capture tracks another point of the base";
-  effect.where = {Component::sensing};
-  effect.excited_by = {ExperimentKind::leap};
+  Effect effect =
+      on_motion_capture("tracked_point", "motion capture tracks another point of the base");
   effect.parameters = {{"x", "m", 0.0, {-0.2, 0.2}, 0.03}, {"z", "m", 0.0, {-0.1, 0.1}, 0.015}};
   effect.applies = [](const PlanarModel& model) {
     return base_travels(model) && model.base_free[2];
@@ -109,11 +113,7 @@ Effect tracked_point() {
 
 /// A ground plane that was set aslant: what moves along x seems to rise or to sink.
 Effect mocap_tilt() {
-  Effect effect;
-  effect.name = "mocap_tilt";
-  effect.caption = "motion capture's axes are tilted in the plane";
-  effect.where = {Component::sensing};
-  effect.excited_by = {ExperimentKind::leap};
+  Effect effect = on_motion_capture("mocap_tilt", "motion capture's axes are tilted in the plane");
   effect.parameters = {{"angle", "rad", 0.0, {-0.1, 0.1}, 0.01}};
   effect.applies = [](const PlanarModel& model) { return base_travels(model); };
   effect.apply = [](const Vector& theta, Plant& plant) { plant.sensing.mocap_tilt += theta[0]; };

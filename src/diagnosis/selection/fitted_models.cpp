@@ -168,7 +168,7 @@ void FittedModels::fit_sets(const ModelFit& about, const std::vector<LinearSet>&
     if (!in_windows(problem_)) {
       const double gain = promised(problem_, set.log_evidence - about.fit.log_evidence);
       job.enough = std::max(job.enough, about.fit.log_evidence + gain);
-      job.by_slopes = set.p;
+      job.estimate = set.p;
     }
     // Deviations near none are those of its whole misfit, and under a plan slopes reach no farther
     // than to a start: plain least squares first.
@@ -203,14 +203,7 @@ Matrix FittedModels::slopes_about(const ModelFit& about, const Members& set,
 std::vector<Vector> FittedModels::starts_of(const ModelFit& about, const LinearSet& set,
                                             const std::vector<Probe>& probes) const {
   Vector estimated = problem_.hypotheses.without_effects(about.fit.p, about.candidates);
-  Eigen::Index k = 0;
-  for (const int c : set.members) {
-    for (const int i : problem_.hypotheses.candidates[c].parameters) {
-      const FreeParameter& own = problem_.hypotheses.parameters[i];
-      estimated[i] =
-          std::clamp(own.nominal + set.mean[k++] * own.scale, own.bounds.lower, own.bounds.upper);
-    }
-  }
+  for (const int i : problem_.hypotheses.parameters_of(set.members)) estimated[i] = set.p[i];
 
   // Where a step was searched for, slopes may not say what a strong effect does.
   std::vector<Vector> starts = {estimated};
@@ -276,9 +269,8 @@ void FittedModels::fit(const std::vector<Job>& jobs) {
       model.fit = better(model.fit, fit_beside(problem_, whitening, base, free, options));
     // Below plain least squares misfits may have another valley than the one that slopes promise.
     const bool short_of_it = !model.fit.valid || model.fit.log_evidence < options.enough;
-    if (jobs[i].by_slopes.size() > 0 && short_of_it)
-      model.fit =
-          better(model.fit, fit_near(problem_, whitening, free, jobs[i].by_slopes, options));
+    if (jobs[i].estimate.size() > 0 && short_of_it)
+      model.fit = better(model.fit, fit_near(problem_, whitening, free, jobs[i].estimate, options));
     if (model.candidates.size() == 1 && !options.with_forces)
       model.fit = fit_around(problem_, comparison_.whitening, model.fit, options);
   });

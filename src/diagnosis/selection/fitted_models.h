@@ -61,7 +61,7 @@ class FittedModels {
     double enough = kInfinity;  ///< log evidence at which no further start is tried
     Vector scales{};            ///< deviations of the forces at the starts; empty: not known
     Matrix effect_slopes{};     ///< at the starts (fit.h); none: not known
-    Vector by_slopes{};         ///< where slopes promise `enough`, nuisances too; empty: not known
+    Vector estimate{};          ///< where slopes promise `enough`, nuisances too; empty: not known
   };
 
   [[nodiscard]] std::vector<Vector> starts_of(const ModelFit& about, const LinearSet& set,
