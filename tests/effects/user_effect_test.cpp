@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 
 #include "jaculus/core/installation.h"
@@ -74,6 +75,32 @@ TEST(UserEffect, OfASoundFileIsAnEntryAsOthers) {
   EXPECT_TRUE(plant.laws.empty());
   user.effect.apply(user.effect.probed(), plant);
   EXPECT_EQ(plant.laws.size(), 1u);
+}
+
+// Runs share what is compiled, one after the other: none sees another's values.
+TEST(UserEffect, RunsOfOneLawDoNotMix) {
+  const test::TemporaryFolder folder;
+  const UserEffect user = read_user_effect(folder.write("sticky.yaml", kSound));
+  const auto torque = [](const simulation::LawFunctions& run) {
+    const double readings[] = {1.0}, states[] = {0.0};
+    double actions[] = {0.0}, rates[] = {0.0};
+    run.act(readings, states, actions, rates);
+    return actions[0];
+  };
+  const auto law_at = [&](double level, double rate) {
+    Plant plant = simulation::nominal_plant(robot("double_pendulum"));
+    user.effect.apply(Vector::Map(std::array{level, rate}.data(), 2), plant);
+    return plant.laws.front();
+  };
+  const simulation::Law strong = law_at(1.0, 0.5), weak = law_at(0.1, 2.0);
+  {
+    const simulation::LawFunctions one = strong.functions(), other = weak.functions();
+    EXPECT_DOUBLE_EQ(torque(one), -std::tanh(2.0));
+    EXPECT_DOUBLE_EQ(torque(other), -0.1 * std::tanh(0.5));
+    EXPECT_DOUBLE_EQ(torque(one), -std::tanh(2.0));
+  }
+  EXPECT_DOUBLE_EQ(torque(weak.functions()), -0.1 * std::tanh(0.5));
+  EXPECT_DOUBLE_EQ(torque(strong.functions()), -std::tanh(2.0));
 }
 
 TEST(UserEffect, FaultsAreToldWithTheirPlace) {

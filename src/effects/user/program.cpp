@@ -273,18 +273,4 @@ void Program::act(const double* readings, const double* states, double* actions,
     rates[s] = compiled_[derivatives_[s]].expression.value();
 }
 
-simulation::LawFunctions law_functions(const EffectSpec& spec, const Vector& theta) {
-  if (spec.code) return spec.code->functions(theta);
-
-  const auto program = std::make_shared<Program>(spec);
-  program->set_parameters(theta);
-  simulation::LawFunctions functions;
-  functions.before = [program](const double* readings, const double* states, double* actions) {
-    program->before(readings, states, actions);
-  };
-  functions.act = [program](const double* readings, const double* states, double* actions,
-                            double* rates) { program->act(readings, states, actions, rates); };
-  return functions;
-}
-
 }  // namespace jaculus::effects

@@ -87,8 +87,4 @@ class Program {
   std::vector<bool> early_values_;
 };
 
-/// Functions of the effect's law at `theta`: its formulas', or those of its code. The spec is
-/// copied.
-simulation::LawFunctions law_functions(const EffectSpec& spec, const Vector& theta);
-
 }  // namespace jaculus::effects

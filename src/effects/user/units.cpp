@@ -6,6 +6,7 @@
 #include <optional>
 #include <random>
 
+#include "effects/user/programs.h"
 #include "jaculus/core/error.h"
 
 namespace jaculus::effects {
@@ -164,7 +165,7 @@ void check_nominal(const EffectSpec& spec, Program& program) {
 
   Vector nominal(count_of(spec.parameters));
   for (int i = 0; i < count_of(spec.parameters); ++i) nominal[i] = spec.parameters[i].own.nominal;
-  check_law(spec, law_functions(spec, nominal));
+  check_law(spec, law_functions(std::make_shared<Programs>(spec), nominal));
 }
 
 }  // namespace jaculus::effects

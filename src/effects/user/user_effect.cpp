@@ -10,7 +10,7 @@
 #include "effects/families.h"
 #include "effects/user/expression.h"
 #include "effects/user/fit.h"
-#include "effects/user/program.h"
+#include "effects/user/programs.h"
 #include "effects/user/units.h"
 #include "jaculus/core/error.h"
 #include "jaculus/trajectory/quantity.h"
@@ -25,7 +25,7 @@ using simulation::Law;
 using simulation::Reading;
 using simulation::ReadingKind;
 using trajectory::ExperimentKind;
-using Spec = std::shared_ptr<const EffectSpec>;
+using Source = std::shared_ptr<Programs>;  ///< of one effect
 
 /// Where it acts on its body; of a place that is one.
 BodyPoint place_on_body(const EffectPlace& place, const PlanarModel& model) {
@@ -35,14 +35,15 @@ BodyPoint place_on_body(const EffectPlace& place, const PlanarModel& model) {
 }
 
 /// The law of an effect at one joint (empty: on its body) of a robot that can have it.
-Law law_of(const Spec& spec, const std::string& joint, const Vector& theta,
+Law law_of(const Source& source, const std::string& joint, const Vector& theta,
            const PlanarModel& model) {
+  const EffectSpec& spec = source->spec();
   Law law;
-  law.name = spec->name;
+  law.name = spec.name;
   BodyPoint own{joint};
-  if (spec->place.on_body()) own = place_on_body(spec->place, model);
+  if (spec.place.on_body()) own = place_on_body(spec.place, model);
 
-  for (const ReadingName& name : readings_of(*spec)) {
+  for (const ReadingName& name : source->readings()) {
     Reading reading{name.kind, name.of};
     if (name.kind == ReadingKind::time || name.kind == ReadingKind::bus_voltage) {
       reading.of.clear();
@@ -56,21 +57,19 @@ Law law_of(const Spec& spec, const std::string& joint, const Vector& theta,
     }
     law.readings.push_back(reading);
   }
-  for (const SpecAction& action : spec->actions) {
+  for (const SpecAction& action : spec.actions) {
     const bool whole =
         action.kind == ActionKind::bus_drop || action.kind == ActionKind::friction_scale;
     law.actions.push_back({action.kind, whole ? "" : own.body, own.point});
   }
 
-  if (!spec->states.empty()) {
-    Program program(*spec);
-    program.set_parameters(theta);
-    const Vector initial = program.initial();
-    for (int i = 0; i < count_of(spec->states); ++i)
-      law.states.push_back({initial[i], spec->states[i].scale});
+  if (!spec.states.empty()) {
+    const Vector initial = Programs::lend(source, theta)->initial();
+    for (int i = 0; i < count_of(spec.states); ++i)
+      law.states.push_back({initial[i], spec.states[i].scale});
   }
 
-  law.functions = [spec, theta] { return law_functions(*spec, theta); };
+  law.functions = [source, theta] { return law_functions(source, theta); };
   return law;
 }
 
@@ -109,82 +108,86 @@ std::vector<Component> where_of(const EffectSpec& spec, const PlanarModel* model
 }
 
 /// What is a value of the plant.
-void apply_without_law(const Spec& spec, const Vector& theta, Plant& plant) {
-  const auto program = std::make_shared<Program>(*spec);
-  program->set_parameters(theta);
-  if (spec->delay) plant.actuation.delay += std::max(0.0, program->delay());
-  if (!spec->reading) return;
+void apply_without_law(const Source& source, const Vector& theta, Plant& plant) {
+  const EffectSpec& spec = source->spec();
+  const std::shared_ptr<Program> program = Programs::lend(source, theta);
+  if (spec.delay) plant.actuation.delay += std::max(0.0, program->delay());
+  if (!spec.reading) return;
 
-  auto& law = plant.sensing.laws[spec->place.names.front()];
+  auto& law = plant.sensing.laws[spec.place.names.front()];
   law = [program, before = law](double value, double t) {
     return program->reading(t, before ? before(value, t) : value);
   };
 }
 
 /// The effect at the joints that `select` gives; at its body where the place is one.
-Effect entry(const Spec& spec, std::function<std::vector<std::string>(const PlanarModel&)> select) {
+Effect entry(const Source& source,
+             std::function<std::vector<std::string>(const PlanarModel&)> select) {
+  const EffectSpec& spec = source->spec();
   Effect effect;
-  effect.name = spec->name;
-  effect.caption = spec->caption;
-  effect.where = where_of(*spec, nullptr, {});
+  effect.name = spec.name;
+  effect.caption = spec.caption;
+  effect.where = where_of(spec, nullptr, {});
   effect.excited_by = {ExperimentKind::leap, ExperimentKind::self_righting,
                        ExperimentKind::tail_bench, ExperimentKind::pendulum};
-  for (const SpecParameter& p : spec->parameters) effect.parameters.push_back(p.own);
+  for (const SpecParameter& p : spec.parameters) effect.parameters.push_back(p.own);
 
-  if (spec->place.at_joints()) effect.joints = select;
-  effect.applies = [spec](const PlanarModel& model) {
+  if (spec.place.at_joints()) effect.joints = select;
+  effect.applies = [source](const PlanarModel& model) {
     try {
-      require_robot(*spec, model);
+      require_robot(source->spec(), model);
     } catch (const InputError&) {
       return false;
     }
     return true;
   };
-  effect.apply = [spec, select](const Vector& theta, Plant& plant) {
-    if (spec->delay || spec->reading) {
-      apply_without_law(spec, theta, plant);
+  effect.apply = [source, select](const Vector& theta, Plant& plant) {
+    const EffectSpec& own = source->spec();
+    if (own.delay || own.reading) {
+      apply_without_law(source, theta, plant);
       return;
     }
-    if (!spec->place.at_joints()) {
-      plant.laws.push_back(law_of(spec, "", theta, plant.model));
+    if (!own.place.at_joints()) {
+      plant.laws.push_back(law_of(source, "", theta, plant.model));
       return;
     }
     for (const std::string& joint : select(plant.model))
-      plant.laws.push_back(law_of(spec, joint, theta, plant.model));
+      plant.laws.push_back(law_of(source, joint, theta, plant.model));
   };
   return guarded(effect);
 }
 
 /// The effect at the joints of a scope alone.
-Effect part_of(const Spec& spec, const JointScope& scope) {
+Effect part_of(const Source& source, const JointScope& scope) {
   Effect part = entry(
-      spec, [select = scope.select](const PlanarModel& model) { return select(model).joints; });
-  if (!spec->component) part.where = scope.where;
+      source, [select = scope.select](const PlanarModel& model) { return select(model).joints; });
+  if (!source->spec().component) part.where = scope.where;
   return part;
 }
 
 /// On a robot: at all joints of the place, and at each of them alone. Legs have front and rear for
 /// that.
-std::vector<Effect> entries_on(const Spec& spec, const PlanarModel& model,
+std::vector<Effect> entries_on(const Source& source, const PlanarModel& model,
                                const std::string& file) {
+  const EffectSpec& spec = source->spec();
   const std::vector<std::string> joints =
-      spec->place.at_joints() ? joints_of(spec->place, model) : std::vector<std::string>{};
-  std::vector<Effect> all{entry(spec, [joints](const PlanarModel&) { return joints; })};
-  all.front().where = where_of(*spec, &model, joints);
+      spec.place.at_joints() ? joints_of(spec.place, model) : std::vector<std::string>{};
+  std::vector<Effect> all{entry(source, [joints](const PlanarModel&) { return joints; })};
+  all.front().where = where_of(spec, &model, joints);
   all.front().file = file;
-  const bool legs = spec->place.kind == PlaceKind::group && spec->place.names.front() == "legs";
-  if (legs && !spec->component)
+  const bool legs = spec.place.kind == PlaceKind::group && spec.place.names.front() == "legs";
+  if (legs && !spec.component)
     for (const JointScope& side : leg_scope().parts)
-      all.front().parts.push_back(part_of(spec, side));
+      all.front().parts.push_back(part_of(source, side));
   if (joints.size() < 2 || legs) return all;
 
   for (const std::string& joint : joints) {
     const std::vector<std::string> alone{joint};
-    Effect one = entry(spec, [alone](const PlanarModel&) { return alone; });
-    one.name = spec->name + "@" + joint;
+    Effect one = entry(source, [alone](const PlanarModel&) { return alone; });
+    one.name = spec.name + "@" + joint;
     one.file = file;
-    one.where = spec->component ? std::vector<Component>{*spec->component}
-                                : std::vector<Component>{component_of(model, joint)};
+    one.where = spec.component ? std::vector<Component>{*spec.component}
+                               : std::vector<Component>{component_of(model, joint)};
     all.push_back(one);
   }
   return all;
@@ -204,23 +207,27 @@ void check_used(const EffectSpec& spec, const Program& program) {
 }
 
 /// `file`: as entries have it, empty where a program has the effect.
-UserEffect user_effect(const Spec& spec, const std::string& file) {
-  Program program(*spec);
-  const std::vector<ReadingName> readings = readings_of(*spec);
+UserEffect user_effect(EffectSpec read, const std::string& file) {
+  const auto source = std::make_shared<Programs>(std::move(read));
+  const EffectSpec& spec = source->spec();
+  Program program(spec);
+  const std::vector<ReadingName>& readings = source->readings();
   // the units of other joints' readings are known with the robot
   const bool others = std::any_of(readings.begin(), readings.end(), [](const ReadingName& r) {
     return !r.of.empty() || r.kind == ReadingKind::sensor_value;
   });
-  if (!others && !spec->code) check_units(program);
-  check_nominal(*spec, program);
-  if (!spec->code) check_used(*spec, program);
+  if (!others && !spec.code) check_units(program);
+  check_nominal(spec, program);
+  if (!spec.code) check_used(spec, program);
 
   UserEffect user{
-      entry(spec, [spec](const PlanarModel& model) { return joints_of(spec->place, model); }), file,
-      spec->experiment, [spec](const PlanarModel& model) { require_units(*spec, model); }};
+      entry(source,
+            [source](const PlanarModel& model) { return joints_of(source->spec().place, model); }),
+      file, spec.experiment,
+      [source](const PlanarModel& model) { require_units(source->spec(), model); }};
   user.effect.file = file;
-  user.effect.sized = [spec, file](const PlanarModel& model, const JointRates&) {
-    return entries_on(spec, model, file);
+  user.effect.sized = [source, file](const PlanarModel& model, const JointRates&) {
+    return entries_on(source, model, file);
   };
   return user;
 }
@@ -228,19 +235,19 @@ UserEffect user_effect(const Spec& spec, const std::string& file) {
 }  // namespace
 
 UserEffect read_user_effect(const std::filesystem::path& file) {
-  UserEffect user = user_effect(std::make_shared<const EffectSpec>(read_spec(file)),
-                                std::filesystem::absolute(file).lexically_normal().string());
+  UserEffect user =
+      user_effect(read_spec(file), std::filesystem::absolute(file).lexically_normal().string());
   user.file = file;
   return user;
 }
 
 UserEffect parse_user_effect(const std::string& text, const std::string& name) {
   const yaml::Node root = yaml::Node::parse(text, name);
-  return user_effect(std::make_shared<const EffectSpec>(read_spec(root, ".")), "");
+  return user_effect(read_spec(root, "."), "");
 }
 
 UserEffect coded_effect(const yaml::Node& node, const EffectCode& code) {
-  return user_effect(std::make_shared<const EffectSpec>(read_spec(node, code)), "");
+  return user_effect(read_spec(node, code), "");
 }
 
 Catalogue catalogue_with(const std::vector<std::string>& files,
