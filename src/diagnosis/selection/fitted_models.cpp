@@ -84,9 +84,10 @@ std::vector<ModelFit> FittedModels::close_to(const ModelFit& from, int count) co
   return close;
 }
 
-std::vector<Probe> FittedModels::probe(const ModelFit& base) {
+const std::vector<Probe>& FittedModels::probe(const ModelFit& base) {
   if (base.candidates.empty() && same_space_) return earlier_->probes;
-  if (base.candidates.empty() && !about_none_.empty()) return about_none_;
+  if (const auto known = probed_.find(base.candidates); known != probed_.end())
+    return known->second;
   const bool again = earlier_ != nullptr && in_windows(problem_);
   const bool search = base.candidates.empty() && !again;
   std::vector<Probe> probes = screen(problem_, comparison_.whitening, base.fit,
@@ -106,8 +107,7 @@ std::vector<Probe> FittedModels::probe(const ModelFit& base) {
     probes[c].small = before.small;
     probes[c].full = before.full;
   }
-  if (base.candidates.empty()) about_none_ = probes;
-  return probes;
+  return probed_[base.candidates] = std::move(probes);
 }
 
 void FittedModels::extend(const ModelFit& base, const std::vector<Probe>& probes, int count) {

@@ -34,8 +34,9 @@ class FittedModels {
   /// `from` and the next best of its size, best first.
   [[nodiscard]] std::vector<ModelFit> close_to(const ModelFit& from, int count) const;
 
-  /// Screens all candidates about a model, by line search about none.
-  std::vector<Probe> probe(const ModelFit& base);
+  /// Screens all candidates about a model, by line search about none; once, for fits stay as they
+  /// are until they are refined, which lets go of what is returned here.
+  const std::vector<Probe>& probe(const ModelFit& base);
   /// Fits `base` and one more candidate each, of the best `count` probes.
   void extend(const ModelFit& base, const std::vector<Probe>& probes, int count);
   /// Fits sets of effects from their linear estimates about a model, those that were not fitted
@@ -109,8 +110,8 @@ class FittedModels {
   const Comparison& comparison_;
   const SearchResult* earlier_;
   bool same_space_;
-  LinearNuisances linear_;         ///< at the noise model's point; no columns: there are none
-  std::vector<Probe> about_none_;  ///< once they are known
+  LinearNuisances linear_;  ///< at the noise model's point; no columns: there are none
+  std::map<Members, std::vector<Probe>> probed_;  ///< about fitted models, as they were
   std::vector<ModelFit> models_;
   long predictions_ = 0;
 };

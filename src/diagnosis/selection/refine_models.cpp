@@ -39,6 +39,7 @@ FitOptions by_rows(FitOptions options, const RowSlopes& rows) {
 
 void FittedModels::refine(const std::optional<Vector>& none_in_own, const Members& led) {
   if (problem_.hypotheses.tolerances.empty() || linear_.slopes.cols() == 0) return;
+  probed_.clear();  // they were about fits that change
   std::set<Members> refined = {Members{}};
   std::map<Members, double> moved;  // what simulating changed, of those with effects
   const double best_by_slopes = value(*leading());

@@ -9,6 +9,7 @@
 #include "diagnosis/selection/contenders.h"
 #include "diagnosis/selection/fitted_models.h"
 #include "diagnosis/selection/indistinguishable.h"
+#include "diagnosis/selection/moves.h"
 #include "diagnosis/selection/neighbouring_sets.h"
 
 namespace jaculus::diagnosis {
@@ -34,94 +35,6 @@ void exchange(FittedModels& models, const ModelFit& best, const std::set<Members
     const ModelFit copy = *smaller;
     models.extend(copy, models.probe(copy), kept);
   }
-}
-
-/// A fitted model and the candidates as they look from there.
-struct Surroundings {
-  const Problem& problem;
-  const Whitening& whitening;
-  ModelFit about;
-  std::vector<Probe> probes;
-
-  /// Some sets by linear algebra, the most probable first.
-  [[nodiscard]] std::vector<LinearSet> judged(std::vector<Members> sets) const {
-    std::erase_if(sets, [&](const Members& set) {
-      return set.empty() || holds_twice(problem.hypotheses, set);
-    });
-    std::vector<LinearSet> out =
-        linear_sets(problem, whitening, about.fit, about.candidates, probes, std::move(sets));
-    const auto weight = [&](const LinearSet& set) {
-      return set.log_evidence + log_prior(set.members.size(), probes.size(), problem.settings);
-    };
-    std::stable_sort(out.begin(), out.end(),
-                     [&](const LinearSet& a, const LinearSet& b) { return weight(a) > weight(b); });
-    return out;
-  }
-
-  /// The most probable of some sets, those that were not fitted yet.
-  [[nodiscard]] std::vector<LinearSet> best_of(std::vector<Members> sets,
-                                               const FittedModels& models, int count) const {
-    std::erase_if(sets, [&](const Members& set) { return models.find(set) != nullptr; });
-    std::vector<LinearSet> best = judged(std::move(sets));
-    if (count_of(best) > count) best.resize(count);
-    return best;
-  }
-};
-
-/// Fits what by linear algebra leads among sets larger than the leading model, the first two and
-/// then the others unless one of those leads clearly; whether one of them leads now.
-bool enlarge(const Surroundings& near, int largest, FittedModels& models) {
-  const Settings& settings = near.problem.settings;
-  if (!near.about.candidates.empty() && !leaves_more(near.problem, near.about.fit)) return false;
-  const std::vector<Members> sets =
-      larger_sets(near.about.candidates, count_of(near.probes), largest);
-  std::vector<LinearSet> best = near.best_of(sets, models, settings.kept_pairs);
-  const auto first = best.begin() + std::min<std::ptrdiff_t>(2, std::ssize(best));
-  models.fit_sets(near.about, {best.begin(), first}, near.probes);
-  const double lead = models.value(*models.leading()) - models.value(near.about);
-  if (lead < settings.clear_lead) models.fit_sets(near.about, {first, best.end()}, near.probes);
-  return models.leading()->candidates != near.about.candidates;
-}
-
-/// Sets of two effects more that by linear algebra lead every set of one more: neither may help
-/// without the other. Those that were not fitted yet.
-std::vector<LinearSet> two_at_once(const Surroundings& near, int largest,
-                                   const FittedModels& models) {
-  const int one_more = count_of(near.about.candidates) + 1;
-  if (one_more >= largest || !near.whitening.random.blocks.empty()) return {};
-  std::vector<LinearSet> best =
-      near.judged(larger_sets(near.about.candidates, count_of(near.probes), largest));
-  const auto led = std::find_if(best.begin(), best.end(), [&](const LinearSet& set) {
-    return count_of(set.members) == one_more;
-  });
-  best.erase(led, best.end());
-  std::erase_if(best, [&](const LinearSet& set) { return models.find(set.members) != nullptr; });
-  const int most = near.problem.settings.kept_pairs;
-  if (count_of(best) > most) best.resize(most);
-  return best;
-}
-
-/// The same of sets of its size: what stands in for a member, unless slopes leave it far behind.
-void exchange_members(const Surroundings& near, FittedModels& models) {
-  const Settings& settings = near.problem.settings;
-  const double least = near.about.fit.log_evidence - settings.far_behind;
-  std::vector<LinearSet> chosen;
-  for (const int c : near.about.candidates) {
-    const auto others = exchanged_sets(near.about.candidates, c, count_of(near.probes));
-    for (const LinearSet& set : near.best_of(others, models, settings.kept_rivals))
-      if (set.log_evidence >= least) chosen.push_back(set);
-  }
-  models.fit_sets(near.about, chosen, near.probes);
-}
-
-/// Sets in which each joint has its own value of what joints share in the leading model, or all the
-/// same in place of their own, or a member has fewer parameters.
-void part_members(const Surroundings& near, int largest, FittedModels& models) {
-  const Hypotheses& hypotheses = near.problem.hypotheses;
-  std::vector<Members> sets = parted_sets(hypotheses, near.about.candidates, largest);
-  const std::vector<Members> plainer = plainer_sets(hypotheses, near.about.candidates);
-  sets.insert(sets.end(), plainer.begin(), plainer.end());
-  models.fit_sets(near.about, near.best_of(sets, models, count_of(sets)), near.probes);
 }
 
 /// Moves from the leading model to a better one, by one or two effects more, one exchanged, one
