@@ -1,11 +1,11 @@
 // Usual sizes of a robot's joints, and effects that go with them.
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "effects/scope.h"
+#include "jaculus/core/angle.h"
 #include "jaculus/simulation/plant.h"
 
 namespace jaculus::effects {
@@ -24,9 +24,6 @@ struct Carried {
   double moment = 0.0;   ///< sum of mass times distance [kg m]
   double inertia = 0.0;  ///< [kg m^2]
 };
-
-/// Plane x, z about +y.
-Vec2 turned(double angle, const Vec2& v) { return Eigen::Rotation2D<double>(-angle) * v; }
 
 Carried carried_by(const PlanarModel& model, int joint_body) {
   Carried sum;

@@ -10,6 +10,7 @@
 #include <map>
 #include <set>
 
+#include "jaculus/core/angle.h"
 #include "model/sections.h"
 
 namespace jaculus::model {
@@ -93,9 +94,7 @@ std::pair<int, Vec2> loop_end(const yaml::Node& node, const std::string& side,
         fmt::format("joint '{}' follows from another loop already; allowed: once", joint));
 
   const Vec2 point = node.at("point_" + side).vec2(dimension::length);
-  const Vec2 turned(std::cos(place.angle) * point.x() + std::sin(place.angle) * point.y(),
-                    -std::sin(place.angle) * point.x() + std::cos(place.angle) * point.y());
-  const Vec2 on_body = place.position + turned;
+  const Vec2 on_body = place.position + turned(place.angle, point);
   if (!(on_body.norm() > 1e-9)) {
     throw node.at("point_" + side)
         .error(fmt::format("the pin lies on joint '{}' itself; allowed: away from it", joint));

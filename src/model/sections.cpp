@@ -7,6 +7,7 @@
 #include <cmath>
 #include <set>
 
+#include "jaculus/core/angle.h"
 #include "model/fields.h"
 
 namespace jaculus::model {
@@ -22,9 +23,7 @@ std::vector<std::string> names_of(const std::vector<Element>& elements) {
 }
 
 Vec2 on_body(const LinkPlace& place, const Vec2& point) {
-  const double c = std::cos(place.angle);
-  const double s = std::sin(place.angle);
-  return place.position + Vec2(c * point.x() + s * point.y(), -s * point.x() + c * point.y());
+  return place.position + turned(place.angle, point);
 }
 
 }  // namespace

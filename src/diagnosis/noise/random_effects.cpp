@@ -199,6 +199,11 @@ Vector next_squares(const RandomEffects& effects, const GroupSums& sums, const V
 
 double Misfit::variance(double s) const { return values > 0.0 ? 1.0 + s * s * rows / values : 1.0; }
 
+double Misfit::likely(double energy, const RandomGroup& group) const {
+  const double square = rows > 0.0 ? std::max(0.0, energy / rows - 1.0) : 0.0;
+  return std::clamp(std::sqrt(square), group.least, group.largest);
+}
+
 double Misfit::energy(const Vector& r) const {
   double sum = 0.0;
   for (const auto& [first, count] : spans) sum += r.segment(first, count).squaredNorm();
@@ -333,10 +338,7 @@ ScaleEstimate estimated_scales(const RandomEffects& effects, const Products& pro
 Vector misfits_of(const RandomEffects& effects, const Vector& r, const Vector& scales) {
   Vector out = scales;
   for (const Misfit& misfit : effects.misfits) {
-    const double square =
-        misfit.rows > 0.0 ? std::max(0.0, misfit.energy(r) / misfit.rows - 1.0) : 0.0;
-    const RandomGroup& group = effects.groups[misfit.group];
-    out[misfit.group] = std::clamp(std::sqrt(square), group.least, group.largest);
+    out[misfit.group] = misfit.likely(misfit.energy(r), effects.groups[misfit.group]);
   }
   return out;
 }

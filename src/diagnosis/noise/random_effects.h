@@ -69,6 +69,16 @@ struct RandomBlock {
   Matrix gram;               ///< G^T G
 };
 
+/// What shares a deviation.
+struct RandomGroup {
+  std::string name;      ///< "elbow"; of a misfit "misfit of x"
+  int force = -1;        ///< index in Hypotheses::forces; -1: no force
+  double share = 1.0;    ///< of the force's mean square that the group's deviation squared is
+  int slower = -1;       ///< the group before it, whose deviation its own is not below; -1: none
+  double largest = 1e4;  ///< deviation at most; of a force settings.largest_force
+  double least = 0.0;    ///< of a misfit at least, settings.least_misfit
+};
+
 /// The misfit of a coordinate, of the datasets under a plan.
 struct Misfit {
   int group = 0;
@@ -78,20 +88,13 @@ struct Misfit {
 
   /// 1 + m of a misfit of root mean square s.
   [[nodiscard]] double variance(double s) const;
+  /// The s of most density where its rows have the energy E, within the group's ends; the least
+  /// where none of them takes part.
+  [[nodiscard]] double likely(double energy, const RandomGroup& group) const;
   /// E, |r|^2 of its rows, of all white rows r.
   [[nodiscard]] double energy(const Vector& r) const;
   /// Its part of log det V, n log(1 + m) + (N - n) m/(1 + m).
   [[nodiscard]] double log_det(double s) const;
-};
-
-/// What shares a deviation.
-struct RandomGroup {
-  std::string name;      ///< "elbow"; of a misfit "misfit of x"
-  int force = -1;        ///< index in Hypotheses::forces; -1: no force
-  double share = 1.0;    ///< of the force's mean square that the group's deviation squared is
-  int slower = -1;       ///< the group before it, whose deviation its own is not below; -1: none
-  double largest = 1e4;  ///< deviation at most; of a force settings.largest_force
-  double least = 0.0;    ///< of a misfit at least, settings.least_misfit
 };
 
 /// Of white rows.

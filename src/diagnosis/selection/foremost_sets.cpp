@@ -53,8 +53,7 @@ AtBest at_best(const RandomEffects& random, const Vector& scales, const SetProdu
 /// -2 log density of an energy at its most likely misfit, up to a constant.
 double squares_of(const RandomGroup& group, const Misfit& misfit, double energy) {
   if (misfit.rows <= 0.0) return energy;
-  const double likely = std::sqrt(std::max(0.0, energy / misfit.rows - 1.0));
-  const double s = std::clamp(likely, group.least, group.largest);
+  const double s = misfit.likely(energy, group);
   return energy / misfit.variance(s) + misfit.log_det(s);
 }
 

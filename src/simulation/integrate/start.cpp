@@ -5,11 +5,11 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <Eigen/Geometry>
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
+#include "jaculus/core/angle.h"
 #include "jaculus/core/error.h"
 #include "jaculus/core/yaml.h"
 #include "jaculus/dynamics/rigid_body.h"
@@ -168,10 +168,9 @@ void place_by_tracked_point(const Plant& plant, StartState& state) {
   if (x < 0 || z < 0 || (point.isZero(0.0) && tilt == 0.0)) return;
   const double angle = pitch < 0 ? 0.0 : state.q[pitch];
   const double turning = pitch < 0 ? 0.0 : state.v[pitch];
-  const Eigen::Rotation2D<double> level(-tilt), turned(-angle);
-  const Vec2 arm = turned * point, moved(arm.y(), -arm.x());
-  const Vec2 place = level * Vec2(state.q[x], state.q[z]) - arm;
-  const Vec2 speed = level * Vec2(state.v[x], state.v[z]) - turning * moved;
+  const Vec2 arm = turned(angle, point), moved(arm.y(), -arm.x());
+  const Vec2 place = turned(tilt, {state.q[x], state.q[z]}) - arm;
+  const Vec2 speed = turned(tilt, {state.v[x], state.v[z]}) - turning * moved;
   state.q[x] = place.x();
   state.q[z] = place.y();
   state.v[x] = speed.x();
