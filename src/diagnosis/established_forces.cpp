@@ -49,25 +49,56 @@ bool has_one_push(const Problem& problem, const Whitening& whitening, const Mode
   return pushes == 1;
 }
 
-/// The most probable model without a candidate, and without any push or pattern that the leading
-/// model doesn't have. That without effects is one of them.
-const ModelFit& best_without(const Problem& problem, const SearchResult& search, int candidate) {
+/// How many forces were tried of which a candidate is one: patterns, or pushes along so many
+/// coordinates. When a push acts and for how long are parameters, for which its evidence pays.
+int tried_like(const Problem& with, const Candidate& candidate, int patterns) {
+  return candidate.is_event() ? count_of(with.hypotheses.forces) : patterns;
+}
+
+/// How many effects of the catalogue some candidates are.
+int effects_among(const Problem& problem, const std::vector<int>& candidates) {
+  return static_cast<int>(std::count_if(candidates.begin(), candidates.end(), [&](int c) {
+    return !problem.hypotheses.candidates[c].beyond_effects();
+  }));
+}
+
+/// A model's evidence with the prior of so many effects; a force was not one of the catalogue's, so
+/// that it costs how many like it were tried, and not what one effect more does besides.
+double charged_weight(const Problem& problem, const ModelFit& model, int effects,
+                      int patterns_tried) {
+  const std::vector<Candidate>& all = problem.hypotheses.candidates;
+  const auto catalogue = std::count_if(all.begin(), all.end(),
+                                       [](const Candidate& own) { return !own.beyond_effects(); });
+  double weight = model.log_weight() - model.log_prior +
+                  log_prior(static_cast<std::size_t>(effects), static_cast<std::size_t>(catalogue),
+                            problem.settings);
+  for (const int c : model.candidates)
+    if (all[c].beyond_effects())
+      weight -= std::log(std::max(1, tried_like(problem, all[c], patterns_tried)));
+  return weight;
+}
+
+/// The most probable model by that weight without a candidate, and without any push or pattern that
+/// the leading model doesn't have. That without effects is one of them.
+const ModelFit& best_without(const Problem& problem, const SearchResult& search, int candidate,
+                             int patterns_tried) {
   const std::vector<int>& present = leading(search).candidates;
   const auto may_have = [&](int c) {
     const bool stays = c != candidate && std::binary_search(present.begin(), present.end(), c);
     return stays || !problem.hypotheses.candidates[c].beyond_effects();
   };
-  const ModelFit* best = most_probable(search.models, [&](const ModelFit& model) {
-    return std::all_of(model.candidates.begin(), model.candidates.end(), may_have);
-  });
+  const ModelFit* best = nullptr;
+  double most = -kInfinity;
+  for (const ModelFit& model : search.models) {
+    if (!std::all_of(model.candidates.begin(), model.candidates.end(), may_have)) continue;
+    const int effects = effects_among(problem, model.candidates);
+    const double weight = charged_weight(problem, model, effects, patterns_tried);
+    if (best != nullptr && weight <= most) continue;
+    best = &model;
+    most = weight;
+  }
   assert(best != nullptr);
   return *best;
-}
-
-/// How many forces were tried of which a candidate is one: patterns, or pushes along so many
-/// coordinates. When a push acts and for how long are parameters, for which its evidence pays.
-int tried_like(const Problem& with, const Candidate& candidate, int patterns) {
-  return candidate.is_event() ? count_of(with.hypotheses.forces) : patterns;
 }
 
 /// A candidate as if it had not been one.
@@ -85,8 +116,7 @@ bool all_hold(const Problem& with, int patterns_tried, const SearchResult& searc
   const std::vector<int>& members = leading(search).candidates;
   return std::all_of(members.begin(), members.end(), [&](int c) {
     const Candidate& own = with.hypotheses.candidates[c];
-    return !own.beyond_effects() ||
-           force_established(with, search, c, tried_like(with, own, patterns_tried));
+    return !own.beyond_effects() || force_established(with, search, c, patterns_tried);
   });
 }
 
@@ -97,11 +127,17 @@ const ModelFit& leading(const SearchResult& search) {
 }
 
 bool force_established(const Problem& problem, const SearchResult& search, int candidate,
-                       int tried) {
+                       int patterns_tried) {
   const Settings& settings = problem.settings;
-  const ModelFit& without = best_without(problem, search, candidate);
+  const ModelFit &lead = leading(search),
+                 &without = best_without(problem, search, candidate, patterns_tried);
   const double least = leaves_more(problem, without.fit) ? settings.worth : settings.clear_lead;
-  return leading(search).log_weight() - without.log_weight() > least + std::log(std::max(1, tried));
+  // A force in the place of an effect is charged as that: it shall not lead by its prior.
+  const int beside = effects_among(problem, without.candidates);
+  const int effects = std::max(beside, effects_among(problem, lead.candidates));
+  return charged_weight(problem, lead, effects, patterns_tried) -
+             charged_weight(problem, without, beside, patterns_tried) >
+         least;
 }
 
 void leave_out_unfounded(const Problem& with, int patterns_tried, Selection& again) {

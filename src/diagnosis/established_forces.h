@@ -9,12 +9,13 @@ namespace jaculus::diagnosis {
 const ModelFit& leading(const SearchResult& search);
 
 /// Whether the leading model leads the best one without one of its pushes or patterns, and without
-/// any in its place, by the logarithm of how many were tried, for each was as likely before, and by
-/// settings.worth where that one leaves more, so that a force is missing anyhow; by
-/// settings.clear_lead where it leaves nothing. Which of several forms it is may be open all the
-/// same.
+/// any in its place, by the logarithm of how many were tried (of each force that it has), for each
+/// was as likely before, and by settings.worth where that one leaves more, so that a force is
+/// missing anyhow; by settings.clear_lead where it leaves nothing. Beside as many effects no more
+/// is asked: it is not charged as one effect more of the catalogue besides. Which of several forms
+/// it is may be open all the same.
 bool force_established(const Problem& problem, const SearchResult& search, int candidate,
-                       int tried);
+                       int patterns_tried);
 
 /// Leaves out models with a push that not every trial had, or that is as long as the motion; then
 /// what leads with a push or a pattern that is not established, one model after the other. In the

@@ -59,6 +59,20 @@ TEST(EstablishedForce, LeadsWhatHasNoneByMoreThanHowManyWereTried) {
   EXPECT_FALSE(established(most - 0.1));
 }
 
+// What was tried costs that, and not the choice among the catalogue's effects as well.
+TEST(EstablishedForce, IsNotChargedAsOneEffectMore) {
+  const ForceCandidates c;
+  const auto established = [&](double lead) {
+    SearchResult search = led({{{kForce}, c.problem.settings.worth + std::log(kTried) + lead}});
+    for (ModelFit& model : search.models)
+      model.log_prior = log_prior(model.candidates.size(), 3, c.problem.settings);
+    search.models[0].fit.log_complete = -1e6;  // a force is missing anyhow
+    return force_established(c.problem, search, kForce, kTried);
+  };
+  EXPECT_TRUE(established(0.1));
+  EXPECT_FALSE(established(-0.1));
+}
+
 TEST(EstablishedForce, MayBeOfAnotherForm) {
   const ForceCandidates c;
   EXPECT_TRUE(
