@@ -113,7 +113,9 @@ TEST(VerdictRules, PartialWhereForcesRemainThatAreWorthStating) {
   e.lacking = 0.9;
   EXPECT_EQ(rule_of(e), "more is there");
   EXPECT_EQ(decide(e, {}).verdict, Verdict::partial);
-  e.gap.after = 2.0;  // less than 1 %
+  e.gap.after = 2.5;  // more than 1 %
+  EXPECT_EQ(rule_of(e), "more is there");
+  e.gap.after = 2.0;  // less
   EXPECT_EQ(rule_of(e), "one effect");
 
   // The same of a gap that is mostly tolerances: 6 % of what they leave.
@@ -121,6 +123,11 @@ TEST(VerdictRules, PartialWhereForcesRemainThatAreWorthStating) {
   EXPECT_EQ(rule_of(e), "more is there");
   e.gap.after = 1.4;  // no gap by itself
   EXPECT_EQ(rule_of(e), "one effect");
+  e.gap.before = e.gap.adjusted = 8.5;
+  e.gap.after = 1.45;  // 1.6 %, but no plain gap
+  EXPECT_EQ(rule_of(e), "one effect");
+  e.gap.after = 1.5;  // 1.8 % of one
+  EXPECT_EQ(rule_of(e), "more is there");
 }
 
 TEST(VerdictRules, WhatIsEstablishedIsNotClearedBecauseMoreRemains) {
@@ -169,7 +176,7 @@ TEST(VerdictRules, HaveNamesOfTheirOwnAndSettingsMoveThem) {
   e.lacking = 0.9;
   EXPECT_EQ(rule_of(e), "more is there");
   Settings mild;
-  mild.remainder_share = 0.1;
+  mild.plain_remainder_share = 0.1;
   EXPECT_STREQ(decide(e, mild).name, "one effect");
 }
 

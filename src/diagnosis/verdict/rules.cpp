@@ -54,13 +54,13 @@ bool less_than_is_left(const VerdictEvidence& e, const Settings& s) {
 }
 
 /// Whether forces remain that are worth stating: by their share of the gap, or, where what is left
-/// is a gap by itself (settings.plain_gap), by their share of what tolerances leave, for the rest
-/// may be no effect's.
+/// is a gap by itself (settings.plain_gap), by a lesser share of what tolerances leave, for the
+/// rest may be no effect's.
 bool more_is_there(const VerdictEvidence& e, const Settings& s) {
   if (e.naming != Naming::sure || e.lacking <= s.likely || !e.gap.valid) return false;
-  const bool plain = e.gap.after >= s.plain_gap;
-  const double base = plain ? std::min(e.gap.before, e.gap.adjusted) : e.gap.before;
-  return share_left(base, e.gap.after) > s.remainder_share;
+  if (e.gap.after < s.plain_gap) return share_left(e.gap.before, e.gap.after) > s.remainder_share;
+  const double base = std::min(e.gap.before, e.gap.adjusted);
+  return share_left(base, e.gap.after) > s.plain_remainder_share;
 }
 
 bool one_effect(const VerdictEvidence& e, const Settings&) {
@@ -109,7 +109,7 @@ const std::vector<VerdictRule>& verdict_rules() {
        less_than_is_left},
       {"more is there", Verdict::partial,
        "what is named is established, but it is not all: forces remain that it doesn't explain "
-       "(settings remainder_share, plain_gap, prior_lacking)",
+       "(settings remainder_share, plain_remainder_share, plain_gap, prior_lacking)",
        more_is_there},
       {"one effect", Verdict::effect, "", one_effect},
       {"several effects", Verdict::several, "", several_effects},
