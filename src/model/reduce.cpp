@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 
+#include "jaculus/core/angle.h"
 #include "model/inertia.h"
 #include "model/sides.h"
 #include "model/urdf_check.h"
@@ -19,10 +20,7 @@ constexpr double kTolerance = 1e-6;  ///< of directions and of places on a body,
 Vec2 in_plane(const Vec3& v) { return {v.x(), v.z()}; }
 
 /// R(phi)' v, from a frame turned by phi about +y back into it.
-Vec2 unrotate(double phi, const Vec2& v) {
-  return {std::cos(phi) * v.x() - std::sin(phi) * v.y(),
-          std::sin(phi) * v.x() + std::cos(phi) * v.y()};
-}
+Vec2 unrotate(double phi, const Vec2& v) { return turned(-phi, v); }
 
 double pitch_of(const Mat3& R) { return std::atan2(R(0, 2), R(0, 0)); }
 bool about_y(const Mat3& R) { return R(1, 1) > std::cos(kLean); }
