@@ -50,28 +50,29 @@ void project(Run& run, const Evaluation& at, State& y) {
   }
 }
 
-/// Samples within the step and before t: the motion by its interpolant, forces where it is exact.
-/// Whether the equations were evaluated.
+/// Samples within the step and before t: the motion, and motors by it, by the step's interpolant;
+/// contacts' forces where it is exact. Whether the equations were evaluated.
 bool record_before(Run& run, const Step& step, double t) {
   const Sampled what = run.options.sampled;
   if (run.recorder.next() >= t) return false;
   State y(step.y.size()), dydt(step.y.size());
   DriveSample drive;
-  bool evaluated = what != Sampled::motion && step.method == Method::implicit;  // by state_at()
+  bool evaluated = what == Sampled::all && step.method == Method::implicit;  // by state_at()
   while (run.recorder.next() < t) {
     const double at = run.recorder.next();
-    if (what == Sampled::motion) {
+    if (what == Sampled::all)
+      run.stepper.state_at(rates_of(run.equations, run.state.modes), step, at, y);
+    else
       run.stepper.dense(step, at, y);
+
+    if (what == Sampled::motion) {
       run.recorder.record(run.equations, y, nullptr);
-      continue;
-    }
-    run.stepper.state_at(rates_of(run.equations, run.state.modes), step, at, y);
-    if (what == Sampled::motors && run.equations.sample_drive(at, y, drive)) {
+    } else if (what == Sampled::motors && run.equations.sample_drive(at, y, drive)) {
       run.recorder.record(run.equations, y, drive);
-      continue;
+    } else {
+      run.recorder.record(run.equations, y, run.equations.evaluate(at, y, run.state.modes, dydt));
+      evaluated = true;
     }
-    run.recorder.record(run.equations, y, run.equations.evaluate(at, y, run.state.modes, dydt));
-    evaluated = true;
   }
   return evaluated;
 }
