@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
+#include "diagnosis/forward/prediction_memory.h"
 #include "diagnosis/noise/contradictions.h"
 #include "diagnosis/noise/one_off.h"
 #include "jaculus/simulation/experiment.h"
@@ -131,6 +133,8 @@ ProblemBuilder builder_of(std::vector<Effect> effects, const Settings& settings)
     std::vector<const Effect*> list;
     for (const Effect& effect : kept) list.push_back(&effect);
     PlantForward forward = plant_forward(observations, list, settings);
+    forward.predict =
+        remembering(std::move(forward.predict), forward.hypotheses.nominal(), settings.remembered);
     return BuiltProblem{
         std::make_shared<const Problem>(Problem{std::move(observations), forward.hypotheses,
                                                 forward.predict, settings, forward.tolerance_part}),

@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "diagnosis/established_forces.h"
+#include "diagnosis/forward/prediction_memory.h"
 #include "diagnosis/pattern_scan.h"
 #include "diagnosis/selection/push_scan.h"
 
@@ -134,6 +135,9 @@ Prepared with_effects(const Prepared& prepared, std::vector<effects::Effect> eff
   const Problem& problem = *prepared.built.problem;
   Prepared out = prepared;
   out.built = builder_of(std::move(effects), problem.settings)(problem.observations);
+  Problem among = *out.built.problem;
+  among.forward = beside(among.forward, among.hypotheses, problem);
+  out.built.problem = std::make_shared<const Problem>(std::move(among));
   out.noise = estimate_noise(*out.built.problem, out.built.problem->hypotheses.nominal(),
                              prepared.noise.alignments);
   return out;

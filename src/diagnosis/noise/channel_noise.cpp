@@ -8,7 +8,8 @@
 namespace jaculus::diagnosis {
 namespace {
 
-constexpr double kLeastPivot = 1e-8;  // of the largest pivot, below which a column tells nothing
+constexpr double kLeastTellingPivot =
+    1e-8;  // of the largest pivot, below which a column tells nothing
 
 using Predictions = std::vector<const Prediction*>;
 
@@ -63,7 +64,7 @@ struct Scatter {
 
 Vector least_squares_residual(const Matrix& columns, const Vector& residual, double& rank) {
   Eigen::ColPivHouseholderQR<Matrix> qr(columns);
-  qr.setThreshold(kLeastPivot);
+  qr.setThreshold(kLeastTellingPivot);
   rank += static_cast<double>(qr.rank());
   return residual - columns * qr.solve(residual);
 }
