@@ -151,6 +151,18 @@ bool beyond_reach(const Problem& problem, const FittedModels& models) {
   return hypotheses.beyond_effects();
 }
 
+/// The space about what tolerances fit without any effect, where they leave nothing more: within a
+/// window they may move a light joint by degrees, farther than slopes at the files' values reach,
+/// and effects would stand in for what such slopes miss.
+Comparison about_tolerances(const Problem& problem, Comparison comparison) {
+  const Fit none = fit_model(problem, comparison.whitening, problem.hypotheses.nuisances(),
+                             {comparison.noise.p}, short_fit());
+  if (!none.valid) return comparison;
+  Relinearised about =
+      relinearise(problem, comparison, none, problem.settings.relinearisations, short_fit());
+  return leaves_more(problem, about.fit) ? comparison : std::move(about.comparison);
+}
+
 }  // namespace
 
 SearchResult search_models(const Problem& problem, const Comparison& comparison,
@@ -191,6 +203,8 @@ SearchResult search_models(const Problem& problem, const Comparison& comparison,
 Selection select_models(const Problem& problem, Comparison comparison,
                         const std::function<void(const std::string&)>& progress,
                         std::vector<ModelFit> known) {
+  if (in_windows(problem) && !problem.hypotheses.tolerances.empty())
+    comparison = about_tolerances(problem, std::move(comparison));
   const int first = in_windows(problem) ? problem.settings.largest_set : 1;
   const SearchResult singles =
       search_models(problem, comparison, {first, nullptr, false, {}, {}, {}, progress});
