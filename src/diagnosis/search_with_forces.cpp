@@ -63,11 +63,7 @@ void add_pushes(const std::vector<LikelyPush>& more, std::vector<LikelyPush>& pu
 std::optional<Relinearised> about_no_effect(const Prepared& prepared, const Selection& found) {
   if (found.about_none) return found.about_none;
   const Problem& problem = *prepared.built.problem;
-  Comparison comparison = first_comparison(problem, prepared.noise);
-  const Fit none = fit_model(problem, comparison.whitening, problem.hypotheses.nuisances(),
-                             {comparison.noise.p});
-  if (!none.valid) return {};
-  return relinearise(problem, std::move(comparison), none);
+  return relinearise_about_none(problem, first_comparison(problem, prepared.noise), {});
 }
 
 /// Pushes that may have acted, as effects: about the model without effects, for a push may be what

@@ -1,8 +1,7 @@
 #include "diagnosis/forward/prediction_memory.h"
 
-#include <bit>
+#include <boost/container_hash/hash.hpp>
 #include <cassert>
-#include <cstdint>
 #include <memory>
 #include <mutex>
 #include <unordered_map>
@@ -21,16 +20,10 @@ struct Key {
 
 struct KeyHash {
   std::size_t operator()(const Key& key) const {
-    std::uint64_t hash = 0;
-    const auto add = [&hash](std::uint64_t x) {  // as boost::hash_combine, in 64 bits
-      hash ^= x + 0x9e3779b97f4a7c15ULL + (hash << 12) + (hash >> 4);
-    };
-    add(static_cast<std::uint64_t>(key.dataset));
-    add(static_cast<std::uint64_t>(key.segment));
-    for (const auto& [parameter, value] : key.moved) {
-      add(static_cast<std::uint64_t>(parameter));
-      add(std::bit_cast<std::uint64_t>(value));
-    }
+    std::size_t hash = 0;
+    boost::hash_combine(hash, key.dataset);
+    boost::hash_combine(hash, key.segment);
+    boost::hash_combine(hash, key.moved);
     return hash;
   }
 };

@@ -8,8 +8,8 @@
 namespace jaculus::diagnosis {
 namespace {
 
-constexpr double kLeastTellingPivot =
-    1e-8;  // of the largest pivot, below which a column tells nothing
+/// Of the largest pivot, below which a column tells nothing.
+constexpr double kLeastTellingPivot = 1e-8;
 
 using Predictions = std::vector<const Prediction*>;
 

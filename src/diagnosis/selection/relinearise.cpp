@@ -72,6 +72,15 @@ Relinearised relinearise(const Problem& problem, Comparison comparison, Fit fit,
   return {std::move(comparison), std::move(fit)};
 }
 
+std::optional<Relinearised> relinearise_about_none(const Problem& problem, Comparison comparison,
+                                                   const FitOptions& options) {
+  Fit none = fit_model(problem, comparison.whitening, problem.hypotheses.nuisances(),
+                       {comparison.noise.p}, options);
+  if (!none.valid) return {};
+  return relinearise(problem, std::move(comparison), std::move(none),
+                     problem.settings.relinearisations, options);
+}
+
 ToldAnew told_anew(const Problem& problem, const Comparison& comparison, const Fit& none,
                    const ModelFit* leader, int rounds) {
   const FitOptions options = in_windows(problem) ? short_fit() : FitOptions{};

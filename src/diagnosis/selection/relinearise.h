@@ -18,6 +18,11 @@ Relinearised relinearise(const Problem& problem, Comparison comparison, Fit fit)
 Relinearised relinearise(const Problem& problem, Comparison comparison, Fit fit, int rounds,
                          FitOptions options);
 
+/// The space about the model without effects, fitted in the space of `comparison` first; nothing
+/// where that fails.
+std::optional<Relinearised> relinearise_about_none(const Problem& problem, Comparison comparison,
+                                                   const FitOptions& options);
+
 /// Of a fit that tells what noise is about, no result: one round more, effects by secants. Each of
 /// many windows is a simulation.
 FitOptions short_fit();

@@ -155,12 +155,8 @@ bool beyond_reach(const Problem& problem, const FittedModels& models) {
 /// window they may move a light joint by degrees, farther than slopes at the files' values reach,
 /// and effects would stand in for what such slopes miss.
 Comparison about_tolerances(const Problem& problem, Comparison comparison) {
-  const Fit none = fit_model(problem, comparison.whitening, problem.hypotheses.nuisances(),
-                             {comparison.noise.p}, short_fit());
-  if (!none.valid) return comparison;
-  Relinearised about =
-      relinearise(problem, comparison, none, problem.settings.relinearisations, short_fit());
-  return leaves_more(problem, about.fit) ? comparison : std::move(about.comparison);
+  auto about = relinearise_about_none(problem, comparison, short_fit());
+  return !about || leaves_more(problem, about->fit) ? comparison : std::move(about->comparison);
 }
 
 }  // namespace
