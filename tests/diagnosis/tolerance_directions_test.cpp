@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 
 #include "diagnosis/forward/tolerance_part.h"
@@ -124,6 +125,28 @@ TEST(ToleranceDirections, DriversReportsHaveAScaleEachAndOneLowPass) {
   filter.move(2.0, plant, controller);
   EXPECT_EQ(plant.sensing.filter, (std::map<std::string, double>{{current, 2e-3}}));
   EXPECT_EQ(filter.range.lower, 0.0);
+}
+
+TEST(ToleranceDirections, ATorqueThatDrivesTheModelIsOffByTheAmmeterToo) {
+  const model::Robot robot = model::read_robot(source_folder() / "models" / "pendulum");
+  ObservedDataset observed;
+  observed.dataset.robot = robot.folder.string();
+  observed.model = robot.planar;
+  observed.measured_input = true;
+  const std::string joint = robot.planar.motors.front().joint;
+  const auto scale_by = [&](trajectory::Quantity input) {
+    observed.dataset.controller.input = input;
+    const std::vector<ToleranceDirection> directions = tolerances_of(observed, Settings{});
+    simulation::Plant plant = simulation::nominal_plant(robot.planar);
+    simulation::Controller controller;
+    directions[place_of(directions, "torque constant of " + joint)].move(1.0, plant, controller);
+    return plant.actuation.torque_scale.at(joint) - 1.0;
+  };
+
+  const model::Tolerances& own = robot.tolerances;
+  EXPECT_NEAR(scale_by(trajectory::Quantity::torque),
+              std::hypot(own.torque_constant, own.current_scale), 1e-12);
+  EXPECT_NEAR(scale_by(trajectory::Quantity::voltage), own.torque_constant, 1e-12);
 }
 
 }  // namespace

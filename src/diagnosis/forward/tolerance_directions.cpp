@@ -1,5 +1,6 @@
 #include "diagnosis/forward/tolerance_directions.h"
 
+#include <cmath>
 #include <utility>
 
 #include "diagnosis/forward/missing_forces.h"
@@ -171,10 +172,10 @@ void add_loop(Directions& directions, const PlanarModel& model, const model::Tol
   }
 }
 
-/// Whether a channel is what a driver reports of its motor's current.
-bool is_report(const Channel& channel) {
-  const trajectory::Quantity quantity = trajectory::parse_channel(channel.name).quantity;
-  return quantity == trajectory::Quantity::current || quantity == trajectory::Quantity::torque;
+/// Whether a quantity is what a driver reports of its motor's current.
+bool is_report(trajectory::Quantity quantity) {
+  using enum trajectory::Quantity;
+  return quantity == current || quantity == torque;
 }
 
 /// Drivers' ammeters, in logs that the model predicts: a scale each, and one low pass, for drivers
@@ -183,7 +184,8 @@ void add_reports(Directions& directions, const ObservedDataset& observed,
                  const model::Tolerances& t) {
   std::vector<std::string> reports;
   for (const Channel& channel : observed.channels)
-    if (is_report(channel)) reports.push_back(channel.name);
+    if (is_report(trajectory::parse_channel(channel.name).quantity))
+      reports.push_back(channel.name);
 
   for (const std::string& name : reports) {
     add(directions, t.current_scale, "scale of " + name,
@@ -224,10 +226,15 @@ std::vector<ToleranceDirection> tolerance_directions(const PlanarModel& model,
 
 std::vector<ToleranceDirection> tolerances_of(const ObservedDataset& observed,
                                               const Settings& settings) {
-  const model::Robot robot = simulation::dataset_robot(observed.dataset);
-  Directions directions = tolerance_directions(observed.model, robot.tolerances,
-                                               observed.measured_input, settings.lever);
-  add_reports(directions, observed, robot.tolerances);
+  model::Tolerances own = simulation::dataset_robot(observed.dataset).tolerances;
+  // A torque that drives the model is what a driver made of its current: the ammeter's scale and
+  // the torque constant are off by both.
+  const trajectory::Quantity input = observed.dataset.controller.input;
+  if (observed.measured_input && (is_report(input) || input == trajectory::Quantity::motor_torque))
+    own.torque_constant = std::hypot(own.torque_constant, own.current_scale);
+  Directions directions =
+      tolerance_directions(observed.model, own, observed.measured_input, settings.lever);
+  add_reports(directions, observed, own);
   if (observed.measured_input) directions.push_back(input_clock(settings.shift_deviation));
   return directions;
 }
