@@ -17,6 +17,15 @@ constexpr double kKept = 0.9, kKeptVariance = 0.6230;
 constexpr double kSquares = 6.0;
 // Samples, below which there is nothing to keep a share of. Chosen.
 constexpr std::size_t kLeast = 10;
+// Means of an octave, for the least of several to be no accident: 32 tell a variance to a third.
+constexpr std::size_t kLeastMeans = 32;
+
+/// Means of two neighbours each; of an odd number the last is left out.
+std::vector<double> halved(const std::vector<double>& x) {
+  std::vector<double> means;
+  for (std::size_t i = 0; i + 1 < x.size(); i += 2) means.push_back(0.5 * (x[i] + x[i + 1]));
+  return means;
+}
 
 }  // namespace
 
@@ -37,6 +46,24 @@ double scatter_of(const std::vector<double>& x) {
   double sum = 0.0;
   for (std::size_t i = 0; i < kept; ++i) sum += squares[i];
   return std::sqrt(sum / (static_cast<double>(kept) * kKeptVariance * kSquares));
+}
+
+std::vector<double> scatter_by_octaves(std::vector<double> x) {
+  std::vector<double> octaves;
+  for (; x.size() >= (octaves.empty() ? kLeast : kLeastMeans); x = halved(x))
+    octaves.push_back(std::pow(scatter_of(x), 2));
+  return octaves;
+}
+
+double most_flicker(const std::vector<double>& octaves) {
+  if (octaves.empty()) return 0.0;
+  double least = octaves.front();
+  for (std::size_t o = 1; o < octaves.size(); ++o) {
+    const double share = std::exp2(-static_cast<double>(o));  // 1/m
+    const double beyond = (octaves[o] - share * octaves.front()) / (1.0 - share);
+    least = std::min(least, std::max(0.0, beyond));
+  }
+  return std::sqrt(least / (0.5 * std::log(256.0 / 27.0)));
 }
 
 }  // namespace jaculus::diagnosis

@@ -86,7 +86,11 @@ NoiseModel with_random_effects(const Problem& problem, NoiseModel noise) {
     noise.random =
         random_columns(problem, noise.alignments, noise.p, rows_of(problem, noise, noise.at_p));
   for (int d = 0; d < count_of(datasets); ++d) {
-    const std::map<std::string, double> input = input_noise(datasets[d], problem.settings);
+    std::map<std::string, InputNoise> input = input_noise(datasets[d], problem.settings);
+    for (auto& [joint, own] : input) {
+      const auto needed = noise.flicker.find(joint);
+      own.flicker = std::min(own.flicker, needed == noise.flicker.end() ? 0.0 : needed->second);
+    }
     if (input.empty()) continue;
     for (SegmentNuisances& own : noise.datasets[d].nuisances) {
       const Matrix slopes = noise.random.forces[d].middleRows(own.first, own.count);

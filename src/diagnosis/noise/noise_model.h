@@ -2,6 +2,8 @@
 // The noise model about one point of the parameters: predictions there, clocks, nuisances of every
 // segment and scatter of every channel. A value: later steps make another one about another point.
 
+#include <map>
+#include <string>
 #include <vector>
 
 #include "diagnosis/noise/channel_noise.h"
@@ -23,6 +25,10 @@ struct NoiseModel {
   std::vector<DatasetNoise> datasets;
   bool may_lack = false;  ///< whether anything is granted beyond sensors and nuisances
   RandomColumns random;   ///< forces that it may be under a logged input; no columns elsewhere
+
+  /// Flicker that the model which this is about needs in the logs that drive it, a joint each: the
+  /// root of h, of which a log's own bound is granted at most (input_noise.h) [N m, N].
+  std::map<std::string, double> flicker;
 
   [[nodiscard]] bool valid() const { return at_p.valid; }
 };

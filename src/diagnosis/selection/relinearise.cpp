@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <string>
 #include <utility>
+
+#include "diagnosis/noise/input_noise.h"
 
 namespace jaculus::diagnosis {
 namespace {
@@ -35,6 +38,24 @@ double likelihood_by_size(const Relinearised& told) {
   return sum;
 }
 
+/// The flicker of logged inputs that a model needs: what was granted, and the forces that it lacks
+/// beyond.
+std::map<std::string, double> flicker_needed(const Problem& problem, const Comparison& comparison,
+                                             const Fit& fit) {
+  std::map<std::string, double> flicker = comparison.noise.flicker;
+  const RandomEffects& random = comparison.whitening.random;
+  for (int g = 0; g < random.size(); ++g) {
+    const RandomGroup& group = random.groups[g];
+    if (group.force < 0) continue;
+    const std::vector<int>& boxes = problem.hypotheses.forces[group.force].boxes;
+    const double unit = problem.hypotheses.parameters[boxes.front()].scale;
+    const double rms = fit.scales[g] * std::sqrt(group.share) * unit;
+    double& own = flicker[group.name];
+    own = std::hypot(own, flicker_of_force(rms, count_of(boxes)));
+  }
+  return flicker;
+}
+
 }  // namespace
 
 FitOptions short_fit() {
@@ -56,6 +77,7 @@ Relinearised relinearise(const Problem& problem, Comparison comparison, Fit fit,
   for (int round = 0; round < rounds; ++round) {
     NoiseModel again = estimate_noise(problem, fit.simulated, comparison.noise.alignments);
     if (!again.valid()) break;
+    again.flicker = flicker_needed(problem, comparison, fit);
     Comparison about = comparison_about(problem, with_random_effects(problem, std::move(again)));
 
     // A fit goes with the comparison that it was made in: both are taken, or neither.
