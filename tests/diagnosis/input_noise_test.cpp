@@ -54,7 +54,7 @@ std::vector<double> flicker(double h, int samples, std::uint64_t seed) {
 }
 
 TEST(InputNoise, HasAsMuchFlickerAsTheLogAllowsAtMost) {
-  // The least of several octaves lies below what each says; of the longest means some ten are left.
+  // The least of several octaves lies below what each says, of the longest some thirty means.
   const double h = 0.04;
   for (const std::uint64_t seed : {1, 2, 3}) {
     const double told = most_flicker(scatter_by_octaves(flicker(h, 4000, seed)));

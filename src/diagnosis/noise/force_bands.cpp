@@ -16,6 +16,11 @@ double share_of_band(int band, int boxes) {
   return static_cast<double>(count) / boxes;
 }
 
+double force_of_band(const Hypotheses& hypotheses, const RandomGroup& group, double deviation) {
+  const int box = hypotheses.forces[group.force].boxes.front();
+  return deviation * std::sqrt(group.share) * hypotheses.parameters[box].scale;
+}
+
 Matrix cosines(int boxes) {
   Matrix D(boxes, boxes);
   for (int k = 0; k < boxes; ++k) {

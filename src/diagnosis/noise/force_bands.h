@@ -15,9 +15,7 @@
 // equal deviations it is least squares of force, as parameters of robots are commonly identified
 // (Gautier and Poignet 2001).
 
-#include <vector>
-
-#include "jaculus/core/types.h"
+#include "diagnosis/noise/random_effects.h"
 
 namespace jaculus::diagnosis {
 
@@ -26,6 +24,9 @@ int band_of(int cosine);
 int bands_of(int boxes);
 /// Share of all cosines that lie in a band [-].
 double share_of_band(int band, int boxes);
+/// Root mean square over the boxes of the force that a group's deviation is, of its band alone
+/// [unit of the force].
+double force_of_band(const Hypotheses& hypotheses, const RandomGroup& group, double deviation);
 /// D, boxes x boxes.
 Matrix cosines(int boxes);
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "diagnosis/noise/force_bands.h"
 #include "diagnosis/noise/input_noise.h"
 
 namespace jaculus::diagnosis {
@@ -47,11 +48,10 @@ std::map<std::string, double> flicker_needed(const Problem& problem, const Compa
   for (int g = 0; g < random.size(); ++g) {
     const RandomGroup& group = random.groups[g];
     if (group.force < 0) continue;
-    const std::vector<int>& boxes = problem.hypotheses.forces[group.force].boxes;
-    const double unit = problem.hypotheses.parameters[boxes.front()].scale;
-    const double rms = fit.scales[g] * std::sqrt(group.share) * unit;
+    const double rms = force_of_band(problem.hypotheses, group, fit.scales[g]);
+    const int boxes = count_of(problem.hypotheses.forces[group.force].boxes);
     double& own = flicker[group.name];
-    own = std::hypot(own, flicker_of_force(rms, count_of(boxes)));
+    own = std::hypot(own, flicker_of_force(rms, boxes));
   }
   return flicker;
 }

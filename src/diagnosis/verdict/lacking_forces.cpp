@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnosis/noise/force_bands.h"
+
 namespace jaculus::diagnosis {
 namespace {
 
@@ -16,7 +18,7 @@ std::vector<LackingForce> rows_of(const Problem& problem, const RandomEffects& r
     LackingForce own{group.name, scales[g], "noise floors", told[g]};
     if (group.force >= 0) {
       const int box = problem.hypotheses.forces[group.force].boxes.front();
-      own.rms *= problem.hypotheses.parameters[box].scale * std::sqrt(group.share);
+      own.rms = force_of_band(problem.hypotheses, group, scales[g]);
       own.unit = problem.hypotheses.parameters[box].unit;
     }
     const auto same = std::find_if(forces.begin(), forces.end(),
