@@ -35,6 +35,12 @@ bool is_parted(const CaseTruth& truth) {
   return !otherwise && truth.legs_apart > kApart;
 }
 
+bool is_told(const CaseTruth& truth) {
+  constexpr double kLessError = 0.95, kLogGain = 10.0;
+  const PossibleGap& gap = truth.possible;
+  return gap.after <= kLessError * gap.tolerances && gap.log_gain >= kLogGain;
+}
+
 bool has_remainder(const CaseTruth& truth) {
   return truth.kind == "outside" || truth.kind == "mixed" || is_parted(truth);
 }
@@ -267,7 +273,7 @@ bool component_right(const CaseTruth& truth, const Prediction& prediction) {
 double energy_ratio(const CaseTruth& truth, const Prediction& prediction) {
   const auto above = [](double gap) { return std::max(0.0, gap * gap - 1.0); };
   const double before = above(prediction.gap_before);
-  const double possible = before - above(truth.possible_after_gap);
+  const double possible = before - above(truth.possible.after);
   if (!(before > 0.0) || !(possible > 0.0)) return kNaN;
   return (before - above(prediction.gap_after)) / possible;
 }
@@ -281,8 +287,7 @@ CaseScore score_case(const CaseTruth& truth, const Prediction& prediction) {
   state(truth, prediction, score);
   score.component_right = component_right(truth, prediction);
   judge_parameters(truth, prediction, score);
-  if (truth.possible_after_gap > 0.0)
-    score.shrink_ratio = prediction.gap_after / truth.possible_after_gap;
+  if (truth.possible.after > 0.0) score.shrink_ratio = prediction.gap_after / truth.possible.after;
   score.energy_ratio = energy_ratio(truth, prediction);
   // That left and right part is what is to be said of those that do, and of no others.
   score.remainder = prediction.remainder || (is_parted(truth) && prediction.parted);

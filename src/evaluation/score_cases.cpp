@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <fstream>
 #include <iterator>
+#include <sstream>
 
 #include "evaluation/baselines.h"
 #include "evaluation/names.h"
@@ -128,13 +129,11 @@ bool run_baselines(const fs::path& folder, const std::vector<std::string>& case_
   return true;
 }
 
-/// Gap after that the true effects leave with their parameters fitted; NaN where the catalogue has
-/// none of them or none can be had.
-double possible_gap(const fs::path& folder, const CaseTruth& truth) {
+PossibleGap possible_gap(const fs::path& folder, const CaseTruth& truth) {
   std::vector<effects::Effect> actual;
   for (const std::string& name : truth.effects)
     if (auto effect = placed_effect(name)) actual.push_back(std::move(*effect));
-  if (actual.empty() || actual.size() != truth.effects.size()) return kNaN;
+  if (actual.empty() || actual.size() != truth.effects.size()) return {};
 
   diagnosis::DiagnoseOptions only;
   for (const effects::Effect& effect : actual) only.effects.push_back(&effect);
@@ -142,19 +141,32 @@ double possible_gap(const fs::path& folder, const CaseTruth& truth) {
   for (const fs::path& dataset : testbed::case_datasets(folder / truth.case_id))
     datasets.push_back(trajectory::read_dataset(dataset));
   const diagnosis::HeldOut reached = diagnosis::held_out_with(datasets, only);
-  return reached.valid ? reached.after : kNaN;
+  if (!reached.valid) return {};
+  return {reached.after, reached.adjusted, reached.log_gain};
+}
+
+std::string possible_text(const PossibleGap& gap) {
+  return fmt::format("{} {} {}", gap.after, gap.tolerances, gap.log_gain);
+}
+
+/// stod, for streams don't read NaN.
+PossibleGap possible_of(const std::string& text) {
+  std::istringstream words(text);
+  PossibleGap gap;
+  for (double* value : {&gap.after, &gap.tolerances, &gap.log_gain})
+    if (std::string word; words >> word) *value = std::stod(word);
+  return gap;
 }
 
 /// Fills in what could have been reached, once all predictions are there; false where it was
 /// interrupted.
 bool add_possible_gaps(const fs::path& folder, int sealed, const std::string& key,
                        const ScoreOptions& options, std::vector<CaseTruth>& truths) {
-  const auto task = [&](int i) { return fmt::format("{}", possible_gap(folder, truths[i])); };
+  const auto task = [&](int i) { return possible_text(possible_gap(folder, truths[i])); };
   const auto results = run_tasks(sealed, task, task_options(options, "possible", key));
   for (std::size_t i = 0; i < truths.size(); ++i) {
     if (results[i].state == TaskState::cancelled) return false;
-    if (results[i].state == TaskState::done)
-      truths[i].possible_after_gap = std::stod(results[i].bytes);
+    if (results[i].state == TaskState::done) truths[i].possible = possible_of(results[i].bytes);
   }
   return true;
 }

@@ -49,6 +49,25 @@ Batch batch() {
   return b;
 }
 
+TEST(Score, SaysWhichSinglesHeldOutTrialsTell) {
+  // Told, named; not told by the error, by the density, for no fit could be had: none of them named.
+  std::vector<CaseTruth> truths(4, single("tail_compliance"));
+  truths[0].possible = {1.1, 2.0, 30.0};
+  truths[1].possible = {1.1, 1.12, 30.0};
+  truths[2].possible = {1.1, 2.0, 9.0};
+  truths[3].possible = {};
+  std::vector<Prediction> predictions(4, says(Verdict::none));
+  predictions[0] = says(Verdict::effect, {{"tail_compliance", 0.9}});
+
+  const Metrics metrics = compute_metrics("diagnosis", truths, predictions);
+  EXPECT_EQ(metrics.by.at("credit of singles, plain gap").value, 0.25);
+  EXPECT_EQ(metrics.by.at("singles that held-out trials tell, plain gap").value, 0.25);
+  const ScoreEstimate told =
+      metrics.by.at("credit of singles that held-out trials tell, plain gap");
+  EXPECT_EQ(told.count, 1);
+  EXPECT_EQ(told.value, 1.0);
+}
+
 TEST(Score, SumsUp) {
   const Batch b = batch();
   const Score score = score_predictions(b.truths, b.predictions);

@@ -13,6 +13,14 @@
 
 namespace jaculus::evaluation {
 
+/// What held-out trials show of a case's true effects; NaN where the catalogue has none of them or
+/// no fit could be had.
+struct PossibleGap {
+  double after = kNaN;       ///< that the true effects with fitted parameters leave [noise floors]
+  double tolerances = kNaN;  ///< that the builder's tolerances leave without effects [noise floors]
+  double log_gain = kNaN;    ///< log density of the held-out rows by the former, less by the latter
+};
+
 /// What is true of one blinded case.
 struct CaseTruth {
   std::string case_id;  ///< opaque; the dataset's folder
@@ -35,8 +43,7 @@ struct CaseTruth {
   /// effects that the generator can't tell from the true ones in this experiment
   std::vector<std::string> equivalent;
   std::string component;  ///< where it acts, by component_name; empty: not scored
-  /// what the true effect with fitted parameters leaves [noise floors]
-  double possible_after_gap = kNaN;
+  PossibleGap possible = {};
   /// pushes, each in every trial
   std::vector<testbed::TrueEvent> events = {};
   int trials = 0;  ///< 0: not known
