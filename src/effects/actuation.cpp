@@ -98,6 +98,26 @@ Effect current_loop() {
   return effect;
 }
 
+/// Drivers lose a share of their bus voltage against the current: dead times of 0.5 to 2 us at 10 to
+/// 40 kHz are 1 to 8 %, and what switches and diodes drop acts like it.
+Effect driver_dead_time() {
+  Effect effect =
+      on_actuation("driver_dead_time", "drivers lose voltage to dead time, against the current");
+  effect.parameters = {{"share", "-", 0.0, {0.0, 0.2}, 0.03}};
+  effect.applies = any_electric;
+  effect.apply = [](const Vector& theta, Plant& plant) { plant.actuation.dead_time += theta[0]; };
+  return effect;
+}
+
+/// Rates from encoders are differences, filtered over some samples.
+Effect rate_filter() {
+  Effect effect = on_actuation("rate_filter", "the controller reads rates through a filter");
+  effect.excited_by = {ExperimentKind::leap, ExperimentKind::pendulum};
+  effect.parameters = {{"age", "s", 0.0, {0.0, 0.03}, 0.003}};
+  effect.apply = [](const Vector& theta, Plant& plant) { plant.actuation.rate_filter += theta[0]; };
+  return effect;
+}
+
 Effect late_start() {
   Effect effect = on_actuation("late_start", "the plan as a whole starts late");
   effect.where = {Component::actuation, Component::sensing};
@@ -241,11 +261,10 @@ Effect torque_offset(const JointScope& scope) {
 std::vector<Row> actuation() {
   const JointScope &tail = tail_scope(), &legs = leg_scope(), &other = other_scope();
   return {
-      {actuation_delay}, {current_loop},
-      {late_start},      {controller_gains},
-      {torque_constant}, {voltage_limit},
-      {current_limit},   {battery_sag},
-      {winding_heating}, {torque_offset, {tail, legs, other}},
+      {actuation_delay}, {current_loop},     {late_start},
+      {rate_filter},     {driver_dead_time}, {controller_gains},
+      {torque_constant}, {voltage_limit},    {current_limit},
+      {battery_sag},     {winding_heating},  {torque_offset, {tail, legs, other}},
   };
 }
 

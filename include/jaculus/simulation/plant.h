@@ -67,10 +67,20 @@ struct Winding {
 /// Commands reach the motors `delay` after their sample; `late_start` shifts the plan as a whole.
 /// What the motors make of a command c follows it as T u' = c - u (a current loop, a winding's
 /// L/R), from the first command on.
+/// A sampled controller reads rates through a filter, f += (v - f)/(1 + T rate), T: `rate_filter`,
+/// the mean age of what it reads (backward Euler's discretisation of a low pass, as firmware has
+/// it); f starts at v.
+/// While both switches of a half bridge are off, the current picks the diode that opposes it: a
+/// driver that is told a voltage or a duty loses V_d = dead_time V_bus against the current (Jeong
+/// and Park, The analysis and compensation of dead-time effects in PWM inverters, IEEE Trans.
+/// Industrial Electronics 38(2), 1991). A loop of the current makes up for it up to the bus
+/// voltage.
 struct Actuation {
-  double delay = 0.0;                          ///< [s]
-  double lag = 0.0;                            ///< time constant T of the torque, below [s]
-  double late_start = 0.0;                     ///< [s]
+  double delay = 0.0;        ///< [s]
+  double lag = 0.0;          ///< time constant T of the torque, below [s]
+  double rate_filter = 0.0;  ///< mean age of the rates that the controller reads, below [s]
+  double dead_time = 0.0;   ///< share of a driver's switching period that both switches are off [-]
+  double late_start = 0.0;  ///< [s]
   double gain_scale_p = 1.0;                   ///< on every kp that the controller states [-]
   double gain_scale_d = 1.0;                   ///< on every kd [-]
   double feedforward_scale = 1.0;              ///< on the commanded quantity [-]

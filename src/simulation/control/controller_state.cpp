@@ -53,14 +53,17 @@ ControllerState::ControllerState(const Plant& plant, const Controller& controlle
       rate_(controller.rate_hz),
       delay_(plant.actuation.delay),
       lag_(plant.actuation.lag),
+      rate_filter_(plant.actuation.rate_filter),
       late_(plant.actuation.late_start),
       latency_(value_or(plant.sensing.latency, trajectory::kJointStream, 0.0)),
       scale_(plant.actuation.feedforward_scale),
       continuous_(std::isinf(controller.rate_hz)) {
   const model::PlanarModel& model = plant.model;
   check_reference(controller, model);
-  if (delay_ < 0.0 || lag_ < 0.0 || late_ < 0.0 || latency_ < 0.0)
-    throw InputError("actuation: delay, lag, late start and latency of sensors can't be negative");
+  if (delay_ < 0.0 || lag_ < 0.0 || late_ < 0.0 || latency_ < 0.0 || rate_filter_ < 0.0)
+    throw InputError(
+        "actuation: delay, lag, late start, filter of rates and latency of sensors can't be "
+        "negative");
 
   now_.resize(model.motors.size());
   bool feedback = false;
@@ -84,8 +87,11 @@ ControllerState::ControllerState(const Plant& plant, const Controller& controlle
     loops_.push_back(loop);
   }
 
-  if (continuous_ && feedback && (delay_ > 0.0 || lag_ > 0.0 || latency_ > 0.0))
-    throw InputError("controller: feedback without a rate can't be delayed; give it a rate");
+  if (continuous_ && feedback &&
+      (delay_ > 0.0 || lag_ > 0.0 || latency_ > 0.0 || rate_filter_ > 0.0))
+    throw InputError(
+        "controller: feedback without a rate can't be delayed nor its rates filtered; give it a "
+        "rate");
   if (continuous_ && lag_ > 0.0) lagged_ = lagged(controller.reference, lag_);
 }
 
@@ -122,7 +128,7 @@ void ControllerState::update(double t, const double* position, const double* vel
     // The values are read now; the reference is that of the sample's own instant.
     queue_.push_back({instant(next_read_) + delay_, now_});
     find_segment(instant(next_read_) - late_);
-    evaluate(instant(next_read_) - late_, position, velocity, queue_.back().commands);
+    evaluate(instant(next_read_) - late_, position, filtered(velocity), queue_.back().commands);
     next_read_ += 1.0;
   }
   while (!queue_.empty() && queue_.front().time <= t) {
@@ -131,6 +137,14 @@ void ControllerState::update(double t, const double* position, const double* vel
     queue_.pop_front();
     waiting_ = false;
   }
+}
+
+const double* ControllerState::filtered(const double* velocity) {
+  if (rate_filter_ == 0.0) return velocity;
+  if (seen_.empty()) seen_.assign(velocity, velocity + now_.size());
+  const double weight = 1.0 / (1.0 + rate_filter_ * rate_);
+  for (std::size_t m = 0; m < seen_.size(); ++m) seen_[m] += weight * (velocity[m] - seen_[m]);
+  return seen_.data();
 }
 
 /// What the motors make of commands over the hold that begins.

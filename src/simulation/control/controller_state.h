@@ -49,6 +49,8 @@ class ControllerState {
     return lagged_ ? *lagged_ : controller_.reference;
   }
   void lag_behind(std::vector<Command>& commands);
+  /// Rates on the motors' side as a sample reads them, from those that are.
+  const double* filtered(const double* velocity);
   void find_segment(double at);
   [[nodiscard]] Wanted wanted(Eigen::Index row, double at) const;
   [[nodiscard]] Wanted landing(Eigen::Index row, double at) const;
@@ -63,6 +65,7 @@ class ControllerState {
   double rate_;                      ///< [Hz]
   double delay_;                     ///< of commands [s]
   double lag_;                       ///< time constant of what the motors make of them [s]
+  double rate_filter_;               ///< mean age of the rates that it reads [s]
   double late_;                      ///< start of the plan as a whole [s]
   double latency_;                   ///< of the sensors that it reads [s]
   double scale_;                     ///< on the feed-forward [-]
@@ -73,6 +76,7 @@ class ControllerState {
   bool ended_ = false;       ///< the reference has
   std::deque<Arrival> queue_;
   std::vector<Command> now_;
+  std::vector<double> seen_;  ///< a motor each: its filtered rate [rad/s]; empty before all
   std::vector<double> made_;  ///< a motor each: what it makes where a hold ends; empty before all
 };
 

@@ -20,6 +20,25 @@ bool cut(double command, double taken) {
   return std::abs(command - taken) > 1e-6 * (1.0 + std::abs(taken));
 }
 
+/// Lost to dead time while u = R i is on the winding, at most `most` [V].
+double lost_to_dead_time(double u, double most) {
+  return most == 0.0 ? 0.0 : most * std::tanh(u / most);
+}
+
+/// The root u of u + most tanh(u/most) = voltage, by Newton's method in units of `most`: the
+/// function is odd, and of positive numbers concave, so that steps from below come from below.
+double on_winding(double voltage, double most) {
+  if (most == 0.0) return voltage;
+  const double y = std::abs(voltage) / most;
+  double x = std::max(0.5 * y, y - 1.0);
+  for (int k = 0; k < 20; ++k) {
+    const double level = std::tanh(x), step = (y - x - level) / (2.0 - level * level);
+    x += step;
+    if (std::abs(step) <= 1e-15 * y) break;
+  }
+  return std::copysign(most * x, voltage);
+}
+
 }  // namespace
 
 Drive::Drive(const Plant& plant, Quantity quantity)
@@ -34,7 +53,8 @@ Drive::Drive(const Plant& plant, Quantity quantity)
     data_.push_back(
         {motor, ratio,
          motor.ideal() ? motor.torque_limit : components::largest_joint_torque(motor).value / ratio,
-         scale == plant.actuation.torque_scale.end() ? 1.0 : scale->second});
+         scale == plant.actuation.torque_scale.end() ? 1.0 : scale->second,
+         std::isfinite(motor.voltage) ? plant.actuation.dead_time * motor.voltage : 0.0});
     if (!motor.ideal()) open_voltage_ = std::min(open_voltage_, motor.voltage);
   }
   motors.resize(data_.size());
@@ -59,14 +79,20 @@ MotorState Drive::one(std::size_t m, Quantity quantity, const Command& command, 
   const double resistance = warm_ ? d.resistance * (1.0 + 0.0039 * temperature) : d.resistance;
   const double emf = (warm_ ? d.torque_constant * strength : d.torque_constant) * d.gear * rate;
   const auto torque_at = [&](double voltage) {
-    const double t = components::saturated_torque(d.saturation_linear, d.saturation_cubic,
-                                                  (voltage - emf) / resistance);
+    const double t =
+        components::saturated_torque(d.saturation_linear, d.saturation_cubic,
+                                     on_winding(voltage - emf, motor.lost) / resistance);
     return warm_ ? t * strength : t;
   };
 
   // Of a torque, or of what a driver that believes in a cold motor takes for it.
   const auto current_of_cold = [&](double t) {
     return t * (d.saturation_linear + d.saturation_cubic * t * t);
+  };
+
+  const auto voltage_of = [&](double current) {
+    const double u = resistance * current;
+    return u + lost_to_dead_time(u, motor.lost) + emf;
   };
 
   const auto current_of = [&](double t) { return current_of_cold(warm_ ? t / strength : t); };
@@ -79,7 +105,7 @@ MotorState Drive::one(std::size_t m, Quantity quantity, const Command& command, 
     state.limited = cut(command.value, t);
     state.current = current_of_cold(t);
     if (warm_) t *= strength;
-    state.voltage = resistance * state.current + emf;
+    state.voltage = voltage_of(state.current);
     if (std::abs(state.voltage) > bus) {
       state.voltage = std::copysign(bus, state.voltage);
       const double clamped = std::clamp(torque_at(state.voltage), -largest, largest);
@@ -94,7 +120,7 @@ MotorState Drive::one(std::size_t m, Quantity quantity, const Command& command, 
     t = std::clamp(free, -largest, largest);
     state.limited = cut(free, t) || cut(wanted, state.voltage);
     state.current = current_of(t);
-    if (t != free) state.voltage = resistance * state.current + emf;
+    if (t != free) state.voltage = voltage_of(state.current);
   }
 
   state.torque = motor.scale * motor.changed * motor.ratio * t;

@@ -7,6 +7,8 @@
 //     torque command:   t = command within +- the torque and current limits; |V| <= bus, else t is
 //                       what V = +-bus makes
 //     voltage command:  V within +- bus, t by the inverse;  duty: V = duty bus, |duty| <= 1
+//     With dead time V = R i + k_t G w + V_d tanh(R i/V_d), V_d its share of the bus as stated: the
+//     current's ripple rounds its sign over some V_d/R, and what is left of V is on the winding.
 //     joint torque    = G eta t times the joint's scale.
 // The battery feeds drivers that keep power: sum of count V i / V_bus flows through its resistance,
 //     V_bus = V_0 - R_b sum count V i / V_bus,
@@ -67,6 +69,7 @@ class Drive {
     double ratio;          ///< G eta
     double largest;        ///< motor torque by current and torque limits [N m]
     double scale;          ///< torque that arrives [-]
+    double lost;           ///< to dead time, against the current [V]
     double changed = 1.0;  ///< on top of it, by laws [-]
   };
   std::vector<Motor> data_;
