@@ -98,8 +98,8 @@ Effect current_loop() {
   return effect;
 }
 
-/// Drivers lose a share of their bus voltage against the current: dead times of 0.5 to 2 us at 10 to
-/// 40 kHz are 1 to 8 %, and what switches and diodes drop acts like it.
+/// Drivers lose a share of their bus voltage against the current: dead times of 0.5 to 2 us at
+/// 10 to 40 kHz are 1 to 8 %, and what switches and diodes drop acts like it.
 Effect driver_dead_time() {
   Effect effect =
       on_actuation("driver_dead_time", "drivers lose voltage to dead time, against the current");

@@ -50,7 +50,7 @@ Batch batch() {
 }
 
 TEST(Score, SaysWhichSinglesHeldOutTrialsTell) {
-  // Told, named; not told by the error, by the density, for no fit could be had: none of them named.
+  // Told and named; not told by the error, by the density, for no fit could be had: not named.
   std::vector<CaseTruth> truths(4, single("tail_compliance"));
   truths[0].possible = {1.1, 2.0, 30.0};
   truths[1].possible = {1.1, 1.12, 30.0};
