@@ -35,9 +35,10 @@ bool is_parted(const CaseTruth& truth) {
   return !otherwise && truth.legs_apart > kApart;
 }
 
-bool is_told(const CaseTruth& truth) {
+std::optional<bool> is_told(const CaseTruth& truth) {
+  if (!truth.possible) return {};
   constexpr double kLessError = 0.95, kLogGain = 10.0;
-  const PossibleGap& gap = truth.possible;
+  const PossibleGap& gap = *truth.possible;
   return gap.after <= kLessError * gap.tolerances && gap.log_gain >= kLogGain;
 }
 
@@ -271,9 +272,10 @@ bool component_right(const CaseTruth& truth, const Prediction& prediction) {
 
 /// Of the gap's energy above one floor: what is explained over what the true effects explain.
 double energy_ratio(const CaseTruth& truth, const Prediction& prediction) {
+  if (!truth.possible) return kNaN;
   const auto above = [](double gap) { return std::max(0.0, gap * gap - 1.0); };
   const double before = above(prediction.gap_before);
-  const double possible = before - above(truth.possible.after);
+  const double possible = before - above(truth.possible->after);
   if (!(before > 0.0) || !(possible > 0.0)) return kNaN;
   return (before - above(prediction.gap_after)) / possible;
 }
@@ -287,7 +289,8 @@ CaseScore score_case(const CaseTruth& truth, const Prediction& prediction) {
   state(truth, prediction, score);
   score.component_right = component_right(truth, prediction);
   judge_parameters(truth, prediction, score);
-  if (truth.possible.after > 0.0) score.shrink_ratio = prediction.gap_after / truth.possible.after;
+  if (truth.possible && truth.possible->after > 0.0)
+    score.shrink_ratio = prediction.gap_after / truth.possible->after;
   score.energy_ratio = energy_ratio(truth, prediction);
   // That left and right part is what is to be said of those that do, and of no others.
   score.remainder = prediction.remainder || (is_parted(truth) && prediction.parted);

@@ -1,6 +1,8 @@
 #pragma once
 // Small questions about truths and predictions that scoring and summing up share.
 
+#include <optional>
+
 #include "jaculus/evaluation/case_scores.h"
 
 namespace jaculus::evaluation {
@@ -19,8 +21,9 @@ bool is_alarm(const Prediction& prediction);
 bool is_parted(const CaseTruth& truth);
 
 /// Whether held-out trials tell the true effects from the builder's tolerances: with these effects
-/// fitted to the others 5 % less error and 10 nats more log density than with tolerances alone.
-bool is_told(const CaseTruth& truth);
+/// fitted to the others 5 % less error and 10 nats more log density than with tolerances alone. Not
+/// told where no fit could be had; none where it was not asked.
+std::optional<bool> is_told(const CaseTruth& truth);
 /// Row of the confusion table: the effect, "a + b", "none", "outside" or "event".
 std::string truth_label(const CaseTruth& truth);
 

@@ -86,10 +86,14 @@ void add_names(const std::vector<CaseTruth>& truths, Metrics& metrics) {
   metrics.by["credit of several, plain gap"] = mean_of(several, credit);
   metrics.by["several named in full, plain gap"] =
       share(several, [&](std::size_t i) { return metrics.scores[i].right; });
-  const Picks told = pick(
-      truths, [](const CaseTruth& t) { return kind_is("single", kPlainGap)(t) && is_told(t); });
+  const Picks asked = pick(truths, [](const CaseTruth& truth) {
+    return kind_is("single", kPlainGap)(truth) && is_told(truth).has_value();
+  });
+  const Picks told = pick(truths, [](const CaseTruth& truth) {
+    return kind_is("single", kPlainGap)(truth) && is_told(truth).value_or(false);
+  });
   metrics.by["singles that held-out trials tell, plain gap"] =
-      share(plain, [&](std::size_t i) { return is_told(truths[i]); });
+      share(asked, [&](std::size_t i) { return *is_told(truths[i]); });
   metrics.by["credit of singles that held-out trials tell, plain gap"] = mean_of(told, credit);
   metrics.by["mixed: named part named, plain gap"] =
       mean_of(pick(truths, mixed_with_plain(0)), credit);

@@ -129,7 +129,7 @@ bool run_baselines(const fs::path& folder, const std::vector<std::string>& case_
   return true;
 }
 
-PossibleGap possible_gap(const fs::path& folder, const CaseTruth& truth) {
+std::optional<PossibleGap> possible_gap(const fs::path& folder, const CaseTruth& truth) {
   std::vector<effects::Effect> actual;
   for (const std::string& name : truth.effects)
     if (auto effect = placed_effect(name)) actual.push_back(std::move(*effect));
@@ -141,16 +141,18 @@ PossibleGap possible_gap(const fs::path& folder, const CaseTruth& truth) {
   for (const fs::path& dataset : testbed::case_datasets(folder / truth.case_id))
     datasets.push_back(trajectory::read_dataset(dataset));
   const diagnosis::HeldOut reached = diagnosis::held_out_with(datasets, only);
-  if (!reached.valid) return {};
-  return {reached.after, reached.adjusted, reached.log_gain};
+  if (!reached.valid) return PossibleGap{};
+  return PossibleGap{reached.after, reached.adjusted, reached.log_gain};
 }
 
-std::string possible_text(const PossibleGap& gap) {
-  return fmt::format("{} {} {}", gap.after, gap.tolerances, gap.log_gain);
+/// Empty where there is none.
+std::string possible_text(const std::optional<PossibleGap>& gap) {
+  return gap ? fmt::format("{} {} {}", gap->after, gap->tolerances, gap->log_gain) : "";
 }
 
 /// stod, for streams don't read NaN.
-PossibleGap possible_of(const std::string& text) {
+std::optional<PossibleGap> possible_of(const std::string& text) {
+  if (text.empty()) return {};
   std::istringstream words(text);
   PossibleGap gap;
   for (double* value : {&gap.after, &gap.tolerances, &gap.log_gain})
@@ -166,7 +168,8 @@ bool add_possible_gaps(const fs::path& folder, int sealed, const std::string& ke
   const auto results = run_tasks(sealed, task, task_options(options, "possible", key));
   for (std::size_t i = 0; i < truths.size(); ++i) {
     if (results[i].state == TaskState::cancelled) return false;
-    if (results[i].state == TaskState::done) truths[i].possible = possible_of(results[i].bytes);
+    truths[i].possible =
+        results[i].state == TaskState::done ? possible_of(results[i].bytes) : PossibleGap{};
   }
   return true;
 }

@@ -80,11 +80,14 @@ json case_json(const CaseTruth& truth, const Score& score, std::size_t i) {
                 {"component_right", own.component_right},
                 {"parameter_error", json_number(own.parameter_error)},
                 {"shrink_ratio", json_number(own.shrink_ratio)},
-                {"told", is_told(truth)},
-                {"possible",
-                 {{"after_gap", json_number(truth.possible.after)},
-                  {"tolerances_gap", json_number(truth.possible.tolerances)},
-                  {"log_gain", json_number(truth.possible.log_gain)}}}};
+                {"told", nullptr},
+                {"possible", nullptr}};
+  if (truth.possible) {
+    entry["told"] = *is_told(truth);
+    entry["possible"] = {{"after_gap", json_number(truth.possible->after)},
+                         {"tolerances_gap", json_number(truth.possible->tolerances)},
+                         {"log_gain", json_number(truth.possible->log_gain)}};
+  }
   for (std::size_t s = 1; s < score.metrics.size(); ++s)
     entry["baselines"][score.metrics[s].predictor] = score.metrics[s].scores[i].stated;
 

@@ -14,6 +14,7 @@
 #include "jaculus/model/robot.h"
 #include "jaculus/testbed/blinded_cases.h"
 #include "jaculus/testbed/effects.h"
+#include "sample_trials.h"
 #include "support/input_error.h"
 #include "support/temporary_folder.h"
 
@@ -200,6 +201,38 @@ TEST(ScoreCases, AFirstPartSaysSoAndTheRestGoesOn) {
   EXPECT_EQ(whole.truths.size(), 3u);
   EXPECT_EQ(test::bytes_of(batch.folder / "out" / "answers" / "a" / "messages.txt"), "untouched");
   EXPECT_TRUE(test::holds(test::bytes_of(batch.folder / "out" / "score.txt"), "3 cases"));
+}
+
+TEST(ScoreCases, SaysWhetherHeldOutTrialsTellTheTruth) {
+  CaseFolder batch;
+  batch.add("a", "");
+  fs::remove_all(batch.folder / "cases" / "a");
+  fs::rename(trials_with(batch.folder, "joint_coulomb_friction:torque=0.4"),
+             batch.folder / "cases" / "a");
+  CaseTruth truth = nothing("a");
+  truth.kind = "single";
+  truth.effects = {"joint_coulomb_friction"};
+  const auto labels = [&] { return std::vector<CaseTruth>{truth}; };
+  const auto written = [&] {
+    return nlohmann::json::parse(test::bytes_of(batch.folder / "out" / "score.json"))["cases"][0];
+  };
+
+  const Score score = score_cases(batch.folder / "cases", batch.ids, labels, batch.options());
+  ASSERT_TRUE(score.truths[0].possible);
+  const PossibleGap& gap = *score.truths[0].possible;
+  EXPECT_LT(gap.after, 0.5 * gap.tolerances);
+  EXPECT_GT(gap.log_gain, 10.0);
+  EXPECT_EQ(written()["told"], true);
+  EXPECT_NEAR(written()["possible"]["after_gap"].get<double>(), gap.after, 1e-6 * gap.after);
+  EXPECT_NEAR(written()["possible"]["tolerances_gap"].get<double>(), gap.tolerances,
+              1e-6 * gap.tolerances);
+
+  // Nothing is fitted where kept answers are scored, so that nothing is said of it.
+  ScoreOptions kept = batch.options();
+  kept.answers = batch.folder / "out" / "answers";
+  kept.resume = true;
+  EXPECT_FALSE(score_cases(batch.folder / "cases", batch.ids, labels, kept).truths[0].possible);
+  EXPECT_TRUE(written()["told"].is_null());
 }
 
 TEST(ScoreCases, BadInputIsNamed) {

@@ -20,7 +20,7 @@ inline evaluation::CaseTruth single(const std::string& effect,
   truth.strength_in_noise_floors = 5.0;
   truth.equivalent = std::move(equivalent);
   truth.component = "tail_transmission";
-  truth.possible.after = 1.1;
+  truth.possible = evaluation::PossibleGap{.after = 1.1};
   return truth;
 }
 

@@ -50,18 +50,21 @@ Batch batch() {
 }
 
 TEST(Score, SaysWhichSinglesHeldOutTrialsTell) {
-  // Told and named; not told by the error, by the density, for no fit could be had: not named.
-  std::vector<CaseTruth> truths(4, single("tail_compliance"));
+  // Told and named; not told by the error, by the density, for no fit could be had: not named. Of
+  // the last it was not asked.
+  std::vector<CaseTruth> truths(5, single("tail_compliance"));
   truths[0].possible = {1.1, 2.0, 30.0};
   truths[1].possible = {1.1, 1.12, 30.0};
   truths[2].possible = {1.1, 2.0, 9.0};
-  truths[3].possible = {};
-  std::vector<Prediction> predictions(4, says(Verdict::none));
+  truths[3].possible = PossibleGap{};
+  truths[4].possible.reset();
+  std::vector<Prediction> predictions(5, says(Verdict::none));
   predictions[0] = says(Verdict::effect, {{"tail_compliance", 0.9}});
 
   const Metrics metrics = compute_metrics("diagnosis", truths, predictions);
-  EXPECT_EQ(metrics.by.at("credit of singles, plain gap").value, 0.25);
+  EXPECT_EQ(metrics.by.at("credit of singles, plain gap").value, 0.2);
   EXPECT_EQ(metrics.by.at("singles that held-out trials tell, plain gap").value, 0.25);
+  EXPECT_EQ(metrics.by.at("singles that held-out trials tell, plain gap").count, 4);
   const ScoreEstimate told =
       metrics.by.at("credit of singles that held-out trials tell, plain gap");
   EXPECT_EQ(told.count, 1);

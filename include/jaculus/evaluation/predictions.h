@@ -13,8 +13,7 @@
 
 namespace jaculus::evaluation {
 
-/// What held-out trials show of a case's true effects; NaN where the catalogue has none of them or
-/// no fit could be had.
+/// What held-out trials show of a case's true effects; NaN where no fit could be had.
 struct PossibleGap {
   double after = kNaN;       ///< that the true effects with fitted parameters leave [noise floors]
   double tolerances = kNaN;  ///< that the builder's tolerances leave without effects [noise floors]
@@ -43,7 +42,8 @@ struct CaseTruth {
   /// effects that the generator can't tell from the true ones in this experiment
   std::vector<std::string> equivalent;
   std::string component;  ///< where it acts, by component_name; empty: not scored
-  PossibleGap possible = {};
+  /// none where it was not asked, or an effect is not the catalogue's
+  std::optional<PossibleGap> possible = {};
   /// pushes, each in every trial
   std::vector<testbed::TrueEvent> events = {};
   int trials = 0;  ///< 0: not known
