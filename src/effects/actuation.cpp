@@ -98,11 +98,14 @@ Effect current_loop() {
   return effect;
 }
 
-/// Drivers lose a share of their bus voltage against the current: dead times of 0.5 to 2 us at
-/// 10 to 40 kHz are 1 to 8 %, and what switches and diodes drop acts like it.
+/// Drivers lose a share of their bus voltage against the current: 0.5 to 2 us at 10 to 40 kHz are
+/// 0.5 to 8 % for each of one or two half bridges in series, and what switches and diodes drop acts
+/// like it.
 Effect driver_dead_time() {
   Effect effect =
       on_actuation("driver_dead_time", "drivers lose voltage to dead time, against the current");
+  // A self-righting's full duty switches nothing.
+  effect.excited_by = {ExperimentKind::leap, ExperimentKind::tail_bench, ExperimentKind::pendulum};
   effect.parameters = {{"share", "-", 0.0, {0.0, 0.2}, 0.03}};
   effect.applies = any_electric;
   effect.apply = [](const Vector& theta, Plant& plant) { plant.actuation.dead_time += theta[0]; };
@@ -110,11 +113,18 @@ Effect driver_dead_time() {
 }
 
 /// Rates from encoders are differences, filtered over some samples.
-Effect rate_filter() {
-  Effect effect = on_actuation("rate_filter", "the controller reads rates through a filter");
+Effect velocity_filter() {
+  Effect effect = on_actuation("velocity_filter", "the controller reads rates through a low pass");
+  effect.where = {Component::actuation, Component::sensing};
   effect.excited_by = {ExperimentKind::leap, ExperimentKind::pendulum};
-  effect.parameters = {{"age", "s", 0.0, {0.0, 0.03}, 0.003}};
-  effect.apply = [](const Vector& theta, Plant& plant) { plant.actuation.rate_filter += theta[0]; };
+  effect.parameters = {{.name = "time_constant",
+                        .unit = "s",
+                        .bounds = {0.0, 0.03},
+                        .scale = 0.003,
+                        .reciprocal = {{"bandwidth", "rad/s"}}}};
+  effect.apply = [](const Vector& theta, Plant& plant) {
+    plant.actuation.velocity_filter += theta[0];
+  };
   return effect;
 }
 
@@ -262,7 +272,7 @@ std::vector<Row> actuation() {
   const JointScope &tail = tail_scope(), &legs = leg_scope(), &other = other_scope();
   return {
       {actuation_delay}, {current_loop},     {late_start},
-      {rate_filter},     {driver_dead_time}, {controller_gains},
+      {velocity_filter}, {driver_dead_time}, {controller_gains},
       {torque_constant}, {voltage_limit},    {current_limit},
       {battery_sag},     {winding_heating},  {torque_offset, {tail, legs, other}},
   };

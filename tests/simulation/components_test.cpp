@@ -119,7 +119,8 @@ TEST(Components, InfluenceGoesToZeroWithTheParameter) {
        }},
       {"torque",
        [](PushOff& p, double s) { p.plant.actuation.torque_scale["rear_a"] = 1.0 - 0.1 * s; }},
-      {"filter of rates", [](PushOff& p, double s) { p.plant.actuation.rate_filter = 3e-3 * s; }},
+      {"filter of rates",
+       [](PushOff& p, double s) { p.plant.actuation.velocity_filter = 3e-3 * s; }},
       {"winding", [](PushOff& p, double s) { p.plant.winding.heat = s; }},
       {"encoder", [](PushOff& p, double s) { p.plant.sensing.offset["rear_a"] = 0.01 * s; }}};
   for (const auto& [name, edit] : edits) {

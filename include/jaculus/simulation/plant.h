@@ -67,23 +67,24 @@ struct Winding {
 /// Commands reach the motors `delay` after their sample; `late_start` shifts the plan as a whole.
 /// What the motors make of a command c follows it as T u' = c - u (a current loop, a winding's
 /// L/R), from the first command on.
-/// A sampled controller reads rates through a filter, f += (v - f)/(1 + T rate), T: `rate_filter`,
-/// the mean age of what it reads (backward Euler's discretisation of a low pass, as firmware has
-/// it); f starts at v.
+/// A sampled controller reads rates through a low pass of time constant T, `velocity_filter`:
+/// f += (v - f)/(1 + T rate) (backward Euler's discretisation, as firmware has it); f starts at v.
+/// On a ramp it reads what was T ago.
 /// While both switches of a half bridge are off, the current picks the diode that opposes it: a
-/// driver that is told a voltage or a duty loses V_d = dead_time V_bus against the current (Jeong
-/// and Park, The analysis and compensation of dead-time effects in PWM inverters, IEEE Trans.
-/// Industrial Electronics 38(2), 1991). A loop of the current makes up for it up to the bus
-/// voltage.
+/// driver that is told a voltage or a duty loses up to V_d = dead_time V_bus against the current
+/// (Jeong and Park, The analysis and compensation of dead-time effects in PWM inverters, IEEE
+/// Trans. Industrial Electronics 38(2), 1991), the time that both are off times the switching frequency
+/// for each half bridge that switches and has the current in it. A loop of the current makes up for
+/// it up to the bus voltage, and at a duty of one nothing switches (simulation/plant/drive.h).
 struct Actuation {
-  double delay = 0.0;        ///< [s]
-  double lag = 0.0;          ///< time constant T of the torque, below [s]
-  double rate_filter = 0.0;  ///< mean age of the rates that the controller reads, below [s]
-  double dead_time = 0.0;   ///< share of a driver's switching period that both switches are off [-]
-  double late_start = 0.0;  ///< [s]
-  double gain_scale_p = 1.0;                   ///< on every kp that the controller states [-]
-  double gain_scale_d = 1.0;                   ///< on every kd [-]
-  double feedforward_scale = 1.0;              ///< on the commanded quantity [-]
+  double delay = 0.0;              ///< [s]
+  double lag = 0.0;                ///< time constant T of the torque, below [s]
+  double velocity_filter = 0.0;    ///< time constant of the rates that the controller reads [s]
+  double dead_time = 0.0;          ///< largest voltage that drivers lose to it, of the bus's [-]
+  double late_start = 0.0;         ///< [s]
+  double gain_scale_p = 1.0;       ///< on every kp that the controller states [-]
+  double gain_scale_d = 1.0;       ///< on every kd [-]
+  double feedforward_scale = 1.0;  ///< on the commanded quantity [-]
   std::map<std::string, double> torque_scale;  ///< by joint, on the torque that arrives there [-]
   /// by joint with a motor: constant, beside what the motor is told and its log says (a current
   /// sensor or an amplifier that is not zero at zero), of each of a pair [N m, N where it slides]

@@ -53,14 +53,14 @@ ControllerState::ControllerState(const Plant& plant, const Controller& controlle
       rate_(controller.rate_hz),
       delay_(plant.actuation.delay),
       lag_(plant.actuation.lag),
-      rate_filter_(plant.actuation.rate_filter),
+      velocity_filter_(plant.actuation.velocity_filter),
       late_(plant.actuation.late_start),
       latency_(value_or(plant.sensing.latency, trajectory::kJointStream, 0.0)),
       scale_(plant.actuation.feedforward_scale),
       continuous_(std::isinf(controller.rate_hz)) {
   const model::PlanarModel& model = plant.model;
   check_reference(controller, model);
-  if (delay_ < 0.0 || lag_ < 0.0 || late_ < 0.0 || latency_ < 0.0 || rate_filter_ < 0.0)
+  if (delay_ < 0.0 || lag_ < 0.0 || late_ < 0.0 || latency_ < 0.0 || velocity_filter_ < 0.0)
     throw InputError(
         "actuation: delay, lag, late start, filter of rates and latency of sensors can't be "
         "negative");
@@ -88,7 +88,7 @@ ControllerState::ControllerState(const Plant& plant, const Controller& controlle
   }
 
   if (continuous_ && feedback &&
-      (delay_ > 0.0 || lag_ > 0.0 || latency_ > 0.0 || rate_filter_ > 0.0))
+      (delay_ > 0.0 || lag_ > 0.0 || latency_ > 0.0 || velocity_filter_ > 0.0))
     throw InputError(
         "controller: feedback without a rate can't be delayed nor its rates filtered; give it a "
         "rate");
@@ -140,9 +140,9 @@ void ControllerState::update(double t, const double* position, const double* vel
 }
 
 const double* ControllerState::filtered(const double* velocity) {
-  if (rate_filter_ == 0.0) return velocity;
+  if (velocity_filter_ == 0.0) return velocity;
   if (seen_.empty()) seen_.assign(velocity, velocity + now_.size());
-  const double weight = 1.0 / (1.0 + rate_filter_ * rate_);
+  const double weight = 1.0 / (1.0 + velocity_filter_ * rate_);
   for (std::size_t m = 0; m < seen_.size(); ++m) seen_[m] += weight * (velocity[m] - seen_[m]);
   return seen_.data();
 }

@@ -65,7 +65,7 @@ class ControllerState {
   double rate_;                      ///< [Hz]
   double delay_;                     ///< of commands [s]
   double lag_;                       ///< time constant of what the motors make of them [s]
-  double rate_filter_;               ///< mean age of the rates that it reads [s]
+  double velocity_filter_;           ///< time constant of the rates that it reads [s]
   double late_;                      ///< start of the plan as a whole [s]
   double latency_;                   ///< of the sensors that it reads [s]
   double scale_;                     ///< on the feed-forward [-]

@@ -7,11 +7,15 @@
 //     torque command:   t = command within +- the torque and current limits; |V| <= bus, else t is
 //                       what V = +-bus makes
 //     voltage command:  V within +- bus, t by the inverse;  duty: V = duty bus, |duty| <= 1
-//     With dead time V = R i + k_t G w + V_d tanh(R i/V_d), V_d its share of the bus as stated: the
-//     current's ripple rounds its sign over some V_d/R, and what is left of V is on the winding.
+//     With dead time a driver that is told V leaves V - r V_d tanh(R i/V_d) on the winding, V_d its
+//     share of V_bus. The sign of the current is rounded over a current of V_d/R: chosen, for what
+//     ripple there is depends on the winding's inductance. r = min(1, (V_bus - |V|)/V_d): where V
+//     is the bus nothing switches, so that nothing is lost. A loop of the current tells V so that the
+//     winding has R i + k_t G w, up to the bus.
 //     joint torque    = G eta t times the joint's scale.
-// The battery feeds drivers that keep power: sum of count V i / V_bus flows through its resistance,
-//     V_bus = V_0 - R_b sum count V i / V_bus,
+// The battery feeds drivers that keep power, so that the winding's V i / V_bus flows through its
+// resistance (dead time shifts the share of a period that is switched on, and takes no power):
+//     V_bus = V_0 - R_b sum count (V - lost) i / V_bus,
 // solved for V_bus by a bracketed root finder, since V and i depend on it where a motor is limited
 // or driven by duty.
 
@@ -33,7 +37,8 @@ struct Command {
 struct MotorState {
   double torque = 0.0;   ///< at the joint, scaled [N m]
   double current = 0.0;  ///< [A]
-  double voltage = 0.0;  ///< at the terminals [V]
+  double voltage = 0.0;  ///< that the driver is told, or its loop of the current tells it [V]
+  double lost = 0.0;     ///< of it, to dead time, against the current [V]
   bool limited = false;  ///< by voltage, current or torque
 };
 
@@ -69,7 +74,7 @@ class Drive {
     double ratio;          ///< G eta
     double largest;        ///< motor torque by current and torque limits [N m]
     double scale;          ///< torque that arrives [-]
-    double lost;           ///< to dead time, against the current [V]
+    double dead_time;      ///< largest voltage lost, of the bus voltage [-]
     double changed = 1.0;  ///< on top of it, by laws [-]
   };
   std::vector<Motor> data_;
