@@ -158,6 +158,7 @@ std::optional<std::string> explanation_of(const std::string& kind) {
   if (kind == "robot") return model::explain_robot();
   if (kind == "experiment") return simulation::explain_experiment();
   if (kind == "dataset") return trajectory::explain_dataset();
+  if (kind == "effect") return effects::explain_effect();
   return std::nullopt;
 }
 
@@ -172,7 +173,8 @@ void explain(CheckOptions& options) {
       files.push_back(name);
     } else {
       throw InputError(fmt::format(
-          "--explain: '{}' given; allowed: problem, robot, experiment, dataset, or files", name));
+          "--explain: '{}' given; allowed: problem, robot, experiment, dataset, effect, or files",
+          name));
     }
   }
   if (text.empty()) text = transcription::explain_problem();
@@ -234,7 +236,7 @@ void add_check(CLI::App& app, Action& chosen) {
   command->add_flag(
       "--explain", options->explain,
       "print every key with its meaning, unit and default: of a problem, or of what is named, "
-      "problem, robot, experiment, dataset");
+      "problem, robot, experiment, dataset, effect");
   command->add_option("--experiment", options->experiment,
                       "experiment in which effects are tried, instead of the one that they name");
   command->add_flag("--strict", options->strict,

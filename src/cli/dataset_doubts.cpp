@@ -12,6 +12,8 @@
 namespace jaculus::cli {
 namespace {
 
+using trajectory::Quantity;
+
 const std::vector<std::string> kOfNoJoint = {"x",   "y",     "z",         "roll",
                                              "yaw", "pitch", "imu_pitch", "bus"};
 
@@ -25,12 +27,16 @@ bool is_strange(const std::string& channel, const model::PlanarModel& model) {
          std::none_of(model.feet.begin(), model.feet.end(), foot);
 }
 
-/// "pendlum, did you mean 'pendulum'?".
+/// "pendlum_torqe, did you mean 'pendulum_torque'?".
 std::string with_nearest(const std::string& channel, const model::PlanarModel& model) {
-  std::vector<std::string> joints;
-  for (const model::PlanarBody& body : model.bodies)
-    if (!body.joint.empty()) joints.push_back(body.joint);
-  return channel + yaml::did_you_mean(trajectory::parse_channel(channel).of, joints);
+  std::vector<std::string> channels;
+  for (const model::PlanarBody& body : model.bodies) {
+    if (body.joint.empty()) continue;
+    channels.push_back(body.joint);
+    for (const std::string& quantity : trajectory::quantity_names().names())
+      if (quantity != name_of(Quantity::position)) channels.push_back(body.joint + "_" + quantity);
+  }
+  return channel + yaml::did_you_mean(channel, channels);
 }
 
 /// Channels that this robot can't have: the plan or the log is of another robot.

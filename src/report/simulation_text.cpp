@@ -103,6 +103,27 @@ std::string ranges_text(const Json& trials) {
   return text;
 }
 
+/// One line for the motors that were told more than their limits let them give, with the trial
+/// where each was first.
+std::string limits_text(const Json& trials) {
+  std::map<std::string, std::pair<double, std::string>> motors;
+  for (const Json& trial : trials)
+    for (const Json& event : trial["events"]) {
+      if (event["kind"] != "limit") continue;
+      const std::pair one{event["time_s"].get<double>(), trial["name"].get<std::string>()};
+      auto& first = motors.try_emplace(event["what"].get<std::string>(), one).first->second;
+      first = std::min(first, one);
+    }
+
+  std::string text;
+  for (const auto& [joint, own] : motors)
+    text += fmt::format("{}{} at {:.3g} s of {}", text.empty() ? "" : ", ", joint, own.first,
+                        own.second);
+  return text.empty()
+             ? ""
+             : "note: commands beyond what a motor's limits let it give, first: " + text + "\n";
+}
+
 }  // namespace
 
 std::string simulation_text(const simulation::Experiment& experiment, const Json& summary) {
@@ -114,6 +135,7 @@ std::string simulation_text(const simulation::Experiment& experiment, const Json
   for (const std::string& note : experiment.setup.notes) text += "note: " + note + "\n";
   text += trials_text(summary["trials"]);
   text += ranges_text(summary["trials"]);
+  text += limits_text(summary["trials"]);
 
   for (const Json& trial : summary["trials"])
     if (trial.contains("message"))

@@ -167,6 +167,12 @@ std::vector<Trial> read_all_trials(const DatasetOutline& outline, const fs::path
 
 }  // namespace
 
+InputPlace Dataset::place_of(const std::string& key) const {
+  const auto stated = places.find(key);
+  return stated != places.end() ? stated->second
+                                : InputPlace{(folder / "dataset.yaml").string(), 0, key};
+}
+
 Table read_plan(const fs::path& file) {
   Table plan = read_csv(file);
   const Vector time = read_time(plan, file, true);

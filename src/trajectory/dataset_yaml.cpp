@@ -70,8 +70,6 @@ double angle_or_length(const yaml::Node& node) {
 
 /// hold | relax | repeat | {pose: {JOINT: ANGLE, "*": ANGLE}, within: TIME}
 void read_after_end(const yaml::Node& node, StatedController& controller) {
-  controller.after_end_place =
-      fmt::format("{}:{}: controller.after_end", node.file().string(), node.line());
   if (!node.is_map()) {
     controller.after_end =
         read_name(node, after_ends().only({AfterEnd::hold, AfterEnd::relax, AfterEnd::repeat}));
@@ -294,6 +292,17 @@ void check_commands(const yaml::Node& file, const DatasetOutline& outline) {
                     name_of(controller.kind)));
 }
 
+/// Of a key and those in it.
+void note_places(const yaml::Node& file, const std::string& key,
+                 std::map<std::string, InputPlace>& places) {
+  const std::optional<yaml::Node> node = file.find(key);
+  if (!node) return;
+  places[node->path()] = {node->file().string(), node->line(), node->path()};
+  if (!node->is_map()) return;
+  for (const auto& [name, value] : node->entries())
+    places[value.path()] = {value.file().string(), value.line(), value.path()};
+}
+
 }  // namespace
 
 StatedController read_stated_controller(const yaml::Node& node, std::vector<std::string>& notes) {
@@ -324,6 +333,7 @@ DatasetOutline read_dataset_setup(const yaml::Node& file) {
     }
   }
 
+  for (const char* key : {"controller", "input", "plan"}) note_places(file, key, dataset.places);
   dataset.controller = controller_of(file.at("controller"), dataset.notes);
   outline.plan = file.find("plan");
   if (outline.plan) (void)outline.plan->text();

@@ -126,7 +126,8 @@ TEST(Check, EndsWithOneBesideALogThatTheRobotCantMake) {
   for (const Outcome& outcome : {imported, checked}) {
     EXPECT_TRUE(holds(outcome.out, "_torque reaches")) << outcome.out;
     EXPECT_TRUE(holds(outcome.out, "the motor gives 12 N m at most")) << outcome.out;
-    EXPECT_TRUE(holds(outcome.out, "pendlum_current, did you mean 'pendulum'?")) << outcome.out;
+    EXPECT_TRUE(holds(outcome.out, "pendlum_current, did you mean 'pendulum_current'?"))
+        << outcome.out;
   }
 }
 
@@ -154,9 +155,19 @@ TEST(Check, ExplainsEveryKeyThatReadersTake) {
                         {"experiment", "rate_hz: 500}\nduration", "zzz: 500}\nduration"},
                         {"experiment", "rate_hz: 500, channels", "zzz: 500, channels"},
                         {"dataset", "provenance:", "zzz:"},
-                        {"dataset", "rate_hz: 500}", "zzz: 500}"}}) {
+                        {"dataset", "rate_hz: 500}", "zzz: 500}"},
+                        {"effect", "caption:", "zzz:"},
+                        {"effect", "at: {group:", "at: {zzz:"},
+                        {"effect", "nominal: 0,", "zzz: 0,"},
+                        {"effect", "derivative:", "zzz:"}}) {
     const bool dataset = std::string(c.kind) == "dataset";
-    std::string text = bytes_of(dataset ? set : kProblems + "pendulum_trials.yaml");
+    const std::string other = std::string(c.kind) == "effect"
+                                  ? source_folder().string() + "/effects/lugre.yaml"
+                                  : kProblems + "pendulum_trials.yaml";
+    std::string text = bytes_of(dataset ? set : other);
+    const std::string elsewhere = "experiment: ../problems/pendulum_trials.yaml\n";
+    if (const std::size_t line = text.find(elsewhere); line != std::string::npos)
+      text.erase(line, elsewhere.size());
     const std::size_t at = text.find(c.what);
     ASSERT_NE(at, std::string::npos) << c.what << " in " << text;
     text.replace(at, std::string(c.what).size(), c.by);
@@ -169,7 +180,7 @@ TEST(Check, ExplainsEveryKeyThatReadersTake) {
   EXPECT_TRUE(holds(run_program({"check", "--explain", "robot"}).out, "rest_pose"));
   const Outcome none = run_program({"check", "--explain", "robto"});
   expect_refusal(none);
-  EXPECT_TRUE(holds(none.err, "allowed: problem, robot, experiment, dataset")) << none.err;
+  EXPECT_TRUE(holds(none.err, "allowed: problem, robot, experiment, dataset, effect")) << none.err;
 }
 
 TEST(Simulate, SaysWhereAJointLeavesItsRange) {
@@ -195,6 +206,20 @@ TEST(Simulate, SaysWhereAJointLeavesItsRange) {
   const Outcome held = run_program({"simulate", file, "--trials", "1"});
   EXPECT_EQ(held.exit_code, 0) << held.err;
   EXPECT_TRUE(holds(held.out, "note: pendulum leaves its range of -0.1 to 0.1 rad")) << held.out;
+}
+
+TEST(Simulate, SaysWhereAMotorGivesLessThanItIsTold) {
+  const TemporaryFolder folder;
+  const auto said = [&](const std::string& torque) {
+    const std::string file =
+        experiment(folder, "pendulum_trials.yaml", "[0.3 s, -2.5 N m]", "[0.3 s, " + torque + "]");
+    const Outcome outcome = run_program({"simulate", file, "--trials", "1"});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return outcome.out;
+  };
+  EXPECT_FALSE(holds(said("-12 N m"), "a motor's limits"));
+  const std::string beyond = said("-12.1 N m");
+  EXPECT_TRUE(holds(beyond, "limits let it give, first: pendulum at 0.3 s of ")) << beyond;
 }
 
 }  // namespace

@@ -27,6 +27,9 @@ UserEffect read_user_effect(const std::filesystem::path& file);
 /// The same of a file's text; `name`: what errors call it.
 UserEffect parse_user_effect(const std::string& text, const std::string& name);
 
+/// Every key of such a file with its meaning and unit.
+std::string explain_effect();
+
 /// The library's effects, those of files and `coded` ones (coded_effect.h), which all of `robots`
 /// must be able to have. InputError as of read_user_effect, and where two have one name.
 Catalogue catalogue_with(const std::vector<std::string>& files,

@@ -79,8 +79,6 @@ struct StatedController {
   /// Of AfterEnd::pose: by joint, "*" any other [rad or m].
   std::map<std::string, double> landing_pose;
   double landing_time = 0.0;  ///< in which the reference goes there from the plan's end [s]
-  /// "file:line: controller.after_end", for messages; empty: from no file
-  std::string after_end_place;
 };
 
 /// End of a joint's travel as it was built into the experiment.
@@ -105,8 +103,10 @@ struct Dataset {
   /// model values that this robot had, by path, as text
   std::map<std::string, std::string> overrides;
   std::map<std::string, InputPlace> override_places;  ///< where a file states them, for messages
-  std::optional<Table> plan;                          ///< what was commanded, columns of plan.csv
-  std::optional<InputScript> script;                  ///< or this
+  /// where a file states "controller", "controller.kp", "input", ..., for messages
+  std::map<std::string, InputPlace> places;
+  std::optional<Table> plan;          ///< what was commanded, columns of plan.csv
+  std::optional<InputScript> script;  ///< or this
   /// stated initial coordinates, SI, where no plan gives them
   std::map<std::string, double> initial;
   std::map<std::string, StatedStop> stops;  ///< by joint
@@ -115,6 +115,9 @@ struct Dataset {
   std::string provenance;
   /// what the files leave open and what was taken for it, one sentence each
   std::vector<std::string> notes;
+
+  /// Where a key stands; in dataset.yaml where no file states it.
+  [[nodiscard]] InputPlace place_of(const std::string& key) const;
 };
 
 /// Reads a dataset's folder (or its dataset.yaml). Every fault is an InputError with file:line:

@@ -165,41 +165,42 @@ std::string motors_instead_of(const std::string& joint, const model::PlanarModel
 /// Refuses gains of a joint that the robot hasn't: they would be nobody's. A joint that stands
 /// still in this experiment keeps those of the others.
 void check_gain_names(const std::map<std::string, trajectory::StatedGain>& gains, const char* key,
-                      const model::PlanarModel& model, const std::filesystem::path& file) {
+                      const model::PlanarModel& model, const trajectory::Dataset& dataset) {
   for (const auto& [joint, gain] : gains) {
     const bool held = std::any_of(model.held.begin(), model.held.end(),
                                   [&](const model::HeldJoint& own) { return own.joint == joint; });
     if (joint == "*" || held || model.body_of_joint(joint) >= 0) continue;
-    throw InputError(fmt::format("{}: controller.{}: '{}' is no joint of this robot{}",
-                                 file.string(), key, joint, motors_instead_of(joint, model)));
+    throw InputError(dataset.place_of(key), fmt::format("'{}' is no joint of this robot{}", joint,
+                                                        motors_instead_of(joint, model)));
   }
 }
 
 /// A row of logged currents turns into the torques that the motor makes of them before its gear;
 /// the drive applies gear and efficiency, as to every torque.
-void currents_to_torques(const model::PlanarMotor& motor, const std::filesystem::path& file,
+void currents_to_torques(const model::PlanarMotor& motor, const InputPlace& place,
                          Reference& reference, Eigen::Index row) {
   if (motor.ideal())
-    throw InputError(fmt::format(
-        "{}: controller.input: current given, but the motor of '{}' is ideal, without a torque "
-        "constant; allowed: torque, or a robot.yaml whose motor there is of kind electric",
-        file.string(), motor.joint));
+    throw InputError(
+        place, fmt::format("current given, but the motor of '{}' is ideal, without a torque "
+                           "constant; allowed: torque, or a robot.yaml whose motor there is of "
+                           "kind electric",
+                           motor.joint));
   for (double& value : reference.feedforward.row(row))
     value = components::saturated_torque(motor.saturation_linear, motor.saturation_cubic, value);
 }
 
 /// A script's columns for the motors of a robot; a motor that it leaves out has no command.
-Reference script_reference(const trajectory::InputScript& script, const model::PlanarModel& model,
-                           const std::filesystem::path& file) {
+Reference script_reference(const trajectory::Dataset& dataset, const model::PlanarModel& model) {
+  const trajectory::InputScript& script = *dataset.script;
   Reference reference;
   reference.time = script.time;
   reference.duration = script.time.size() > 0 ? script.time[script.time.size() - 1] : 0.0;
   for (std::size_t j = 0; j < script.joints.size(); ++j) {
     const int m = model.motor_index(script.joints[j]);
     if (m < 0)
-      throw InputError(fmt::format("{}: input: '{}' is no joint with a motor of this robot{}",
-                                   file.string(), script.joints[j],
-                                   motors_instead_of(script.joints[j], model)));
+      throw InputError(dataset.place_of("input"),
+                       fmt::format("'{}' is no joint with a motor of this robot{}",
+                                   script.joints[j], motors_instead_of(script.joints[j], model)));
     reference.motors.push_back(script.joints[j]);
   }
 
@@ -208,24 +209,26 @@ Reference script_reference(const trajectory::InputScript& script, const model::P
     const model::PlanarMotor& motor = model.motors[model.motor_index(script.joints[j])];
     if (script.quantity == Quantity::torque)
       reference.feedforward.row(j) /= motor.gear * motor.efficiency;
-    if (script.quantity == Quantity::current) currents_to_torques(motor, file, reference, j);
+    if (script.quantity == Quantity::current)
+      currents_to_torques(motor, dataset.place_of("controller.input"), reference, j);
   }
 
   return reference;
 }
 
 /// The pose to land in for every motor of the reference.
-void set_landing(const trajectory::StatedController& stated, Controller& controller) {
-  const std::string& place = stated.after_end_place;
+void set_landing(const trajectory::Dataset& dataset, Controller& controller) {
+  const trajectory::StatedController& stated = dataset.controller;
+  const InputPlace end = dataset.place_of("controller.after_end");
+  const InputPlace pose{end.file, end.line, end.key + ".pose"};
   const std::vector<std::string>& motors = controller.reference.motors;
   if (controller.reference.position.size() == 0)
-    throw InputError(
-        fmt::format("{}: a pose given after a script; allowed: only after a plan", place));
+    throw InputError(end, "a pose given after a script; allowed: only after a plan");
   for (const auto& [joint, value] : stated.landing_pose) {
     if (joint == "*" || std::find(motors.begin(), motors.end(), joint) != motors.end()) continue;
     const auto near = yaml::nearest_name(joint, motors);
-    throw InputError(fmt::format("{}.pose: '{}' is no joint with a motor of this robot{}", place,
-                                 joint, near ? fmt::format("; did it mean '{}'?", *near) : ""));
+    throw InputError(pose, fmt::format("'{}' is no joint with a motor of this robot{}", joint,
+                                       near ? fmt::format("; did it mean '{}'?", *near) : ""));
   }
 
   controller.landing_pose.resize(motors.size());
@@ -233,26 +236,24 @@ void set_landing(const trajectory::StatedController& stated, Controller& control
     auto found = stated.landing_pose.find(motors[m]);
     if (found == stated.landing_pose.end()) found = stated.landing_pose.find("*");
     if (found == stated.landing_pose.end())
-      throw InputError(
-          fmt::format("{}.pose: nothing for '{}'; allowed: a value for every motor, \"*\" for all "
-                      "that are not named",
-                      place, motors[m]));
+      throw InputError(pose, fmt::format("nothing for '{}'; allowed: a value for every motor, "
+                                         "\"*\" for all that are not named",
+                                         motors[m]));
     controller.landing_pose[m] = found->second;
   }
 
   controller.landing_time = stated.landing_time;
 }
 
-void set_after_end(const trajectory::StatedController& stated, Controller& controller) {
-  if (stated.after_end) controller.after_end = *stated.after_end;
-  if (controller.after_end == AfterEnd::pose) set_landing(stated, controller);
+void set_after_end(const trajectory::Dataset& dataset, Controller& controller) {
+  if (dataset.controller.after_end) controller.after_end = *dataset.controller.after_end;
+  if (controller.after_end == AfterEnd::pose) set_landing(dataset, controller);
 }
 
 }  // namespace
 
 Controller stated_controller(const trajectory::Dataset& dataset, const model::PlanarModel& model,
                              const AssumedGains& gains) {
-  const std::filesystem::path file = dataset.folder / "dataset.yaml";
   Controller controller;
   controller.rate_hz = dataset.controller.rate_hz;
   if (dataset.plan) {
@@ -265,26 +266,24 @@ Controller stated_controller(const trajectory::Dataset& dataset, const model::Pl
     // currents are turned into the torques that they make
     const bool logged_current = dataset.script->quantity == Quantity::current;
     controller.quantity = logged_current ? Quantity::torque : dataset.script->quantity;
-    controller.reference = script_reference(*dataset.script, model, file);
+    controller.reference = script_reference(dataset, model);
     controller.after_end = AfterEnd::repeat;
   } else if (dataset.controller.kind == trajectory::ControllerKind::measured) {
-    throw InputError(
-        fmt::format("{}: controller: of kind measured: the log of each trial is its own command; "
-                    "allowed here: a plan, "
-                    "or an input",
-                    file.string()));
+    throw InputError(dataset.place_of("controller"),
+                     "of kind measured: the log of each trial is its own command; allowed here: a "
+                     "plan, or an input");
   } else {
-    throw InputError(fmt::format(
-        "{}: plan: none, and no input either; one of them says what was commanded", file.string()));
+    throw InputError(dataset.place_of("plan"),
+                     "none, and no input either; one of them says what was commanded");
   }
 
   for (const auto& [name, value] : dataset.initial) controller.reference.initial[name] = value;
-  set_after_end(dataset.controller, controller);
+  set_after_end(dataset, controller);
   const auto count = std::ssize(controller.reference.motors);
   controller.kp = controller.kd = Vector::Zero(count);
   if (dataset.controller.kind != trajectory::ControllerKind::feedforward_pd) return controller;
-  check_gain_names(dataset.controller.kp, "kp", model, file);
-  check_gain_names(dataset.controller.kd, "kd", model, file);
+  check_gain_names(dataset.controller.kp, "controller.kp", model, dataset);
+  check_gain_names(dataset.controller.kd, "controller.kd", model, dataset);
 
   for (Eigen::Index m = 0; m < count; ++m) {
     const std::string& joint = controller.reference.motors[m];

@@ -104,6 +104,18 @@ void add_channel(const std::string& text, const yaml::Node& node, const model::P
   }
 }
 
+/// What noise of a channel may be in: a joint's or a coordinate's as it turns or slides.
+std::vector<Dimension> noise_dimensions(const std::string& channel,
+                                        const model::PlanarModel& model) {
+  const auto [motor, quantity] = motor_channel(model, channel);
+  const int coordinate = model.coordinate_index(trajectory::parse_channel(channel).of);
+  if (motor < 0 && coordinate < 0) return trajectory::channel_dimensions(channel);
+  const bool slides =
+      motor >= 0 ? model.slides(model.motors[motor]) : !model.coordinates[coordinate].angular;
+  const std::vector<Dimension>& dimensions = trajectory::dimensions_of(quantity);
+  return {slides ? dimensions.back() : dimensions.front()};
+}
+
 void set_noise(const std::optional<yaml::Node>& node, const model::PlanarModel& model,
                SensorStream& stream) {
   std::map<std::string, yaml::Node> stated;
@@ -125,7 +137,7 @@ void set_noise(const std::optional<yaml::Node>& node, const model::PlanarModel& 
     const auto usual = kDefaultNoise.find(pattern);
     stream.noise[channel] =
         found != stated.end()
-            ? number_in(found->second, trajectory::channel_dimensions(channel), {0.0, kInfinity})
+            ? number_in(found->second, noise_dimensions(channel, model), {0.0, kInfinity})
             : (usual == kDefaultNoise.end() ? 0.0 : usual->second);
   }
 }
@@ -275,7 +287,11 @@ Experiment read_parts(const yaml::Node& file, const fs::path& folder) {
 
 Experiment read_experiment(const yaml::Node& node) {
   const fs::path folder = node.file().parent_path();
-  return read_parts(node, folder.empty() ? fs::path(".") : folder);
+  Experiment experiment = read_parts(node, folder.empty() ? fs::path(".") : folder);
+  const bool leap = experiment.setup.experiment == trajectory::ExperimentKind::leap;
+  if (leap && dataset_robot(experiment.setup).planar.coordinate_index("z") < 0)
+    throw node.at("experiment").error("leap given for a robot whose base can't rise");
+  return experiment;
 }
 
 Experiment read_experiment(const fs::path& file) { return read_experiment(yaml::Node::load(file)); }
