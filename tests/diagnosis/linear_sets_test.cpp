@@ -15,6 +15,8 @@ namespace {
 
 using diagnosis::Fit;
 using diagnosis::LinearSet;
+using diagnosis::Probe;
+using diagnosis::Screening;
 
 const LinearSet* find(const std::vector<LinearSet>& sets, const std::vector<int>& members) {
   for (const LinearSet& set : sets)
@@ -47,6 +49,31 @@ TEST(LinearSets, AreTheSameAboutNoneAndAboutAFit) {
   const LinearSet* both = find(about_first, {0, 1});
   EXPECT_NEAR(0.1 * both->mean[0], 0.2, 0.01);
   EXPECT_NEAR(0.1 * both->mean[1], 0.1, 0.01);
+}
+
+TEST(Screen, TakesOneStepOfWhatWasLinearBefore) {
+  const auto problem = toy_problem(toy_truth(0.2, 0.1));
+  const diagnosis::Comparison comparison =
+      diagnosis::comparison_about(*problem, diagnosis::estimate_noise(*problem, Vector::Zero(4)));
+  const diagnosis::Whitening& whitening = comparison.whitening;
+  const Fit none = diagnosis::fit_model(*problem, whitening, {}, {Vector::Zero(4)});
+  const Fit first =
+      diagnosis::fit_model(*problem, whitening, {0}, {Vector(0.05 * Vector::Unit(4, 0))});
+  const std::vector<Probe> before = screen(*problem, whitening, none);
+  ASSERT_TRUE(before[1].linear);
+
+  const Probe two = screen(*problem, whitening, first)[1],
+              one = screen(*problem, whitening, first, Screening::steps, &before)[1];
+  EXPECT_EQ(2 * one.predictions, two.predictions);
+  EXPECT_TRUE(one.valid && one.linear);
+  EXPECT_NEAR(one.score, two.score, 1e-2 * two.score);
+  EXPECT_NEAR(one.estimate[0], two.estimate[0], 1e-2 * two.estimate[0]);
+
+  // One that was not is probed at both.
+  std::vector<Probe> bent = before;
+  bent[1].linear = false;
+  EXPECT_EQ(screen(*problem, whitening, first, Screening::steps, &bent)[1].predictions,
+            two.predictions);
 }
 
 TEST(LinearSets, LeaveOutWhatWouldHaveToWorkTheWrongWay) {

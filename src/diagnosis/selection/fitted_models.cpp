@@ -90,8 +90,12 @@ const std::vector<Probe>& FittedModels::probe(const ModelFit& base) {
     return known->second;
   const bool again = earlier_ != nullptr && in_windows(problem_);
   const bool search = base.candidates.empty() && !again;
+  const auto about_none = probed_.find({});
+  const std::vector<Probe>* before = about_none != probed_.end() ? &about_none->second
+                                     : earlier_ != nullptr       ? &earlier_->probes
+                                                                 : nullptr;
   std::vector<Probe> probes = screen(problem_, comparison_.whitening, base.fit,
-                                     search ? Screening::line_search : Screening::steps);
+                                     search ? Screening::line_search : Screening::steps, before);
   for (std::size_t c = 0; c < probes.size(); ++c) {
     predictions_ += probes[c].predictions;
     if (!base.candidates.empty() || !again) continue;

@@ -94,7 +94,7 @@ bool raise_score(const Base& base, const Candidate& candidate, const Matrix& own
 }  // namespace
 
 Probe probe_candidate(const Problem& problem, const Whitening& whitening, const Fit& base,
-                      const Standing& standing, int c, Screening how) {
+                      const Standing& standing, int c, Screening how, bool linear) {
   const Candidate& candidate = problem.hypotheses.candidates[c];
   const int first = candidate.parameters.front();
   Probe probe;
@@ -102,21 +102,22 @@ Probe probe_candidate(const Problem& problem, const Whitening& whitening, const 
   const Base known{problem, whitening, base, standing};
 
   const double influence = problem.settings.influence;
-  const auto full = columns_of(problem, whitening, base, candidate, 1.0);
   const auto small = columns_of(problem, whitening, base, candidate, problem.settings.small_probe);
-  probe.predictions = 2 * count_of(candidate.parameters);
-  const bool by_full = full && full->norm() > influence;
   const bool by_small = small && small->norm() > influence;
+  const bool one = linear && by_small;
+  const auto full = one ? small : columns_of(problem, whitening, base, candidate, 1.0);
+  const bool by_full = full && full->norm() > influence;
+  probe.predictions = (one ? 1 : 2) * count_of(candidate.parameters);
   if (by_full) raise_score(known, candidate, *full, probe);
   if (by_small) probe.by_small = raise_score(known, candidate, *small, probe);
   probe.valid = by_full || by_small;
+  probe.linear = by_full && by_small && proportional(*small, *full, problem.settings);
   if (probe.valid) {
     probe.full = by_full ? *full : *small;
     probe.small = by_small ? *small : *full;
   }
   if (how != Screening::line_search) return probe;
-  if (by_full && by_small && proportional(*small, *full, problem.settings) &&
-      (in_windows(problem) || within_probe(problem, candidate, probe)))
+  if (probe.linear && (in_windows(problem) || within_probe(problem, candidate, probe)))
     return probe;
 
   const BestStep best = line_search(problem, whitening, base, standing, first);
@@ -136,11 +137,12 @@ Probe probe_candidate(const Problem& problem, const Whitening& whitening, const 
 }
 
 std::vector<Probe> screen(const Problem& problem, const Whitening& whitening, const Fit& base,
-                          Screening how) {
+                          Screening how, const std::vector<Probe>* before) {
   std::vector<Probe> probes(problem.hypotheses.candidates.size());
   const Standing standing = standing_of(problem, whitening, base);
   tbb::parallel_for(0, count_of(probes), [&](int c) {
-    probes[c] = probe_candidate(problem, whitening, base, standing, c, how);
+    const bool linear = before != nullptr && (*before)[c].linear;
+    probes[c] = probe_candidate(problem, whitening, base, standing, c, how, linear);
   });
   return probes;
 }

@@ -4,7 +4,8 @@
 //
 //   columns of a candidate: g_i = T (f(p + h_i) - f(p))/h_i, at a small step and at its probing
 //   step, because friction, play and limits are not linear from nominal on; second parameters (a
-//   damping) are probed with the first one set.
+//   damping) are probed with the first one set. Where both steps of a candidate said the same about
+//   another model, the small one is taken alone.
 //   score = log evidence of the linear Gaussian model with these columns and those of the base
 //   model, prior N(0, I) in u, less that of the base model alone, each by the deviations of random
 //   effects that it needs (noise/random_effects.h);
@@ -21,6 +22,7 @@ namespace jaculus::diagnosis {
 struct Probe {
   bool valid = false;
   Matrix small, full;     ///< rows x parameters, per prior scale, at the two strengths
+  bool linear = false;    ///< whether both say the same (settings.same_slope)
   bool by_small = false;  ///< whether the score is that of the small step's columns
   double score = -kInfinity;
   Vector estimate;     ///< u of its parameters by the better linear model, within bounds
@@ -34,12 +36,14 @@ struct Probe {
 enum class Screening { steps, line_search };
 
 /// Probes one candidate. Invalid where `base` has freed it, or where it has no influence on these
-/// data.
+/// data. `linear`: it is known to be so about another model.
 Probe probe_candidate(const Problem& problem, const Whitening& whitening, const Fit& base,
-                      const Standing& standing, int candidate, Screening how);
-/// The same of every candidate, in parallel and in their order.
+                      const Standing& standing, int candidate, Screening how, bool linear = false);
+/// The same of every candidate, in parallel and in their order. `before`: their probes about
+/// another model, if any.
 std::vector<Probe> screen(const Problem& problem, const Whitening& whitening, const Fit& base,
-                          Screening how = Screening::steps);
+                          Screening how = Screening::steps,
+                          const std::vector<Probe>* before = nullptr);
 
 /// Where a fit of one more candidate may start: at the linear estimate, at the line search's step
 /// where there is one, at the probing step. The base model's parameters are `base`, p of all
