@@ -222,7 +222,7 @@ TEST(Calibration, GivesEveryVerdictItsShareAndSumsToOne) {
         {Verdict::unexplained, {}}}) {
     SCOPED_TRACE(to_text(verdict));
     const Stated s = stated(effects);
-    const Calibrated c = calibrate(verdict, false, s.effects, s.ranking);
+    const Calibrated c = calibrate(verdict, {}, s.effects, s.ranking);
     double sum = 0.0;
     for (const Ranked& row : c.ranking) sum += row.probability;
     EXPECT_NEAR(sum, 1.0, 1e-12);
@@ -255,9 +255,20 @@ TEST(Calibration, SaysWhatSpeaksAgainstAnEffect) {
   EXPECT_NE(said.front().find("c predicts"), std::string::npos) << said.front();
 }
 
+TEST(Calibration, IsLessSureOfAnEffectThatSomethingSpeaksAgainst) {
+  const Stated s = stated({"a"});
+  const auto sure_of = [&](bool doubted) {
+    return calibrate(Verdict::effect, {.doubted = doubted}, s.effects, s.ranking)
+        .effects[0]
+        .probability;
+  };
+  EXPECT_GT(sure_of(false), 0.9);
+  EXPECT_LT(sure_of(true), 0.8);
+}
+
 TEST(Calibration, LetsAVerdictOfHeldOutDataOverruleThePosterior) {
   const Stated s = stated({});
-  const Calibrated c = calibrate(Verdict::none, false, s.effects, s.ranking);
+  const Calibrated c = calibrate(Verdict::none, {}, s.effects, s.ranking);
   EXPECT_EQ(c.ranking.front().effect, "none");
   EXPECT_GT(probability(c.ranking, "none"), probability(c.ranking, "a + b"));
   EXPECT_GT(probability(c.ranking, "a + b"), probability(c.ranking, "a"));
@@ -268,8 +279,8 @@ TEST(Calibration, TakesThePosteriorsWordWhereItIsSurerOfNone) {
   Stated s = stated({});
   for (Ranked& row : s.ranking) row.probability = row.effect == "none" ? 0.9 : 0.025;
   const auto none = [&](bool beside_event) {
-    return probability(calibrate(Verdict::none, beside_event, s.effects, s.ranking).ranking,
-                       "none");
+    return probability(
+        calibrate(Verdict::none, {.event = beside_event}, s.effects, s.ranking).ranking, "none");
   };
   EXPECT_NEAR(none(false), 0.9, 1e-12);
   EXPECT_LT(none(true), 0.9);  // counted
@@ -277,7 +288,7 @@ TEST(Calibration, TakesThePosteriorsWordWhereItIsSurerOfNone) {
 
 TEST(Calibration, StatesAnEffectBesideOthersByHowOftenSuchEffectsWereRight) {
   const Stated s = stated({"a", "b"});
-  const Calibrated c = calibrate(Verdict::several, false, s.effects, s.ranking);
+  const Calibrated c = calibrate(Verdict::several, {}, s.effects, s.ranking);
   ASSERT_EQ(c.effects.size(), 2u);
   EXPECT_EQ(c.effects[0].probability, c.effects[1].probability);
   EXPECT_GT(c.effects[0].probability, probability(c.ranking, "a + b"));
@@ -287,7 +298,7 @@ TEST(Calibration, StatesAnEffectBesideOthersByHowOftenSuchEffectsWereRight) {
 TEST(Calibration, LeavesWhatCouldNotBeJudged) {
   const Stated s = stated({});
   EXPECT_EQ(
-      probability(calibrate(Verdict::insufficient, false, s.effects, s.ranking).ranking, "a + b"),
+      probability(calibrate(Verdict::insufficient, {}, s.effects, s.ranking).ranking, "a + b"),
       0.9);
 }
 

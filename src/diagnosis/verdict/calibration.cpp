@@ -9,9 +9,9 @@ namespace jaculus::diagnosis {
 namespace {
 
 constexpr const char* kCounted =
-    "the three newest blinded batches of 40 cluttered cases: by e4856cb, 1127cf9 and 255c93e";
-constexpr const char* kDoubted =
-    "the same batches: 9 of 10 where something speaks against it, else 20 of 21";
+    "four blinded batches of cluttered cases: by e4856cb, 1127cf9 and 255c93e (40 each), by "
+    "38cb657 "
+    "(60)";
 
 bool names(const std::vector<std::string>& members, const std::string& effect) {
   return std::find(members.begin(), members.end(), effect) != members.end();
@@ -55,7 +55,7 @@ std::vector<double> rest_weights(const std::vector<Ranked>& ranking,
 /// What is stated for the reported rows, of which the posterior claims `claimed`. That of none
 /// knows which effects are too small to be told; held-out data may say more, but not less.
 double stated_for(const Reliability& counted, double claimed) {
-  const bool by_posterior = counted.verdict == Verdict::none && !counted.beside_event;
+  const bool by_posterior = counted.verdict == Verdict::none && !counted.beside.event;
   return by_posterior ? std::max(claimed, counted.stated()) : counted.stated();
 }
 
@@ -72,13 +72,14 @@ double share_of(const std::vector<Ranked>& ranking, const std::vector<bool>& rep
 
 const std::vector<Reliability>& reliabilities() {
   static const std::vector<Reliability> table = {
-      {Verdict::effect, false, 29, 31, 0.4, 0.1, 0.5, kDoubted},
-      {Verdict::several, false, 3, 7, 0.5, 0.1, 0.4, kCounted, 13, 17},
-      {Verdict::partial, false, 2, 5, 0.5, 0.1, 0.4, kCounted, 2, 7},
-      {Verdict::ambiguous, false, 8, 10, 0.5, 0.1, 0.4, kCounted},
-      {Verdict::none, true, 9, 13, 0.4, 0.0, 0.6, kCounted},
-      {Verdict::none, false, 23, 38, 0.4, 0.0, 0.6, kCounted},
-      {Verdict::unexplained, false, 6, 13, 0.0, 0.2, 0.8, kCounted}};
+      {Verdict::effect, {.doubted = true}, 11, 15, 0.4, 0.1, 0.5, kCounted},
+      {Verdict::effect, {}, 34, 36, 0.4, 0.1, 0.5, kCounted},
+      {Verdict::several, {}, 6, 13, 0.5, 0.1, 0.4, kCounted, 24, 30},
+      {Verdict::partial, {}, 2, 6, 0.5, 0.1, 0.4, kCounted, 2, 8},
+      {Verdict::ambiguous, {}, 11, 14, 0.5, 0.1, 0.4, kCounted},
+      {Verdict::none, {.event = true}, 11, 15, 0.4, 0.0, 0.6, kCounted},
+      {Verdict::none, {}, 38, 62, 0.4, 0.0, 0.6, kCounted},
+      {Verdict::unexplained, {}, 6, 16, 0.0, 0.2, 0.8, kCounted}};
   return table;
 }
 
@@ -101,11 +102,12 @@ std::vector<std::string> doubts(Verdict verdict, const HeldOut& gap,
   return found;
 }
 
-Calibrated calibrate(Verdict verdict, bool beside_event, std::vector<FoundEffect> effects,
+Calibrated calibrate(Verdict verdict, const Circumstances& beside, std::vector<FoundEffect> effects,
                      std::vector<Ranked> ranking) {
   const std::vector<Reliability>& table = reliabilities();
   const auto counted = std::find_if(table.begin(), table.end(), [&](const Reliability& r) {
-    return r.verdict == verdict && (!r.beside_event || beside_event);
+    return r.verdict == verdict && (!r.beside.event || beside.event) &&
+           (!r.beside.doubted || beside.doubted);
   });
   std::vector<bool> reported;
   double claimed = 0.0;

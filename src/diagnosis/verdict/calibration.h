@@ -19,11 +19,16 @@
 
 namespace jaculus::diagnosis {
 
+/// What a verdict was given beside, by which its reliability differs.
+struct Circumstances {
+  bool event = false;    ///< a force that acted once, which may be something else that acts briefly
+  bool doubted = false;  ///< something speaks against it: doubts()
+};
+
 /// How often a verdict was right, counted on cases that were blind for the programs that answered.
 struct Reliability {
   Verdict verdict;
-  /// Beside a force that acted once, which may be something else that acts briefly.
-  bool beside_event;
+  Circumstances beside;              ///< of what is not, any
   int right, cases;                  ///< as counted
   double unexplained, none, others;  ///< parts of the rest
   const char* origin;                ///< robot and cases
@@ -38,9 +43,7 @@ struct Reliability {
 const std::vector<Reliability>& reliabilities();
 
 /// What speaks against the one effect that is reported: another predicts held-out data nearly as
-/// well, the gap was small from the start, or not all of it went. Empty for other verdicts. With
-/// such reasons 9 of 10 counted verdicts were right, without 20 of 21: too few to part the
-/// probability, so they are only said.
+/// well, the gap was small from the start, or not all of it went. Empty for other verdicts.
 std::vector<std::string> doubts(Verdict verdict, const HeldOut& gap,
                                 const std::vector<FoundEffect>& effects,
                                 const std::vector<Ranked>& ranking, const Settings& settings);
@@ -51,7 +54,7 @@ struct Calibrated {
   std::vector<Ranked> ranking;  ///< sums to 1, most probable first
 };
 /// As they come where nothing was counted for the verdict.
-Calibrated calibrate(Verdict verdict, bool beside_event, std::vector<FoundEffect> effects,
+Calibrated calibrate(Verdict verdict, const Circumstances& beside, std::vector<FoundEffect> effects,
                      std::vector<Ranked> ranking);
 
 }  // namespace jaculus::diagnosis

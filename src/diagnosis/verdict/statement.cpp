@@ -298,9 +298,11 @@ Statement state_verdict(const Problem& problem, const Selection& selection, bool
   std::vector<Ranked> ranking = ranking_of_effects(judged);
   append(proposal.reasons, out.reasons);
   append(rule_reasons(problem, rule, out.verdict, told, chosen), out.reasons);
-  append(doubts_of(judged, out, effects, ranking), out.reasons);
+  const std::vector<std::string> against = doubts_of(judged, out, effects, ranking);
+  append(against, out.reasons);
   Calibrated calibrated =
-      calibrate(out.verdict, !out.events.empty(), std::move(effects), std::move(ranking));
+      calibrate(out.verdict, {.event = !out.events.empty(), .doubted = !against.empty()},
+                std::move(effects), std::move(ranking));
   out.effects = std::move(calibrated.effects);
   out.ranking = std::move(calibrated.ranking);
   return out;
