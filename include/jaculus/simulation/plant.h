@@ -73,9 +73,9 @@ struct Winding {
 /// While both switches of a half bridge are off, the current picks the diode that opposes it: a
 /// driver that is told a voltage or a duty loses up to V_d = dead_time V_bus against the current
 /// (Jeong and Park, The analysis and compensation of dead-time effects in PWM inverters, IEEE
-/// Trans. Industrial Electronics 38(2), 1991), the time that both are off times the switching frequency
-/// for each half bridge that switches and has the current in it. A loop of the current makes up for
-/// it up to the bus voltage, and at a duty of one nothing switches (simulation/plant/drive.h).
+/// Trans. Industrial Electronics 38(2), 1991): the time that both are off times the frequency, for
+/// each half bridge that switches and has the current in it. A loop of the current makes up for it
+/// up to the bus voltage, and at a duty of one nothing switches (simulation/plant/drive.h).
 struct Actuation {
   double delay = 0.0;              ///< [s]
   double lag = 0.0;                ///< time constant T of the torque, below [s]

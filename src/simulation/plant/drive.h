@@ -10,8 +10,8 @@
 //     With dead time a driver that is told V leaves V - r V_d tanh(R i/V_d) on the winding, V_d its
 //     share of V_bus. The sign of the current is rounded over a current of V_d/R: chosen, for what
 //     ripple there is depends on the winding's inductance. r = min(1, (V_bus - |V|)/V_d): where V
-//     is the bus nothing switches, so that nothing is lost. A loop of the current tells V so that the
-//     winding has R i + k_t G w, up to the bus.
+//     is the bus nothing switches, so that nothing is lost. A loop of the current tells V so that
+//     the winding has R i + k_t G w, up to the bus.
 //     joint torque    = G eta t times the joint's scale.
 // The battery feeds drivers that keep power, so that the winding's V i / V_bus flows through its
 // resistance (dead time shifts the share of a period that is switched on, and takes no power):
