@@ -100,12 +100,10 @@ Effect current_loop() {
 
 /// Drivers lose a share of their bus voltage against the current: 0.5 to 2 us at 10 to 40 kHz are
 /// 0.5 to 8 % for each of one or two half bridges in series, and what switches and diodes drop acts
-/// like it.
+/// like it. Where torque is told nothing shows it but the bus's end, as `voltage_limit` does.
 Effect driver_dead_time() {
   Effect effect =
       on_actuation("driver_dead_time", "drivers lose voltage to dead time, against the current");
-  // A self-righting's full duty switches nothing.
-  effect.excited_by = {ExperimentKind::leap, ExperimentKind::tail_bench, ExperimentKind::pendulum};
   effect.parameters = {{"share", "-", 0.0, {0.0, 0.2}, 0.03}};
   effect.applies = any_electric;
   effect.apply = [](const Vector& theta, Plant& plant) { plant.actuation.dead_time += theta[0]; };

@@ -19,8 +19,11 @@ Dataset begin_dataset(const ImportSetup& setup) {
   // themselves, not pasted in.
   const std::string text =
       setup.controller.empty() ? "{kind: feedforward_pd, rate_hz: 1000}" : setup.controller;
-  dataset.controller =
-      read_stated_controller(yaml::Node::parse(text, "--controller"), dataset.notes);
+  const yaml::Node controller = yaml::Node::parse(text, "--controller");
+  dataset.controller = read_stated_controller(controller, dataset.notes);
+  for (const auto& [key, value] : controller.entries())
+    dataset.places["controller." + key] = {value.file().string(), value.line(),
+                                           "controller." + key};
   if (dataset.controller.kind != ControllerKind::measured && !dataset.plan)
     throw InputError(fmt::format(
         "--controller: of kind {} without --plan; allowed: with a plan, or kind measured",

@@ -75,7 +75,7 @@ struct Winding {
 /// (Jeong and Park, The analysis and compensation of dead-time effects in PWM inverters, IEEE
 /// Trans. Industrial Electronics 38(2), 1991): the time that both are off times the frequency, for
 /// each half bridge that switches and has the current in it. A loop of the current makes up for it
-/// up to the bus voltage, and at a duty of one nothing switches (simulation/plant/drive.h).
+/// up to the bus voltage, so that less voltage is all that is left of it there.
 struct Actuation {
   double delay = 0.0;              ///< [s]
   double lag = 0.0;                ///< time constant T of the torque, below [s]

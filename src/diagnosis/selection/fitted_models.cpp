@@ -90,9 +90,10 @@ const std::vector<Probe>& FittedModels::probe(const ModelFit& base) {
     return known->second;
   const bool again = earlier_ != nullptr && in_windows(problem_);
   const bool search = base.candidates.empty() && !again;
+  // In the same space: what is linear by another noise and other tolerances may be so no more.
   const auto about_none = probed_.find({});
   const std::vector<Probe>* before = about_none != probed_.end() ? &about_none->second
-                                     : earlier_ != nullptr       ? &earlier_->probes
+                                     : same_space_               ? &earlier_->probes
                                                                  : nullptr;
   std::vector<Probe> probes = screen(problem_, comparison_.whitening, base.fit,
                                      search ? Screening::line_search : Screening::steps, before);

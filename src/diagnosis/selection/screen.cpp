@@ -111,7 +111,7 @@ Probe probe_candidate(const Problem& problem, const Whitening& whitening, const 
   if (by_full) raise_score(known, candidate, *full, probe);
   if (by_small) probe.by_small = raise_score(known, candidate, *small, probe);
   probe.valid = by_full || by_small;
-  probe.linear = by_full && by_small && proportional(*small, *full, problem.settings);
+  probe.linear = one || (by_full && by_small && proportional(*small, *full, problem.settings));
   if (probe.valid) {
     probe.full = by_full ? *full : *small;
     probe.small = by_small ? *small : *full;

@@ -22,7 +22,7 @@ namespace jaculus::diagnosis {
 struct Probe {
   bool valid = false;
   Matrix small, full;     ///< rows x parameters, per prior scale, at the two strengths
-  bool linear = false;    ///< whether both say the same (settings.same_slope)
+  bool linear = false;    ///< whether both say the same (settings.same_slope), or did before
   bool by_small = false;  ///< whether the score is that of the small step's columns
   double score = -kInfinity;
   Vector estimate;     ///< u of its parameters by the better linear model, within bounds

@@ -108,7 +108,8 @@ void add_channel(const std::string& text, const yaml::Node& node, const model::P
 std::vector<Dimension> noise_dimensions(const std::string& channel,
                                         const model::PlanarModel& model) {
   const auto [motor, quantity] = motor_channel(model, channel);
-  const int coordinate = model.coordinate_index(trajectory::parse_channel(channel).of);
+  const std::string of = trajectory::parse_channel(channel).of;
+  const int coordinate = model.coordinate_index(of == "imu_pitch" ? "pitch" : of);
   if (motor < 0 && coordinate < 0) return trajectory::channel_dimensions(channel);
   const bool slides =
       motor >= 0 ? model.slides(model.motors[motor]) : !model.coordinates[coordinate].angular;

@@ -20,45 +20,24 @@ bool cut(double command, double taken) {
   return std::abs(command - taken) > 1e-6 * (1.0 + std::abs(taken));
 }
 
-/// What dead time takes of a voltage: the largest loss V_d and the bus [V]. Equations: drive.h.
-struct DeadTime {
-  double most, bus;
+/// What dead time takes of a voltage while u = R i is on the winding, at most V_d [V].
+double lost_to_dead_time(double u, double most) {
+  return most == 0.0 ? 0.0 : most * std::tanh(u / most);
+}
 
-  /// r: how much of it there is where the driver is told V.
-  [[nodiscard]] double part(double told) const {
-    return most == 0.0 ? 0.0 : std::clamp((bus - std::abs(told)) / most, 0.0, 1.0);
+/// The root u of u + V_d tanh(u/V_d) = voltage, by Newton's method in units of V_d: the function is
+/// odd, and of positive numbers concave, so that steps from below come from below.
+double on_winding(double voltage, double most) {
+  if (most == 0.0) return voltage;
+  const double y = std::abs(voltage) / most;
+  double x = std::max(0.5 * y, y - 1.0);
+  for (int k = 0; k < 20; ++k) {
+    const double level = std::tanh(x), step = (y - x - level) / (2.0 - level * level);
+    x += step;
+    if (std::abs(step) <= 1e-15 * y) break;
   }
-
-  /// tanh(R i/V_d), with u = R i.
-  [[nodiscard]] double sign(double u) const { return most == 0.0 ? 0.0 : std::tanh(u / most); }
-
-  /// V - k_t G w that leaves u = R i on the winding is u + r V_d tanh(u/V_d); its root u, by
-  /// Newton's method in units of V_d: the function is odd, and of positive numbers concave, so that
-  /// steps from below come from below.
-  [[nodiscard]] double resistive(double told, double emf) const {
-    const double r = part(told), voltage = told - emf;
-    if (r == 0.0) return voltage;
-    const double y = std::abs(voltage) / most;
-    double x = std::max(y / (1.0 + r), y - r);
-    for (int k = 0; k < 20; ++k) {
-      const double level = std::tanh(x);
-      const double step = (y - x - r * level) / (1.0 + r * (1.0 - level * level));
-      x += step;
-      if (std::abs(step) <= 1e-15 * y) break;
-    }
-    return std::copysign(most * x, voltage);
-  }
-
-  /// V that leaves u on the winding, of which u + emf is within the bus: where r < 1 it is
-  /// V = u + emf +- (V_bus - |V|) tanh(u/V_d), linear in V.
-  [[nodiscard]] double told(double u, double emf) const {
-    const double level = sign(u), voltage = u + most * level + emf;
-    if (most == 0.0 || std::abs(voltage) <= bus - most) return voltage;
-    const double along = std::copysign(1.0, voltage);  // of the rail that is near
-    const double ratio = along * level;
-    return along * std::min(bus, (along * (u + emf) + bus * ratio) / (1.0 + ratio));
-  }
-};
+  return std::copysign(most * x, voltage);
+}
 
 }  // namespace
 
@@ -103,16 +82,21 @@ MotorState Drive::one(std::size_t m, Quantity quantity, const Command& command, 
   const double strength = 1.0 - 0.001 * temperature;
   const double resistance = warm_ ? d.resistance * (1.0 + 0.0039 * temperature) : d.resistance;
   const double emf = (warm_ ? d.torque_constant * strength : d.torque_constant) * d.gear * rate;
-  const DeadTime dead_time{motor.dead_time == 0.0 ? 0.0 : motor.dead_time * bus, bus};
+  const double most_lost = motor.dead_time == 0.0 ? 0.0 : motor.dead_time * bus;
   const auto torque_at = [&](double voltage) {
-    const double t = components::saturated_torque(d.saturation_linear, d.saturation_cubic,
-                                                  dead_time.resistive(voltage, emf) / resistance);
+    const double t = components::saturated_torque(
+        d.saturation_linear, d.saturation_cubic, on_winding(voltage - emf, most_lost) / resistance);
     return warm_ ? t * strength : t;
   };
 
   // Of a torque, or of what a driver that believes in a cold motor takes for it.
   const auto current_of_cold = [&](double t) {
     return t * (d.saturation_linear + d.saturation_cubic * t * t);
+  };
+
+  const auto voltage_of = [&](double current) {
+    const double u = resistance * current;
+    return u + lost_to_dead_time(u, most_lost) + emf;
   };
 
   const auto current_of = [&](double t) { return current_of_cold(warm_ ? t / strength : t); };
@@ -125,10 +109,9 @@ MotorState Drive::one(std::size_t m, Quantity quantity, const Command& command, 
     state.limited = cut(command.value, t);
     state.current = current_of_cold(t);
     if (warm_) t *= strength;
-    const double needed = resistance * state.current + emf;
-    state.voltage = dead_time.told(resistance * state.current, emf);
-    if (std::abs(needed) > bus) {
-      state.voltage = std::copysign(bus, needed);
+    state.voltage = voltage_of(state.current);
+    if (std::abs(state.voltage) > bus) {
+      state.voltage = std::copysign(bus, state.voltage);
       const double clamped = std::clamp(torque_at(state.voltage), -largest, largest);
       state.limited = state.limited || cut(t, clamped);
       t = clamped;
@@ -141,11 +124,10 @@ MotorState Drive::one(std::size_t m, Quantity quantity, const Command& command, 
     t = std::clamp(free, -largest, largest);
     state.limited = cut(free, t) || cut(wanted, state.voltage);
     state.current = current_of(t);
-    if (t != free) state.voltage = dead_time.told(resistance * state.current, emf);
+    if (t != free) state.voltage = voltage_of(state.current);
   }
 
-  state.lost =
-      dead_time.part(state.voltage) * dead_time.most * dead_time.sign(resistance * state.current);
+  state.lost = lost_to_dead_time(resistance * state.current, most_lost);
   state.torque = motor.scale * motor.changed * motor.ratio * t;
   return state;
 }

@@ -7,11 +7,11 @@
 //     torque command:   t = command within +- the torque and current limits; |V| <= bus, else t is
 //                       what V = +-bus makes
 //     voltage command:  V within +- bus, t by the inverse;  duty: V = duty bus, |duty| <= 1
-//     With dead time a driver that is told V leaves V - r V_d tanh(R i/V_d) on the winding, V_d its
+//     With dead time a driver that is told V leaves V - V_d tanh(R i/V_d) on the winding, V_d its
 //     share of V_bus. The sign of the current is rounded over a current of V_d/R: chosen, for what
-//     ripple there is depends on the winding's inductance. r = min(1, (V_bus - |V|)/V_d): where V
-//     is the bus nothing switches, so that nothing is lost. A loop of the current tells V so that
-//     the winding has R i + k_t G w, up to the bus.
+//     ripple there is depends on the winding's inductance. A loop of the current tells V so that
+//     the winding has R i + k_t G w, as far as V stays within V_bus: drivers go on switching there,
+//     for their gates are fed by it.
 //     joint torque    = G eta t times the joint's scale.
 // The battery feeds drivers that keep power, so that the winding's V i / V_bus flows through its
 // resistance (dead time shifts the share of a period that is switched on, and takes no power):
