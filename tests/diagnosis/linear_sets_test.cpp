@@ -24,14 +24,20 @@ const LinearSet* find(const std::vector<LinearSet>& sets, const std::vector<int>
   return nullptr;
 }
 
-TEST(LinearSets, AreTheSameAboutNoneAndAboutAFit) {
-  const auto problem = toy_problem(toy_truth(0.2, 0.1));
-  const diagnosis::Comparison comparison =
+/// A problem whose two candidates act, fitted without them and with the first.
+struct TwoFits {
+  std::shared_ptr<diagnosis::Problem> problem = toy_problem(toy_truth(0.2, 0.1));
+  diagnosis::Comparison comparison =
       diagnosis::comparison_about(*problem, diagnosis::estimate_noise(*problem, Vector::Zero(4)));
+  Fit none = diagnosis::fit_model(*problem, comparison.whitening, {}, {Vector::Zero(4)});
+  Fit first = diagnosis::fit_model(*problem, comparison.whitening, {0},
+                                   {Vector(0.05 * Vector::Unit(4, 0))});
+};
+
+TEST(LinearSets, AreTheSameAboutNoneAndAboutAFit) {
+  const TwoFits fits;
+  const auto& [problem, comparison, none, first] = fits;
   const diagnosis::Whitening& whitening = comparison.whitening;
-  const Fit none = diagnosis::fit_model(*problem, whitening, {}, {Vector::Zero(4)});
-  const Fit first =
-      diagnosis::fit_model(*problem, whitening, {0}, {Vector(0.05 * Vector::Unit(4, 0))});
   ASSERT_TRUE(none.valid && first.valid);
 
   const std::vector<std::vector<int>> sets = {{0}, {1}, {0, 1}};
@@ -52,13 +58,9 @@ TEST(LinearSets, AreTheSameAboutNoneAndAboutAFit) {
 }
 
 TEST(Screen, TakesOneStepOfWhatWasLinearBefore) {
-  const auto problem = toy_problem(toy_truth(0.2, 0.1));
-  const diagnosis::Comparison comparison =
-      diagnosis::comparison_about(*problem, diagnosis::estimate_noise(*problem, Vector::Zero(4)));
+  const TwoFits fits;
+  const auto& [problem, comparison, none, first] = fits;
   const diagnosis::Whitening& whitening = comparison.whitening;
-  const Fit none = diagnosis::fit_model(*problem, whitening, {}, {Vector::Zero(4)});
-  const Fit first =
-      diagnosis::fit_model(*problem, whitening, {0}, {Vector(0.05 * Vector::Unit(4, 0))});
   const std::vector<Probe> before = screen(*problem, whitening, none);
   ASSERT_TRUE(before[1].linear);
 
