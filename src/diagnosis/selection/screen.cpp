@@ -105,7 +105,7 @@ Probe probe_candidate(const Problem& problem, const Whitening& whitening, const 
   const auto small = columns_of(problem, whitening, base, candidate, problem.settings.small_probe);
   const bool by_small = small && small->norm() > influence;
   const bool one = linear && by_small;
-  const auto full = one ? small : columns_of(problem, whitening, base, candidate, 1.0);
+  const auto full = one ? std::nullopt : columns_of(problem, whitening, base, candidate, 1.0);
   const bool by_full = full && full->norm() > influence;
   probe.predictions = (one ? 1 : 2) * count_of(candidate.parameters);
   if (by_full) raise_score(known, candidate, *full, probe);
