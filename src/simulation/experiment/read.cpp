@@ -243,7 +243,8 @@ void check_start(const yaml::Node& file, const Experiment& experiment,
   }
 }
 
-Experiment read_parts(const yaml::Node& file, const fs::path& folder) {
+/// `states_kind`: the file is a user's, so that the kind of experiment must fit its robot.
+Experiment read_parts(const yaml::Node& file, const fs::path& folder, bool states_kind) {
   std::vector<std::string> keys = {
       "format", "name",    "duration", "lead",          "trials",
       "seed",   "scatter", "streams",  "uncertainties", "touchdown_height"};
@@ -263,6 +264,9 @@ Experiment read_parts(const yaml::Node& file, const fs::path& folder) {
     throw file.error(
         "neither plan nor input is given; allowed: one of the two, for there is no log to replay");
   const model::PlanarModel model = dataset_robot(experiment.setup).planar;
+  if (states_kind && experiment.setup.experiment == trajectory::ExperimentKind::leap &&
+      model.coordinate_index("z") < 0)
+    throw file.at("experiment").error("leap given for a robot whose base can't rise");
   put_gains_at_motors(model, experiment.setup.controller);
   const double commanded = command_duration(experiment.setup);
   experiment.duration = commanded + 0.1;
@@ -288,11 +292,7 @@ Experiment read_parts(const yaml::Node& file, const fs::path& folder) {
 
 Experiment read_experiment(const yaml::Node& node) {
   const fs::path folder = node.file().parent_path();
-  Experiment experiment = read_parts(node, folder.empty() ? fs::path(".") : folder);
-  const bool leap = experiment.setup.experiment == trajectory::ExperimentKind::leap;
-  if (leap && dataset_robot(experiment.setup).planar.coordinate_index("z") < 0)
-    throw node.at("experiment").error("leap given for a robot whose base can't rise");
-  return experiment;
+  return read_parts(node, folder.empty() ? fs::path(".") : folder, true);
 }
 
 Experiment read_experiment(const fs::path& file) { return read_experiment(yaml::Node::load(file)); }
@@ -312,7 +312,7 @@ Experiment plan_experiment(const fs::path& plan, const std::string& robot,
       quoted(plan.stem().string()), quoted(robot), quoted(plan.filename().string()),
       controller.empty() ? usual : controller);
 
-  return read_parts(yaml::Node::parse(text, plan.string()), folder);
+  return read_parts(yaml::Node::parse(text, plan.string()), folder, false);
 }
 
 }  // namespace jaculus::simulation
