@@ -292,18 +292,16 @@ void check_commands(const yaml::Node& file, const DatasetOutline& outline) {
                     name_of(controller.kind)));
 }
 
-/// Of a key and those in it.
-void note_places(const yaml::Node& file, const std::string& key,
-                 std::map<std::string, InputPlace>& places) {
-  const std::optional<yaml::Node> node = file.find(key);
-  if (!node) return;
-  places[node->path()] = {node->file().string(), node->line(), node->path()};
-  if (!node->is_map()) return;
-  for (const auto& [name, value] : node->entries())
-    places[value.path()] = {value.file().string(), value.line(), value.path()};
-}
-
 }  // namespace
+
+void note_places(const yaml::Node& node, const std::string& key, Dataset& dataset) {
+  dataset.places[key] = {node.file().string(), node.line(), key};
+  if (!node.is_map()) return;
+  for (const auto& [name, value] : node.entries()) {
+    const std::string own = key + "." + name;
+    dataset.places[own] = {value.file().string(), value.line(), own};
+  }
+}
 
 StatedController read_stated_controller(const yaml::Node& node, std::vector<std::string>& notes) {
   return controller_of(node, notes);
@@ -333,7 +331,8 @@ DatasetOutline read_dataset_setup(const yaml::Node& file) {
     }
   }
 
-  for (const char* key : {"controller", "input", "plan"}) note_places(file, key, dataset.places);
+  for (const char* key : {"controller", "input", "plan"})
+    if (const auto node = file.find(key)) note_places(*node, key, dataset);
   dataset.controller = controller_of(file.at("controller"), dataset.notes);
   outline.plan = file.find("plan");
   if (outline.plan) (void)outline.plan->text();

@@ -39,6 +39,9 @@ std::string explain_setup();
 /// The block `controller`; what it leaves open goes to `notes`.
 StatedController read_stated_controller(const yaml::Node& node, std::vector<std::string>& notes);
 
+/// Notes where a key of dataset.yaml and those in it stand, for messages.
+void note_places(const yaml::Node& node, const std::string& key, Dataset& dataset);
+
 /// Reads plan and script, which stand in `folder`, into outline.dataset.
 void load_commands(DatasetOutline& outline, const std::filesystem::path& folder);
 /// A plan's table, its time checked and in seconds.

@@ -21,9 +21,7 @@ Dataset begin_dataset(const ImportSetup& setup) {
       setup.controller.empty() ? "{kind: feedforward_pd, rate_hz: 1000}" : setup.controller;
   const yaml::Node controller = yaml::Node::parse(text, "--controller");
   dataset.controller = read_stated_controller(controller, dataset.notes);
-  for (const auto& [key, value] : controller.entries())
-    dataset.places["controller." + key] = {value.file().string(), value.line(),
-                                           "controller." + key};
+  note_places(controller, "controller", dataset);
   if (dataset.controller.kind != ControllerKind::measured && !dataset.plan)
     throw InputError(fmt::format(
         "--controller: of kind {} without --plan; allowed: with a plan, or kind measured",
