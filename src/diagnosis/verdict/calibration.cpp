@@ -55,8 +55,7 @@ std::vector<double> rest_weights(const std::vector<Ranked>& ranking,
 /// What is stated for the reported rows, of which the posterior claims `claimed`. That of none
 /// knows which effects are too small to be told; held-out data may say more, but not less.
 double stated_for(const Reliability& counted, double claimed) {
-  const bool by_posterior = counted.verdict == Verdict::none && !counted.beside.event;
-  return by_posterior ? std::max(claimed, counted.stated()) : counted.stated();
+  return counted.by_posterior() ? std::max(claimed, counted.stated()) : counted.stated();
 }
 
 /// Probability of the reported rows that an effect is part of.

@@ -36,6 +36,8 @@ struct Reliability {
   /// a verdict names one thing.
   int named_right = 0, named = 0;
 
+  /// Whether the posterior's word counts where it claims more.
+  [[nodiscard]] bool by_posterior() const { return verdict == Verdict::none && !beside.event; }
   /// Probability that is stated for it.
   [[nodiscard]] double stated() const { return (right + 1.0) / (cases + 2.0); }
   [[nodiscard]] double stated_of_each() const { return (named_right + 1.0) / (named + 2.0); }
