@@ -92,8 +92,20 @@ bool rubs(const model::PlanarMotor& motor);
 MotorPower motor_power(const model::PlanarMotor& motor, double joint_torque, double joint_rate);
 
 /// The motor torque before the gear [N m] at a current [A]: the one real root of c t^3 + a t = i,
-/// by Halley's iteration, deep in saturation in closed form; to the last digits. Needs a >= 0,
-/// c >= 0, not both zero.
+/// by Halley's and Newton's iteration, deep in saturation in closed form; to the last digits. Needs
+/// a >= 0 [A/(N m)], c >= 0 [A/(N m)^3], not both zero.
+class Saturation {
+ public:
+  Saturation(double linear, double cubic);
+  [[nodiscard]] double torque(double current) const;
+
+ private:
+  double linear_, cubic_;
+  double size_ = 0.0;         ///< sqrt(a/c) [N m]
+  double per_current_ = 0.0;  ///< 1/(a size) [1/A]
+};
+
+/// The same of one current.
 double saturated_torque(double linear, double cubic, double current);
 
 /// The joint torque [N m] at a terminal voltage [V] and joint rate [rad/s], no limit applied.

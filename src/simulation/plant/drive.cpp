@@ -6,7 +6,6 @@
 #include <boost/math/tools/toms748_solve.hpp>
 #include <cmath>
 
-#include "jaculus/components/motor.h"
 #include "jaculus/core/error.h"
 
 namespace jaculus::simulation::detail {
@@ -39,6 +38,12 @@ double on_winding(double voltage, double most) {
   return std::copysign(most * x, voltage);
 }
 
+/// An ideal motor has none, and is never asked.
+components::Saturation saturation_of(const model::PlanarMotor& motor) {
+  if (motor.ideal()) return {1.0, 0.0};
+  return {motor.saturation_linear, motor.saturation_cubic};
+}
+
 }  // namespace
 
 Drive::Drive(const Plant& plant, Quantity quantity)
@@ -54,7 +59,7 @@ Drive::Drive(const Plant& plant, Quantity quantity)
     const auto scale = plant.actuation.torque_scale.find(motor.joint);
     const double ratio = motor.gear * motor.efficiency;
     data_.push_back(
-        {motor, ratio,
+        {motor, saturation_of(motor), ratio,
          motor.ideal() ? motor.torque_limit : components::largest_joint_torque(motor).value / ratio,
          scale == plant.actuation.torque_scale.end() ? 1.0 : scale->second,
          plant.actuation.dead_time});
@@ -84,8 +89,7 @@ MotorState Drive::one(std::size_t m, Quantity quantity, const Command& command, 
   const double emf = (warm_ ? d.torque_constant * strength : d.torque_constant) * d.gear * rate;
   const double most_lost = motor.dead_time == 0.0 ? 0.0 : motor.dead_time * bus;
   const auto torque_at = [&](double voltage) {
-    const double t = components::saturated_torque(
-        d.saturation_linear, d.saturation_cubic, on_winding(voltage - emf, most_lost) / resistance);
+    const double t = motor.saturation.torque(on_winding(voltage - emf, most_lost) / resistance);
     return warm_ ? t * strength : t;
   };
 

@@ -21,6 +21,7 @@
 
 #include <vector>
 
+#include "jaculus/components/motor.h"
 #include "jaculus/simulation/plant.h"
 #include "jaculus/trajectory/quantity.h"
 
@@ -71,6 +72,7 @@ class Drive {
 
   struct Motor {
     model::PlanarMotor data;
+    components::Saturation saturation;
     double ratio;          ///< G eta
     double largest;        ///< motor torque by current and torque limits [N m]
     double scale;          ///< torque that arrives [-]
