@@ -7,6 +7,7 @@
 
 #include "jaculus/dynamics/rigid_body.h"
 #include "jaculus/model/robot.h"
+#include "simulation/plant/inertia.h"
 #include "simulation/support.h"
 #include "support/random_state.h"
 #include "support/sample_models.h"
@@ -84,6 +85,42 @@ TEST(Mechanism, PointsAndJointsAreThePlanners) {
       EXPECT_NEAR(joint.value, theta[b], 1e-12) << name;
       EXPECT_NEAR(joint.rate, rates[b], 1e-11) << name;
     }
+  }
+}
+
+/// A chain of equal links that hangs from a fixed base.
+model::PlanarModel chain(int links) {
+  std::vector<model::PlanarBody> bodies;
+  std::vector<std::string> joints;
+  for (int k = 0; k < links; ++k) {
+    joints.push_back("joint_" + std::to_string(k));
+    bodies.push_back(
+        link(joints.back(), k, Vec2(0.0, k > 0 ? -0.2 : 0.0), 0.5, Vec2(0.01, -0.1), 2e-3));
+  }
+  return test_support::on_fixed_base(std::move(bodies), joints);
+}
+
+TEST(Inertia, IsTheMassMatrixOfFewJointsAndOfMany) {
+  std::mt19937 rng(6);
+  for (int n = 1; n <= 16; ++n) {
+    const model::PlanarModel model = chain(n);
+    detail::Mechanism mechanism(nominal_plant(model));
+    const auto state = test_support::random_state(model, rng);
+    ASSERT_TRUE(mechanism.set(state.q.data(), state.v.data())) << n;
+    Matrix M = Matrix::Zero(detail::kMaxSize, n);
+    Vector unused(detail::kMaxSize);
+    mechanism.assemble(M.data(), unused.data());
+    M = Matrix(M.topRows(n).selfadjointView<Eigen::Lower>());
+
+    detail::Inertia inertia;
+    ASSERT_TRUE(inertia.set(mechanism)) << n;
+    for (int i = 0; i < n; ++i) EXPECT_NEAR(inertia.diagonal(i), M(i, i), 1e-13 * M(0, 0)) << n;
+    const Vector x = Vector::LinSpaced(n, -1.0, 2.0);
+    Vector solved = M * x;
+    inertia.forward(solved.data());
+    inertia.backward(solved.data());
+    const double condition = M.norm() * M.inverse().norm();
+    EXPECT_LT((solved - x).norm(), 1e-14 * condition * x.norm()) << n;
   }
 }
 

@@ -12,6 +12,7 @@ constexpr double kZero = 1e-9;
 /// Gaussian elimination with partial pivoting in place; false where a pivot vanishes beside the
 /// matrix.
 bool eliminate(double* K, double* x, int size, double scale) {
+  double inverse[kStride];  // of the pivots
   for (int j = 0; j < size; ++j) {
     int pivot = j;
     for (int i = j + 1; i < size; ++i)
@@ -21,8 +22,9 @@ bool eliminate(double* K, double* x, int size, double scale) {
       for (int k = j; k < size; ++k) std::swap(K[k * kStride + j], K[k * kStride + pivot]);
       std::swap(x[j], x[pivot]);
     }
+    inverse[j] = 1.0 / K[j * kStride + j];
     for (int i = j + 1; i < size; ++i) {
-      const double factor = K[j * kStride + i] / K[j * kStride + j];
+      const double factor = K[j * kStride + i] * inverse[j];
       if (factor == 0.0) continue;
       for (int k = j + 1; k < size; ++k) K[k * kStride + i] -= factor * K[k * kStride + j];
       x[i] -= factor * x[j];
@@ -31,7 +33,7 @@ bool eliminate(double* K, double* x, int size, double scale) {
 
   for (int j = size - 1; j >= 0; --j) {
     for (int k = j + 1; k < size; ++k) x[j] -= K[k * kStride + j] * x[k];
-    x[j] /= K[j * kStride + j];
+    x[j] *= inverse[j];
   }
 
   return true;

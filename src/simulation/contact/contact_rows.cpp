@@ -48,8 +48,8 @@ void ContactRows::solve(const Inertia& inertia) {
     for (int r = 0; r < used; ++r) A_[c * kStride + r] = A[c * kRows + r];
 }
 
-ContactSystem ContactRows::system(const std::vector<Unilateral>& unilaterals) const {
-  ContactSystem system;
+void ContactRows::set_system(const std::vector<Unilateral>& unilaterals,
+                             ContactSystem& system) const {
   system.count = count_of(touching_);
   system.A = A_.data();
   for (int k = 0; k < system.count; ++k) {
@@ -58,7 +58,7 @@ ContactSystem ContactRows::system(const std::vector<Unilateral>& unilaterals) co
     system.moving[k] = false;
     system.direction[k] = 0.0;
   }
-  return system;
+  system.scale_force = system.scale_w = 1.0;
 }
 
 void ContactRows::add_product(const double* x, double* out) const {

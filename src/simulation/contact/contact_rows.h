@@ -19,7 +19,7 @@ class ContactRows {
 
   [[nodiscard]] const std::vector<int>& touching() const { return touching_; }
   /// Their contact system, with A alone and no demand on any row.
-  [[nodiscard]] ContactSystem system(const std::vector<Unilateral>& unilaterals) const;
+  void set_system(const std::vector<Unilateral>& unilaterals, ContactSystem& system) const;
   /// out += (L^-1 J^T)^T x, 2 values a contact; x as forward() leaves it.
   void add_product(const double* x, double* out) const;
   /// x += L^-1 J^T lambda

@@ -119,7 +119,7 @@ const FastParts& PlantEquations::fast_parts(const State& y, const std::vector<To
   list_touching(modes);
   if (!touching_.empty()) {
     fill_rows(y, touching_);
-    system_ = rows_.system(unilaterals_);
+    rows_.set_system(unilaterals_, system_);
   }
 
   for (FastPart& part : fast_.parts) {
@@ -155,7 +155,8 @@ void PlantEquations::set_forces(double t, const State& y, const std::vector<Touc
 
   for (std::size_t m = 0; m < motor_velocity_.size(); ++m) {
     const double torque = plant_.model.motors[m].count * drive_.motors[m].torque;
-    for (int i = 0; i < size(); ++i) force_[i] += torque * mechanism_.motor_row[m][i];
+    for (const std::size_t i : mechanism_.motor_columns[m])
+      force_[i] += torque * mechanism_.motor_row[m][i];
   }
   passive_.add(mechanism_, inertia_, drive_.motors, q, v, force_.data());
   if (!laws_.empty()) laws_.add(mechanism_, drive_.motors, at_.bus, q, v, force_.data());
@@ -211,7 +212,7 @@ const double* PlantEquations::balance(double t, const State& y, const std::vecto
 
 /// The system of the rows, w their accelerations by free_.
 void PlantEquations::set_accelerations() {
-  system_ = rows_.system(unilaterals_);
+  rows_.set_system(unilaterals_, system_);
   double free[kStride] = {};
   rows_.add_product(free_.data(), free);
   for (int k = 0; k < system_.count; ++k) {
@@ -232,7 +233,7 @@ const ContactSystem* PlantEquations::acceleration_system(double t, const State& 
 
 const ContactSystem* PlantEquations::rate_system(const State& y, const std::vector<int>& touching) {
   if (!fill_rows(y, touching)) return nullptr;
-  system_ = rows_.system(unilaterals_);
+  rows_.set_system(unilaterals_, system_);
   const double* v = y.data() + size();
   for (int k = 0; k < system_.count; ++k) {
     const ContactState& c = at_.contacts[touching[k]];

@@ -136,7 +136,8 @@ bool close_gaps(PlantEquations& equations, const std::vector<int>& touching, Sta
   if (rows == nullptr) return false;
   const std::vector<ContactState>& contacts = *equations.contacts(y);
 
-  ContactSystem s = rows->system(equations.unilaterals());
+  ContactSystem s;
+  rows->set_system(equations.unilaterals(), s);
   Touch modes[kMaxTouching] = {};
   for (int k = 0; k < s.count; ++k) {
     modes[k] = Touch::slip_plus;

@@ -38,7 +38,8 @@ void project(Run& run, const Evaluation& at, State& y) {
   const ContactRows& rows = *run.equations.rows(unprojected, closed);
   const Inertia& inertia = *run.equations.inertia(unprojected);
   for (const bool rates : {false, true}) {
-    ContactSystem s = rows.system(run.equations.unilaterals());
+    ContactSystem s;
+    rows.set_system(run.equations.unilaterals(), s);
     for (int k = 0; k < s.count; ++k) {
       const ContactState& c = at.contacts[closed[k]];
       if (modes[k] != Touch::stick) s.mu[k] = 0.0;

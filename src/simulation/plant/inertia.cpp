@@ -1,27 +1,80 @@
 #include "simulation/plant/inertia.h"
 
 #include <cmath>
+#include <utility>
 
 namespace jaculus::simulation::detail {
 
-bool Inertia::set(const Mechanism& mechanism) {
-  size_ = mechanism.n;
-  mechanism.assemble(factor_.data(), bias_.data());
+namespace {
 
-  for (int j = 0; j < size_; ++j) {
-    double* own = &factor_[j * kMaxSize];
+// Loops of a size that the compiler knows are straight code, which takes half the time; robots are
+// small.
+constexpr int kUnrolled = 12;
+
+/// M = L L^T in place, lower triangle; inverse: 1/L_jj. False where M is not positive definite.
+template <int kSize>
+bool factorise(double* L, double* inverse, int given) {
+  const int size = kSize > 0 ? kSize : given;
+#pragma GCC unroll 12
+  for (int j = 0; j < size; ++j) {
+    double* own = L + j * kMaxSize;
+#pragma GCC unroll 12
     for (int k = 0; k < j; ++k) {
-      const double* other = column(k);
+      const double* other = L + k * kMaxSize;
       const double factor = other[j];
-      for (int i = j; i < size_; ++i) own[i] -= factor * other[i];
+#pragma GCC unroll 12
+      for (int i = j; i < size; ++i) own[i] -= factor * other[i];
     }
     if (!(own[j] > 0.0)) return false;
 
-    const double inverse = 1.0 / std::sqrt(own[j]);
-    inverse_diagonal_[j] = inverse;
-    for (int i = j; i < size_; ++i) own[i] *= inverse;
+    inverse[j] = 1.0 / std::sqrt(own[j]);
+#pragma GCC unroll 12
+    for (int i = j; i < size; ++i) own[i] *= inverse[j];
   }
   return true;
+}
+
+template <int kSize>
+void solve_forward(const double* L, const double* inverse, double* x, int given) {
+  const int size = kSize > 0 ? kSize : given;
+#pragma GCC unroll 12
+  for (int j = 0; j < size; ++j) {
+    const double* own = L + j * kMaxSize;
+    const double value = x[j] *= inverse[j];
+#pragma GCC unroll 12
+    for (int i = j + 1; i < size; ++i) x[i] -= own[i] * value;
+  }
+}
+
+template <int kSize>
+void solve_backward(const double* L, const double* inverse, double* x, int given) {
+  const int size = kSize > 0 ? kSize : given;
+#pragma GCC unroll 12
+  for (int j = size - 1; j >= 0; --j) {
+    const double* own = L + j * kMaxSize;
+    double sum = x[j];
+#pragma GCC unroll 12
+    for (int i = j + 1; i < size; ++i) sum -= own[i] * x[i];
+    x[j] = sum * inverse[j];
+  }
+}
+
+template <int... kSizes>
+InertiaKernels kernels_of(int size, std::integer_sequence<int, kSizes...>) {
+  static constexpr InertiaKernels all[] = {
+      {factorise<kSizes>, solve_forward<kSizes>, solve_backward<kSizes>}...};
+  return all[size <= kUnrolled ? size : 0];
+}
+
+}  // namespace
+
+bool Inertia::set(const Mechanism& mechanism) {
+  if (size_ != mechanism.n) {
+    size_ = mechanism.n;
+    kernels_ = kernels_of(size_, std::make_integer_sequence<int, kUnrolled + 1>());
+  }
+  mechanism.assemble(factor_.data(), bias_.data());
+  return kernels_.factorise(factor_.data(), inverse_diagonal_.data(), size_);
 }
 
 double Inertia::diagonal(int i) const {
@@ -31,20 +84,11 @@ double Inertia::diagonal(int i) const {
 }
 
 void Inertia::forward(double* x) const {
-  for (int j = 0; j < size_; ++j) {
-    const double* own = column(j);
-    const double value = x[j] *= inverse_diagonal_[j];
-    for (int i = j + 1; i < size_; ++i) x[i] -= own[i] * value;
-  }
+  kernels_.forward(factor_.data(), inverse_diagonal_.data(), x, size_);
 }
 
 void Inertia::backward(double* x) const {
-  for (int j = size_ - 1; j >= 0; --j) {
-    const double* own = column(j);
-    double sum = x[j];
-    for (int i = j + 1; i < size_; ++i) sum -= own[i] * x[i];
-    x[j] = sum * inverse_diagonal_[j];
-  }
+  kernels_.backward(factor_.data(), inverse_diagonal_.data(), x, size_);
 }
 
 }  // namespace jaculus::simulation::detail

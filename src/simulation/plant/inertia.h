@@ -7,6 +7,13 @@
 
 namespace jaculus::simulation::detail {
 
+/// Of one size, or of any.
+struct InertiaKernels {
+  bool (*factorise)(double* L, double* inverse, int size) = nullptr;
+  void (*forward)(const double* L, const double* inverse, double* x, int size) = nullptr;
+  void (*backward)(const double* L, const double* inverse, double* x, int size) = nullptr;
+};
+
 class Inertia {
  public:
   /// Takes them from a mechanism that is set. False where M is not positive definite.
@@ -28,6 +35,7 @@ class Inertia {
 
  private:
   int size_ = 0;
+  InertiaKernels kernels_;
   std::array<double, kMaxSize * kMaxSize> factor_;  ///< L, column by column
   std::array<double, kMaxSize> bias_, inverse_diagonal_;
 };

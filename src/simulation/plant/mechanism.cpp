@@ -17,6 +17,14 @@ Row to_row(const Eigen::Ref<const Eigen::RowVectorXd>& values) {
   return row;
 }
 
+/// Of the values that are not zero.
+Columns columns_of(const Row& row) {
+  Columns columns;
+  for (std::size_t i = 0; i < row.size(); ++i)
+    if (row[i] != 0.0) columns.index[columns.count++] = i;
+  return columns;
+}
+
 /// Position, velocity and acceleration of the point at r in a frame; gives the arm in the world.
 template <class State>
 Vec2 carry(const Frame& f, const Vec2& r, State& out) {
@@ -62,10 +70,12 @@ Mechanism::Mechanism(const Plant& plant) {
   for (const model::PlanarMotor& motor : model.motors) {
     const Body& link = bodies_[motor.body];
     motor_row.push_back(link.map);
+    motor_columns.push_back(columns_of(link.map));
     motor_offset_.push_back(link.joint_offset);
   }
 
   add_transmissions(plant);
+  for (Body& body : bodies_) body.columns = columns_of(body.map);
   add_step_order(model);
   find_columns();
   armature_.assign(kMaxSize * kMaxSize, 0.0);
@@ -191,7 +201,8 @@ void Mechanism::set_joint(int b, const double* q, const double* v) {
   const Body& body = bodies_[b];
   const Frame& p = frames_[body.parent];
   Frame& f = frames_[b];
-  const double theta = dot(body.map, q, n) + body.joint_offset, rate = dot(body.map, v, n);
+  const double theta = dot(body.map, body.columns, q) + body.joint_offset,
+               rate = dot(body.map, body.columns, v);
   if (!body.prismatic) {
     place(p, body.origin, f);
     const double angle = body.offset + body.sign * theta, c = std::cos(angle), s = std::sin(angle);
@@ -362,8 +373,8 @@ void Mechanism::joint(int b, const double* q, const double* v, JointState& out) 
   const Body& body = bodies_[b];
   if (!body.dependent) {
     out.row = body.map;
-    out.value = dot(body.map, q, n) + body.joint_offset;
-    out.rate = dot(body.map, v, n);
+    out.value = dot(body.map, body.columns, q) + body.joint_offset;
+    out.rate = dot(body.map, body.columns, v);
     out.bias = 0.0;
     return;
   }
@@ -377,11 +388,11 @@ void Mechanism::joint(int b, const double* q, const double* v, JointState& out) 
 }
 
 double Mechanism::motor_angle(int motor, const double* q) const {
-  return dot(motor_row[motor], q, n) + motor_offset_[motor];
+  return dot(motor_row[motor], motor_columns[motor], q) + motor_offset_[motor];
 }
 
 double Mechanism::motor_rate(int motor, const double* v) const {
-  return dot(motor_row[motor], v, n);
+  return dot(motor_row[motor], motor_columns[motor], v);
 }
 
 }  // namespace jaculus::simulation::detail

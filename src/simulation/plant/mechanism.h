@@ -44,6 +44,13 @@ struct Columns {
   [[nodiscard]] const std::size_t* end() const { return index.data() + count; }
 };
 
+/// Of these values of each: of a row's that are not zero.
+inline double dot(const Row& a, const Columns& columns, const double* b) {
+  double sum = 0.0;
+  for (const std::size_t i : columns) sum += a[i] * b[i];
+  return sum;
+}
+
 /// A body's frame at one state.
 struct Frame {
   double c = 1.0, s = 0.0;    ///< cosine and sine of the absolute angle
@@ -83,7 +90,8 @@ class Mechanism {
   int n = 0;        ///< coordinates, hinges included
   int n_model = 0;  ///< coordinates of the model
   std::vector<Hinge> hinges;
-  std::vector<Row> motor_row;  ///< d(joint angle on the motor's side)/dq, a motor
+  std::vector<Row> motor_row;          ///< d(joint angle on the motor's side)/dq, a motor
+  std::vector<Columns> motor_columns;  ///< those of them that are not zero
 
   /// Sets frames at q, v (n each). False where a loop can't close.
   bool set(const double* q, const double* v);
@@ -111,6 +119,7 @@ class Mechanism {
     Vec2 origin, axis, com;
     double offset, cos_offset, sin_offset, sign, mass, inertia, joint_offset;
     Row map{};
+    Columns columns{};  ///< of the map, those that are not zero
   };
   /// Inertia that turns with a motor's side of a hinge, taken from the link where the model has no
   /// rotor of its own.
