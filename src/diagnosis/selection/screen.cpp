@@ -45,11 +45,18 @@ bool proportional(const Matrix& small, const Matrix& full, const Settings& setti
   return (small - full).norm() < settings.same_slope * full.norm();
 }
 
-/// Whether the first parameter's estimate lies within the step by which its slope was probed.
-bool within_probe(const Problem& problem, const Candidate& candidate, const Probe& probe) {
+/// Whether the first parameter's slope holds as far as its estimate: within the step by which it was
+/// probed, or by one more step to there.
+bool holds_to_estimate(const Problem& problem, const Whitening& whitening, const Fit& base,
+                       const Candidate& candidate, Probe& probe) {
   if (probe.estimate.size() == 0) return false;
   const FreeParameter& own = problem.hypotheses.parameters[candidate.parameters.front()];
-  return std::abs(probe.estimate[0] * own.scale) <= std::abs(own.usual_step());
+  const double share = probe.estimate[0] * own.scale / own.usual_step();
+  if (std::abs(share) <= 1.0) return true;
+  if (std::abs(share) > problem.settings.line_search_highest) return false;
+  const auto there = columns_of(problem, whitening, base, candidate, share);
+  probe.predictions += count_of(candidate.parameters);
+  return there && proportional(probe.full, *there, problem.settings);
 }
 
 /// What screening knows of the base model.
@@ -117,7 +124,8 @@ Probe probe_candidate(const Problem& problem, const Whitening& whitening, const 
     probe.small = by_small ? *small : *full;
   }
   if (how != Screening::line_search) return probe;
-  if (probe.linear && (in_windows(problem) || within_probe(problem, candidate, probe)))
+  if (probe.linear &&
+      (in_windows(problem) || holds_to_estimate(problem, whitening, base, candidate, probe)))
     return probe;
 
   const BestStep best = line_search(problem, whitening, base, standing, first);
