@@ -10,8 +10,7 @@ using State = std::vector<double>;
 /// y' at (t, y); false where the equations fail.
 using RightHandSide = std::function<bool(double t, const State& y, State& dydt)>;
 
-/// By their dense output; hermite: the cubic through both ends and their slopes.
-enum class Method { hermite, dormand_prince, implicit };
+enum class Method { kutta, dormand_prince, implicit };
 
 /// A step that was taken: both of its ends, with their rates.
 struct Step {

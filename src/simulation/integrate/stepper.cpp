@@ -23,9 +23,8 @@ constexpr double kDormandPrince = 6.0;  ///< evaluations of a step
 /// have jumped takes explicit ones as many. Measured: of 2, 4, 8, 16, 32 the evaluations of a leap
 /// with dry friction are least by 2 and 4 (a tenth less than by 32).
 constexpr int kImplicitPause = 4;
-/// Steps for which a method rests after one that it could not take: twice as many after each.
-/// Measured: of 4, 8 and 16 as the first leaps take the same time.
-constexpr int kShortestPause = 4, kLongestPause = 64;
+/// steps for which Kutta's method rests after one that it could not take
+constexpr int kPause = 16;
 /// Rates, in widths of the smoothed sign, beyond which it is 1 but for 1e-5; and by how many it may
 /// move within a step on this side of it.
 constexpr double kEdge = 6.0, kWidths = 2.0;
@@ -90,32 +89,10 @@ bool Stepper::bends(const Step& step) const {
   return false;
 }
 
-/// Bogacki and Shampine's, over the whole of the step's length. False where it errs by more than the
-/// tolerance: nothing is lost but the time.
-bool Stepper::attempt_third_order(const RightHandSide& f, Step& step) {
-  step.method = Method::hermite;
-  const double t = step.t, h = step.length;
-  const State &y = step.y, &k1 = step.dydt, &k4 = step.dydt_end;
-  const auto stage = [&](double share, const State& slope) {
-    for (std::size_t i = 0; i < y.size(); ++i) y_stage_[i] = y[i] + share * h * slope[i];
-  };
-
-  stage(0.5, k1);
-  if (!f(t + 0.5 * h, y_stage_, k2_)) return false;
-  stage(0.75, k2_);
-  if (!f(t + 0.75 * h, y_stage_, k3_)) return false;
-  for (std::size_t i = 0; i < y.size(); ++i)
-    step.y_end[i] = y[i] + h / 9.0 * (2.0 * k1[i] + 3.0 * k2_[i] + 4.0 * k3_[i]);
-  if (!f(t + h, step.y_end, step.dydt_end)) return false;
-
-  for (std::size_t i = 0; i < y.size(); ++i)
-    error_[i] = h / 72.0 * (-5.0 * k1[i] + 6.0 * k2_[i] + 8.0 * k3_[i] - 9.0 * k4[i]);
-  return worst_error(step) <= 1.0 && !broken_;
-}
-
-/// The same by Kutta's.
+/// Over the whole of the step's length. False where it errs by more than the tolerance: nothing is
+/// lost but the time.
 bool Stepper::attempt_kutta(const RightHandSide& f, Step& step) {
-  step.method = Method::hermite;
+  step.method = Method::kutta;
   const double t = step.t, h = step.length;
   const State &y = step.y, &k1 = step.dydt;
   const auto stage = [&](double share, const State& slope) {
@@ -177,30 +154,6 @@ double Stepper::turning_length(const Step& step) const {
   return longest;
 }
 
-/// To the limit by the cheapest method that can: each that can't rests for a while.
-bool Stepper::attempt_at_once(const RightHandSide& f, double limit, Step& step) {
-  const auto try_by = [&](auto method, Pause& pause) {
-    if (pause.left > 0) {
-      --pause.left;
-      return false;
-    }
-    if ((this->*method)(f, step)) {
-      pause.next = kShortestPause;
-      step.end = limit;
-      return true;
-    }
-    pause.left = std::max(pause.next, kShortestPause);
-    pause.next = std::min(2 * pause.left, kLongestPause);
-    broken_ = false;
-    return false;
-  };
-
-  // What dry friction does within a step shows in two slopes at its middle, which Kutta's has.
-  const bool smooth = fast_ == nullptr || fast_->parts.empty();
-  return (smooth && try_by(&Stepper::attempt_third_order, third_order_)) ||
-         try_by(&Stepper::attempt_kutta, kutta_);
-}
-
 bool Stepper::attempt(const RightHandSide& f, double limit, Step& step) {
   broken_ = false;
   const double least = paying_length(), left = limit - step.t;
@@ -208,8 +161,16 @@ bool Stepper::attempt(const RightHandSide& f, double limit, Step& step) {
 
   implicit_pause_ = std::max(0, implicit_pause_ - 1);
   const bool whole = set_length(std::min(next_length_, turning_length(step)), left, step);
-  if (whole && attempt_at_once(f, limit, step)) return true;
+  if (whole && pause_ == 0) {
+    if (attempt_kutta(f, step)) {
+      step.end = limit;
+      return true;
+    }
+    pause_ = kPause;
+    broken_ = false;
+  }
 
+  pause_ = std::max(0, pause_ - 1);
   step.method = Method::dormand_prince;
   dopri5_.do_step([&](const State& y, State& dydt, double t) { f(t, y, dydt); }, step.y, step.dydt,
                   step.t, step.y_end, step.dydt_end, step.length, error_);
@@ -251,7 +212,7 @@ void Stepper::state_at(const RightHandSide& f, const Step& step, double t, State
   out = part.y_end;
 }
 
-/// The interpolant of the step's method, or the cubic through both ends and their slopes.
+/// The interpolant of the step's method; Kutta's is the cubic through both ends and their slopes.
 void Stepper::dense(const Step& step, double t, State& out) {
   if (step.method == Method::implicit) {
     implicit_.dense(step, t, out);

@@ -1,18 +1,15 @@
 #pragma once
-// Steps of Dormand-Prince 5(4), six evaluations each (the last is the next step's first). A step
-// that a limit in time ends anyway is first tried by less: where nothing rubs by three, the method
-// of Bogacki and Shampine (1989),
-//     y1 = y + h/9 (2 k1 + 3 k2 + 4 k3),   k2 at h/2, k3 at 3h/4,
-//       error estimate h/72 (-5 k1 + 6 k2 + 8 k3 - 9 f(y1)), that of an embedded one of order two;
-// then by four, the classical method of Kutta,
-//     y1 = y + h/6 (k1 + 2 k2 + 2 k3 + k4),   error estimate h/6 (k4 - f(y1)).
-// The latter estimate is that of the embedded method of order three (weights 1/6, 1/3, 1/3, 0 and
-// 1/6 on f(y1); Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I, section
-// II.4). So both steps are of one order more than what is held to the tolerance, and err by much
-// less. Dense output of both is the cubic through y, y1, k1, f(y1).
+// Steps of Dormand-Prince 5(4). A step that a limit in time ends anyway is first tried with the
+// classical method of Kutta, whose four evaluations (the last is the next step's first) are two
+// less:
+//     y1 = y + h/6 (k1 + 2 k2 + 2 k3 + k4),   error estimate h/6 (k4 - f(y1)),
+//       dense output the cubic through y, y1, k1, f(y1).
+// The estimate is that of the embedded method of order three (weights 1/6, 1/3, 1/3, 0 and 1/6 on
+// f(y1); Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I, section II.4), so
+// the step itself, of order four, errs by much less than the tolerance.
 //
 // Why these integrators: a held command ends a step each millisecond or less, over which the motion
-// is smooth, so one explicit step meets 1e-6 with three evaluations of a microsecond each; multistep
+// is smooth, so one explicit step meets 1e-6 with four evaluations of a microsecond each; multistep
 // methods (CVODE) would restart at every command, and ARKODE's root finding evaluates event
 // functions on an interpolant all the same.
 //
@@ -55,15 +52,8 @@ class Stepper {
   void restart();
 
  private:
-  /// Steps for which a method rests: now, and after the next one that it can't take.
-  struct Pause {
-    int left = 0, next = 0;
-  };
-
   bool attempt(const RightHandSide& f, double limit, Step& step);
   bool attempt_implicit(const RightHandSide& f, double limit, double least, Step& step);
-  bool attempt_at_once(const RightHandSide& f, double limit, Step& step);
-  bool attempt_third_order(const RightHandSide& f, Step& step);
   bool attempt_kutta(const RightHandSide& f, Step& step);
   bool accept(double order, double& next, const Step& step);
   static bool set_length(double next, double left, Step& step);
@@ -81,9 +71,9 @@ class Stepper {
   double fastest_rate_ = 0.0;      ///< [1/s]
   double next_length_ = 1e-3;      ///< of an explicit step [s]
   double implicit_length_ = 1e-3;  ///< [s]
-  Pause third_order_, kutta_;
-  int implicit_pause_ = 0;  ///< steps for which the implicit method rests
-  bool broken_ = false;     ///< the equations failed within the step
+  int pause_ = 0;                  ///< steps for which Kutta's method rests
+  int implicit_pause_ = 0;         ///< steps for which the implicit one does
+  bool broken_ = false;            ///< the equations failed within the step
   State error_, y_stage_, k2_, k3_, k4_;
 };
 
