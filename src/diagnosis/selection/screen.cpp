@@ -45,8 +45,8 @@ bool proportional(const Matrix& small, const Matrix& full, const Settings& setti
   return (small - full).norm() < settings.same_slope * full.norm();
 }
 
-/// Whether the first parameter's slope holds as far as its estimate: within the step by which it was
-/// probed, or by one more step to there.
+/// Whether the first parameter's slope holds as far as its estimate: within the step by which it
+/// was probed, or by one more step to there.
 bool holds_to_estimate(const Problem& problem, const Whitening& whitening, const Fit& base,
                        const Candidate& candidate, Probe& probe) {
   if (probe.estimate.size() == 0) return false;
