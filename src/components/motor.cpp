@@ -70,14 +70,15 @@ double deeply_saturated_torque(double linear, double cubic, double current) {
 
 }  // namespace
 
-Saturation::Saturation(double linear, double cubic) : linear_(linear), cubic_(cubic) {
+MagneticSaturation::MagneticSaturation(double linear, double cubic)
+    : linear_(linear), cubic_(cubic) {
   assert(linear >= 0.0 && cubic >= 0.0 && linear + cubic > 0.0);
   if (linear == 0.0 || cubic == 0.0) return;
-  size_ = std::sqrt(linear / cubic);
-  per_current_ = 1.0 / (linear * size_);
+  knee_torque_ = std::sqrt(linear / cubic);
+  per_current_ = 1.0 / (linear * knee_torque_);
 }
 
-double Saturation::torque(double current) const {
+double MagneticSaturation::torque(double current) const {
   if (cubic_ == 0.0) return current / linear_;
   if (linear_ == 0.0) return std::cbrt(current / cubic_);
   // With t = p s, p = sqrt(a/c), the cubic is s + s^3 = q = |i|/(a p).
@@ -89,11 +90,11 @@ double Saturation::torque(double current) const {
   const double f = s * (1.0 + s * s) - q, slope = 1.0 + 3.0 * s * s;
   s -= f * slope / (slope * slope - 3.0 * f * s);
   s -= (s * (1.0 + s * s) - q) / (1.0 + 3.0 * s * s);
-  return std::copysign(size_ * s, current);
+  return std::copysign(knee_torque_ * s, current);
 }
 
 double saturated_torque(double linear, double cubic, double current) {
-  return Saturation(linear, cubic).torque(current);
+  return MagneticSaturation(linear, cubic).torque(current);
 }
 
 double joint_torque_at_voltage(const model::PlanarMotor& motor, double voltage, double joint_rate) {

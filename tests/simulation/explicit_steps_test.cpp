@@ -59,9 +59,11 @@ TEST(ExplicitSteps, TakeFourEvaluationsWhereThatIsExactEnough) {
 }
 
 TEST(ExplicitSteps, AreOfOrderFiveElsewhere) {
-  const Taken taken = take(1e-12, 1e-3);
-  EXPECT_EQ(taken.step.method, Method::dormand_prince);
-  EXPECT_LT(taken.error, 1e-12);
+  const Taken whole = take(1e-12, 1e-3), half = take(1e-12, 5e-4);
+  EXPECT_EQ(whole.step.method, Method::dormand_prince);
+  EXPECT_EQ(whole.step.end, 1e-3);
+  EXPECT_LT(whole.error, 1e-12);
+  EXPECT_LT(half.error, whole.error / 32.0) << "the local error is of order six";
 }
 
 TEST(ExplicitSteps, InterpolateByTheCubicOfBothEnds) {

@@ -5,6 +5,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <numeric>
+#include <random>
+#include <vector>
+
 #include "jaculus/dynamics/rigid_body.h"
 #include "jaculus/model/robot.h"
 #include "simulation/plant/inertia.h"
@@ -100,9 +105,23 @@ model::PlanarModel chain(int links) {
   return test_support::on_fixed_base(std::move(bodies), joints);
 }
 
+TEST(Inertia, RefusesALinkThatWeighsNothing) {
+  model::PlanarModel model = chain(3);
+  detail::Inertia inertia;
+  model.bodies.back().mass = model.bodies.back().inertia = 0.0;
+  detail::Mechanism mechanism(nominal_plant(model));
+  const Vector q = Vector::Zero(3), v = Vector::Zero(3);
+  ASSERT_TRUE(mechanism.set(q.data(), v.data()));
+  EXPECT_FALSE(inertia.set(mechanism));
+}
+
 TEST(Inertia, IsTheMassMatrixOfFewJointsAndOfMany) {
   std::mt19937 rng(6);
-  for (int n = 1; n <= 16; ++n) {
+  std::vector<int> sizes(16);
+  std::iota(sizes.begin(), sizes.end(), 1);
+  std::shuffle(sizes.begin(), sizes.end(), rng);
+  detail::Inertia inertia;  // of one size after the other
+  for (const int n : sizes) {
     const model::PlanarModel model = chain(n);
     detail::Mechanism mechanism(nominal_plant(model));
     const auto state = test_support::random_state(model, rng);
@@ -112,7 +131,6 @@ TEST(Inertia, IsTheMassMatrixOfFewJointsAndOfMany) {
     mechanism.assemble(M.data(), unused.data());
     M = Matrix(M.topRows(n).selfadjointView<Eigen::Lower>());
 
-    detail::Inertia inertia;
     ASSERT_TRUE(inertia.set(mechanism)) << n;
     for (int i = 0; i < n; ++i) EXPECT_NEAR(inertia.diagonal(i), M(i, i), 1e-13 * M(0, 0)) << n;
     const Vector x = Vector::LinSpaced(n, -1.0, 2.0);

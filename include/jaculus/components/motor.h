@@ -94,15 +94,15 @@ MotorPower motor_power(const model::PlanarMotor& motor, double joint_torque, dou
 /// The motor torque before the gear [N m] at a current [A]: the one real root of c t^3 + a t = i,
 /// by Halley's and Newton's iteration, deep in saturation in closed form; to the last digits. Needs
 /// a >= 0 [A/(N m)], c >= 0 [A/(N m)^3], not both zero.
-class Saturation {
+class MagneticSaturation {
  public:
-  Saturation(double linear, double cubic);
+  MagneticSaturation(double linear, double cubic);
   [[nodiscard]] double torque(double current) const;
 
  private:
   double linear_, cubic_;
-  double size_ = 0.0;         ///< sqrt(a/c) [N m]
-  double per_current_ = 0.0;  ///< 1/(a size) [1/A]
+  double knee_torque_ = 0.0;  ///< sqrt(a/c), where both terms are equal [N m]
+  double per_current_ = 0.0;  ///< 1/(a knee torque) [1/A]
 };
 
 /// The same of one current.

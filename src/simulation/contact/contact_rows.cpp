@@ -4,12 +4,22 @@
 
 namespace jaculus::simulation::detail {
 
+namespace {
+
+/// Of some contacts, two each, as many as the compiler has a loop for.
+int rows_for(int contacts) {
+  if (contacts <= 2) return 4;
+  return contacts <= 4 ? 2 * contacts : kStride;
+}
+
+}  // namespace
+
 void ContactRows::set(const Inertia& inertia, const std::vector<ContactState>& contacts,
                       const std::vector<int>& touching) {
   assert(count_of(touching) <= kMaxTouching);
   size_ = inertia.size();
   touching_ = touching;
-  const int count = count_of(touching), rows = count <= 2 ? 4 : kStride;
+  const int count = count_of(touching), rows = rows_for(count);
 
   for (int j = 0; j < size_; ++j) {
     double* x = &solved_[j * kStride];
@@ -21,10 +31,19 @@ void ContactRows::set(const Inertia& inertia, const std::vector<ContactState>& c
     for (int r = 2 * count; r < rows; ++r) x[r] = 0.0;
   }
 
-  if (rows == 4)
-    solve<4>(inertia);
-  else
-    solve<kStride>(inertia);
+  switch (rows) {
+    case 4:
+      solve<4>(inertia);
+      break;
+    case 6:
+      solve<6>(inertia);
+      break;
+    case 8:
+      solve<8>(inertia);
+      break;
+    default:
+      solve<kStride>(inertia);
+  }
 }
 
 /// solved_ = L^-1 of what it holds, A = solved_^T solved_, of its first kRows columns side by side.

@@ -39,7 +39,7 @@ double on_winding(double voltage, double most) {
 }
 
 /// An ideal motor has none, and is never asked.
-components::Saturation saturation_of(const model::PlanarMotor& motor) {
+components::MagneticSaturation saturation_of(const model::PlanarMotor& motor) {
   if (motor.ideal()) return {1.0, 0.0};
   return {motor.saturation_linear, motor.saturation_cubic};
 }

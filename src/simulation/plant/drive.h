@@ -72,7 +72,7 @@ class Drive {
 
   struct Motor {
     model::PlanarMotor data;
-    components::Saturation saturation;
+    components::MagneticSaturation saturation;
     double ratio;          ///< G eta
     double largest;        ///< motor torque by current and torque limits [N m]
     double scale;          ///< torque that arrives [-]

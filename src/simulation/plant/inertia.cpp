@@ -15,21 +15,21 @@ constexpr int kUnrolled = 12;
 template <int kSize>
 bool factorise(double* L, double* inverse, int given) {
   const int size = kSize > 0 ? kSize : given;
-#pragma GCC unroll 12
+#pragma GCC unroll kUnrolled
   for (int j = 0; j < size; ++j) {
     double* own = L + j * kMaxSize;
-#pragma GCC unroll 12
+#pragma GCC unroll kUnrolled
     for (int k = 0; k < j; ++k) {
       const double* other = L + k * kMaxSize;
       const double factor = other[j];
-#pragma GCC unroll 12
+#pragma GCC unroll kUnrolled
       for (int i = j; i < size; ++i) own[i] -= factor * other[i];
     }
     if (!(own[j] > 0.0)) return false;
 
-    inverse[j] = 1.0 / std::sqrt(own[j]);
-#pragma GCC unroll 12
-    for (int i = j; i < size; ++i) own[i] *= inverse[j];
+    const double per_root = inverse[j] = 1.0 / std::sqrt(own[j]);
+#pragma GCC unroll kUnrolled
+    for (int i = j; i < size; ++i) own[i] *= per_root;
   }
   return true;
 }
@@ -37,11 +37,11 @@ bool factorise(double* L, double* inverse, int given) {
 template <int kSize>
 void solve_forward(const double* L, const double* inverse, double* x, int given) {
   const int size = kSize > 0 ? kSize : given;
-#pragma GCC unroll 12
+#pragma GCC unroll kUnrolled
   for (int j = 0; j < size; ++j) {
     const double* own = L + j * kMaxSize;
     const double value = x[j] *= inverse[j];
-#pragma GCC unroll 12
+#pragma GCC unroll kUnrolled
     for (int i = j + 1; i < size; ++i) x[i] -= own[i] * value;
   }
 }
@@ -49,11 +49,11 @@ void solve_forward(const double* L, const double* inverse, double* x, int given)
 template <int kSize>
 void solve_backward(const double* L, const double* inverse, double* x, int given) {
   const int size = kSize > 0 ? kSize : given;
-#pragma GCC unroll 12
+#pragma GCC unroll kUnrolled
   for (int j = size - 1; j >= 0; --j) {
     const double* own = L + j * kMaxSize;
     double sum = x[j];
-#pragma GCC unroll 12
+#pragma GCC unroll kUnrolled
     for (int i = j + 1; i < size; ++i) sum -= own[i] * x[i];
     x[j] = sum * inverse[j];
   }
@@ -69,7 +69,7 @@ InertiaKernels kernels_of(int size, std::integer_sequence<int, kSizes...>) {
 }  // namespace
 
 bool Inertia::set(const Mechanism& mechanism) {
-  if (size_ != mechanism.n) {
+  if (size_ != mechanism.n || kernels_.factorise == nullptr) {
     size_ = mechanism.n;
     kernels_ = kernels_of(size_, std::make_integer_sequence<int, kUnrolled + 1>());
   }

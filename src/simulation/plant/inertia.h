@@ -7,7 +7,7 @@
 
 namespace jaculus::simulation::detail {
 
-/// Of one size, or of any.
+/// Factor and solves for one number of coordinates that the compiler knows, or for any.
 struct InertiaKernels {
   bool (*factorise)(double* L, double* inverse, int size) = nullptr;
   void (*forward)(const double* L, const double* inverse, double* x, int size) = nullptr;
