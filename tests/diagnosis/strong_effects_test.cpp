@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <mutex>
 #include <numeric>
 
 #include "diagnosis/noise/whitening.h"
@@ -85,6 +87,76 @@ TEST(LineSearch, FindsTheValleyJustPastAThreshold) {
       diagnosis::fit_model(*problem, space, {1}, diagnosis::fit_starts(*problem, none.p, 1, probe))
           .p[1],
       0.31, 1e-3);
+}
+
+/// Screened as the first search does, about the model without effects at `nominal`.
+diagnosis::Probe probe_of_second(const diagnosis::Problem& problem, const Vector& nominal) {
+  const diagnosis::Whitening space =
+      diagnosis::whitening_of(problem, diagnosis::estimate_noise(problem, nominal));
+  const diagnosis::Fit none = diagnosis::evaluate_model(problem, space, nominal);
+  return diagnosis::probe_candidate(problem, space, none,
+                                    diagnosis::standing_of(problem, space, none), 1,
+                                    diagnosis::Screening::line_search);
+}
+
+/// Of one parameter, what it changes by `strength`.
+Shape bent(std::function<double(double p)> strength) {
+  return [=](int channel, double t, const Vector& p) {
+    return channel == 0 ? t : strength(p[1]) * std::sin(9.0 * t);
+  };
+}
+
+TEST(Screening, GoesToTheEstimateInOneStepWhereTheSlopeHolds) {
+  // Three probing steps of 0.1: small, whole, and one to there.
+  const auto far = shaped(bent([](double p) { return p; }), toy_truth(0.0, 0.3));
+  const diagnosis::Probe probe = probe_of_second(*far, Vector::Zero(4));
+  EXPECT_NEAR(probe.estimate[0], 3.0, 0.1);
+  EXPECT_EQ(probe.predictions, 3);
+  EXPECT_TRUE(std::isnan(probe.step));
+
+  const auto near = shaped(bent([](double p) { return p; }), toy_truth(0.0, 0.05));
+  EXPECT_EQ(probe_of_second(*near, Vector::Zero(4)).predictions, 2);
+}
+
+TEST(Screening, SearchesALineWhereTheSlopeBendsOrLeavesItsSide) {
+  const auto steeper = [](double p) { return p < 0.15 ? p : 0.15 + 3.0 * (p - 0.15); };
+  const auto beyond = shaped(bent(steeper), toy_truth(0.0, 0.3));
+  EXPECT_NEAR(0.1 * probe_of_second(*beyond, Vector::Zero(4)).step, 0.3, 0.02);
+
+  // Against the side that was probed nothing happens, though the slope there says it would.
+  const auto one_way = shaped(bent([](double p) { return std::abs(p); }), toy_truth(0.0, 0.0));
+  diagnosis::Problem problem = *one_way;
+  for (diagnosis::Segment& segment : problem.observations.datasets[0].segments)
+    for (Eigen::Index i = 0; i < segment.time[1].size(); ++i)
+      segment.value[1][i] -= 0.05 * std::sin(9.0 * std::max(0.0, segment.time[1][i]));
+  EXPECT_GT(probe_of_second(problem, Vector::Zero(4)).predictions, 10);
+
+  // No slope is trusted farther than a line is searched.
+  const auto farther = shaped(bent([](double p) { return p; }), toy_truth(0.0, 0.95));
+  EXPECT_GT(probe_of_second(*farther, Vector::Zero(4)).predictions, 10);
+}
+
+TEST(Screening, StopsAtABound) {
+  // 1 - 0.9 is less than 0.1 in doubles; a step that turned back there would say nothing of it.
+  std::mutex guard;
+  std::vector<double> asked;
+  const auto shape = [&](int channel, double t, const Vector& p) {
+    if (channel == 1 && t == 0.0) {
+      const std::lock_guard<std::mutex> lock(guard);
+      asked.push_back(p[1]);
+    }
+    return channel == 0 ? t : (p[1] - 1.0) * std::sin(9.0 * t);
+  };
+  Vector truth = toy_truth(0.0, 0.05), nominal = toy_truth(0.0, 1.0);
+  diagnosis::Problem problem = *shaped(shape, truth);
+  problem.hypotheses.parameters[1].nominal = 1.0;
+  problem.hypotheses.parameters[1].scale = 0.4;
+  problem.hypotheses.parameters[1].bounds = {0.1, 2.0};
+  const diagnosis::Probe probe = probe_of_second(problem, nominal);
+  EXPECT_EQ(probe.predictions, 3);
+  EXPECT_NEAR(1.0 + 0.4 * probe.estimate[0], 0.1, 1e-12);
+  EXPECT_NEAR(asked.back(), 0.1, 1e-15);
+  EXPECT_LT(*std::max_element(asked.begin(), asked.end()), 1.5);
 }
 
 TEST(Search, FitsAgainWhatLedThoughScreeningMissesIt) {

@@ -29,17 +29,18 @@ std::vector<double> steps_of(const FreeParameter& parameter, double value,
   const double highest = settings.line_search_highest;
 
   std::vector<double> steps;
-  const auto add = [&](double move) {
-    if (move != 0.0 && bounds.contains(value + move)) steps.push_back(move / parameter.scale);
+  const auto add = [&](double to) {
+    if (to != value && bounds.contains(to)) steps.push_back((to - value) / parameter.scale);
   };
   if (range < highest * std::abs(step)) {
     const int spaces = settings.line_search_even;
-    for (int i = 0; i <= spaces; ++i) add(bounds.lower + i * range / spaces - value);
+    for (int i = 0; i < spaces; ++i) add(bounds.lower + i * range / spaces);
+    add(bounds.upper);
     return steps;
   }
   for (double share = settings.line_search_lowest; share <= highest; share *= 2.0) {
-    add(share * step);
-    add(-share * step);
+    add(value + share * step);
+    add(value - share * step);
   }
   return steps;
 }
@@ -72,8 +73,9 @@ struct Line {
     std::vector<std::size_t> simulated;        // of which steps they are
     for (const double u : steps) {
       points.push_back({u});
+      const FreeParameter& own = problem.hypotheses.parameters[parameter];
       Vector p = base.simulated;
-      p[parameter] += u * problem.hypotheses.parameters[parameter].scale;
+      p[parameter] = std::clamp(p[parameter] + u * own.scale, own.bounds.lower, own.bounds.upper);
       const PredictionSet set = predict_all(problem, p);
       if (!set.valid) continue;
       changes.push_back(rows_of(problem, whitening.alignments, set));

@@ -15,10 +15,11 @@ namespace {
 
 constexpr double kRidge = 1e-6;  // of columns that may be dependent
 
-/// Columns at a share of the probing steps; beyond one it is the first parameter's alone. Nothing
-/// where a simulation fails.
-std::optional<Matrix> columns_of(const Problem& problem, const Whitening& whitening,
-                                 const Fit& base, const Candidate& candidate, double share) {
+/// Columns at a step of the first parameter [its unit] and a share of the others' probing steps.
+/// Nothing where a simulation fails.
+std::optional<Matrix> columns_at(const Problem& problem, const Whitening& whitening,
+                                 const Fit& base, const Candidate& candidate, double first_step,
+                                 double others) {
   Matrix columns(whitening.rows, count_of(candidate.parameters));
   Vector p = base.simulated;
   std::vector<Vector> rows = base.rows;
@@ -26,7 +27,7 @@ std::optional<Matrix> columns_of(const Problem& problem, const Whitening& whiten
   for (int k = 0; k < columns.cols(); ++k) {
     const int i = candidate.parameters[k];
     const FreeParameter& own = problem.hypotheses.parameters[i];
-    const double step = probe_step(own, p[i], k == 0 ? share : std::min(1.0, std::abs(share)));
+    const double step = k == 0 ? first_step : probe_step(own, p[i], others);
     const auto moved = difference_at(problem, whitening.alignments, p, rows, i, step);
     if (!moved) return {};
     columns.col(k) = whitening.apply(moved->rows) * (own.scale / step);
@@ -40,23 +41,45 @@ std::optional<Matrix> columns_of(const Problem& problem, const Whitening& whiten
   return columns;
 }
 
+/// Columns at a share of the probing steps.
+std::optional<Matrix> columns_of(const Problem& problem, const Whitening& whitening,
+                                 const Fit& base, const Candidate& candidate, double share) {
+  const int first = candidate.parameters.front();
+  const double step =
+      probe_step(problem.hypotheses.parameters[first], base.simulated[first], share);
+  return columns_at(problem, whitening, base, candidate, step, share);
+}
+
+/// A step of u prior scales in a parameter's unit, as far as its bounds let it go.
+double step_within(const FreeParameter& parameter, double value, double u) {
+  const Bounds& bounds = parameter.bounds;
+  return std::clamp(value + u * parameter.scale, bounds.lower, bounds.upper) - value;
+}
+
 /// Whether an effect does at both strengths what its slope says.
 bool proportional(const Matrix& small, const Matrix& full, const Settings& settings) {
   return (small - full).norm() < settings.same_slope * full.norm();
 }
 
-/// Whether the first parameter's slope holds as far as its estimate: within the step by which it
-/// was probed, or by one more step to there.
+/// Whether the first parameter's slope holds as far as its estimate: between nominal and the step
+/// that it was probed by, or by one more step to there, of this parameter alone.
 bool holds_to_estimate(const Problem& problem, const Whitening& whitening, const Fit& base,
                        const Candidate& candidate, Probe& probe) {
   if (probe.estimate.size() == 0) return false;
-  const FreeParameter& own = problem.hypotheses.parameters[candidate.parameters.front()];
-  const double share = probe.estimate[0] * own.scale / own.usual_step();
-  if (std::abs(share) <= 1.0) return true;
-  if (std::abs(share) > problem.settings.line_search_highest) return false;
-  const auto there = columns_of(problem, whitening, base, candidate, share);
-  probe.predictions += count_of(candidate.parameters);
-  return there && proportional(probe.full, *there, problem.settings);
+  const int first = candidate.parameters.front();
+  const FreeParameter& own = problem.hypotheses.parameters[first];
+  const double value = base.simulated[first];
+  const double step = step_within(own, value, probe.estimate[0]);
+  const double share = step / probe_step(own, value, 1.0);
+  if (share >= 0.0 && share <= 1.0) return true;
+  if (!(std::abs(share) <= problem.settings.line_search_highest)) return false;
+
+  ++probe.predictions;
+  const auto moved =
+      difference_at(problem, whitening.alignments, base.simulated, base.rows, first, step);
+  if (!moved) return false;
+  const Matrix there = whitening.apply(moved->rows) * (own.scale / moved->step);
+  return proportional(probe.better().leftCols(1), there, problem.settings);
 }
 
 /// What screening knows of the base model.
@@ -136,8 +159,9 @@ Probe probe_candidate(const Problem& problem, const Whitening& whitening, const 
 
   // Without influence up to its threshold: its columns are those of the step that helps.
   const FreeParameter& own = problem.hypotheses.parameters[first];
-  const double share = probe.step * own.scale / own.usual_step();
-  const auto there = columns_of(problem, whitening, base, candidate, share);
+  const double step = step_within(own, base.simulated[first], probe.step);
+  const double others = std::min(1.0, std::abs(step / own.usual_step()));
+  const auto there = columns_at(problem, whitening, base, candidate, step, others);
   probe.predictions += count_of(candidate.parameters);
   probe.valid = there.has_value();
   if (there) probe.full = probe.small = *there;

@@ -10,7 +10,8 @@
 //   model, prior N(0, I) in u, less that of the base model alone, each by the deviations of random
 //   effects that it needs (noise/random_effects.h);
 //   or that of the best step of a line search (line_search.h), where it is larger. Under a plan no
-//   line is searched where both steps say the same and the estimate lies within them.
+//   line is searched where both steps say the same and so does one to the estimate, if that lies
+//   beyond them.
 
 #include <vector>
 
@@ -25,8 +26,9 @@ struct Probe {
   bool linear = false;    ///< whether both say the same (settings.same_slope), or did before
   bool by_small = false;  ///< whether the score is that of the small step's columns
   double score = -kInfinity;
-  Vector estimate;     ///< u of its parameters by the better linear model, within bounds
-  double step = kNaN;  ///< u of the first parameter by line search; NaN: none beats standing still
+  Vector estimate;  ///< u of its parameters by the better linear model, within bounds
+  double step =
+      kNaN;  ///< u of the first parameter by line search; NaN: none helps, or none was tried
   long predictions = 0;  ///< sets of simulations that it took
 
   [[nodiscard]] const Matrix& better() const { return by_small ? small : full; }
