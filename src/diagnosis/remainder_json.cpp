@@ -68,7 +68,8 @@ Json parting_json(const Parting& p) {
           {"joint", p.joint},
           {"from_s", json_number(p.from)},
           {"most", json_number(p.most)},
-          {"unit", p.unit}};
+          {"unit", p.unit},
+          {"left_out", p.left_out}};
 }
 
 }  // namespace

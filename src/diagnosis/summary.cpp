@@ -80,12 +80,15 @@ std::string parting_sentence(const Diagnosis& d) {
   const Parting* first = earliest(d.partings);
   if (first == nullptr) return {};
   const ShownUnit shown = shown_unit(first->unit);
+  const auto left_out = std::count_if(d.partings.begin(), d.partings.end(),
+                                      [](const Parting& own) { return own.left_out; });
   return fmt::format(
       " Left and right part in {} of {} trials, first at {} {:.3g} s after the start (by {:.2g} "
-      "{}), "
-      "which no model of the plane holds: what follows is not judged.",
-      d.partings.size(), trials_of(d), in_words(first->joint), first->from,
-      first->most / shown.size, shown.unit);
+      "{}), {}.",
+      left_out > 0 ? left_out : count_of(d.partings), trials_of(d), in_words(first->joint),
+      first->from, first->most / shown.size, shown.unit,
+      left_out > 0 ? "which no model of the plane holds: what follows is not judged"
+                   : "which a model of the plane holds as well as lengths are known");
 }
 
 std::string gap_place(const Diagnosis& d) {

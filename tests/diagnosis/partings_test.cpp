@@ -38,10 +38,12 @@ struct Legged {
     trial.streams.push_back(stream);
   }
 
-  [[nodiscard]] std::optional<Parting> parting(double from, double to, double limit = 0.02) const {
+  [[nodiscard]] std::optional<Parting> parting(double from, double to, double limit = 0.02,
+                                               double not_held = 0.02) const {
     Settings settings;
     settings.sides_apart = limit;
-    return first_parting(sides_of(observed, trial, settings), from, to);
+    settings.sides_not_held = not_held;
+    return first_parting(sides_of(observed, trial, settings), from, to, settings);
   }
 };
 
@@ -85,6 +87,26 @@ TEST(Partings, AreSoughtAboutNoiseAndCountAsMuchWhereAJointSlides) {
   EXPECT_TRUE(Legged(slides, model::JointKind::prismatic).parting(0.0, 0.1).has_value());
 }
 
+TEST(Partings, AreLeftOutWhereTheyAreFarAndOnlySaidBefore) {
+  // Noise of 1 mrad, 40 mrad from 0.01 s on, as unlike friction makes them; then a foot lifts.
+  const auto both = [](double t) {
+    const long k = std::lround(1e3 * t);
+    return (k % 2 == 0 ? 1e-3 : -1e-3) + (t < 0.0105 ? 0.0 : 0.04) +
+           (t < 0.0505 ? 0.0 : 5.0 * (t - 0.05));
+  };
+  const Legged robot(both);
+  const auto far = robot.parting(0.0, 0.1, 0.02, 0.155);
+  ASSERT_TRUE(far.has_value());
+  EXPECT_TRUE(far->left_out);
+  EXPECT_NEAR(far->from, 0.05, 0.002);
+
+  const auto near = robot.parting(0.0, 0.045, 0.02, 0.155);
+  ASSERT_TRUE(near.has_value());
+  EXPECT_FALSE(near->left_out);
+  EXPECT_NEAR(near->from, 0.01, 0.002);
+  EXPECT_NEAR(near->most, 0.041, 0.002);
+}
+
 TEST(Partings, AreNoSingleSampleAndNoGap) {
   const auto spike = [](double t) { return std::abs(t - 0.05) < 1e-6 ? 1.0 : 0.0; };
   EXPECT_FALSE(Legged(spike).parting(0.0, 0.1).has_value());
@@ -100,6 +122,12 @@ TEST(Partings, OfWindowsAreOneOfTheTrial) {
   EXPECT_EQ(one->joint, "hip");
   EXPECT_EQ(one->from, 0.2);
   EXPECT_EQ(one->most, 0.1);
+
+  // What is left out comes first, for that decides what an answer is about.
+  const auto later = as_one(
+      {{"d", "t", "knee", 0.6, 0.3, "rad", true}, {"d", "t", "hip", 0.2, 0.05, "rad", false}});
+  EXPECT_EQ(later->joint, "knee");
+  EXPECT_TRUE(later->left_out);
 }
 
 TEST(Partings, OnlyJointsOfTheModelTellOfThePlane) {

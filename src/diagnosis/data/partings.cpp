@@ -34,22 +34,28 @@ double zero_of(const Sides& sides, const ObservedDataset& observed, const Settin
 }
 
 /// Where values began to rise to the one at `at`: a foot left the floor there, and its side's
-/// torque has moved the leg alone ever since. Noise may stop the search, but
-/// not above half of `limit`.
-std::size_t start_of_rise(const std::vector<double>& values, std::size_t at, double limit) {
-  while (at > 0 && (values[at - 1] < values[at] || values[at - 1] > 0.5 * limit)) --at;
+/// torque has moved the leg alone ever since. It goes back while one of the few before is lower by
+/// more than noise.
+std::size_t start_of_rise(const Sides& sides, std::size_t at, int few) {
+  const std::vector<double>& values = sides.apart;
+  std::size_t before = at;
+  while (before > 0 && at - before < static_cast<std::size_t>(few)) {
+    --before;
+    if (values[before] < values[at] - sides.scatter) at = before;
+  }
   return at;
 }
 
-/// Of one joint; nothing where its sides stay together.
-std::optional<Parting> parting_of(const Sides& sides, double from, double to) {
+/// Of one joint by more than `limit`; nothing where its sides stay closer.
+std::optional<Parting> parting_of(const Sides& sides, double limit, double from, double to,
+                                  int few) {
   const std::vector<double>& apart = sides.apart;
   std::optional<Parting> found;
   for (std::size_t i = 0; i + 1 < apart.size() && sides.time[i] <= to; ++i) {
     if (sides.time[i] < from) continue;
-    if (!found && apart[i] > sides.limit && apart[i + 1] > sides.limit) {
+    if (!found && apart[i] > limit && apart[i + 1] > limit) {
       found = sides.names;
-      found->from = std::max(from, sides.time[start_of_rise(apart, i, sides.limit)]);
+      found->from = std::max(from, sides.time[start_of_rise(sides, i, few)]);
     }
     if (found) found->most = std::max(found->most, apart[i]);
   }
@@ -149,8 +155,10 @@ std::vector<Sides> sides_of(const ObservedDataset& observed, const trajectory::T
       sides.names.joint = own.joint;
       sides.names.unit = stream.units[c];
       const double lever = own.kind == model::JointKind::prismatic ? settings.lever : 1.0;
-      sides.limit =
-          std::max(settings.sides_apart * lever, settings.sides_scatter * scatter_of(sides.apart));
+      sides.scatter = scatter_of(sides.apart);
+      const double noise = settings.sides_scatter * sides.scatter;
+      sides.limit = std::max(settings.sides_apart * lever, noise);
+      sides.not_held = std::max(settings.sides_not_held * lever, sides.limit);
       const double zero = zero_of(sides, observed, settings);
       for (double& value : sides.apart) value = std::abs(value - zero);
       found.push_back(std::move(sides));
@@ -159,19 +167,28 @@ std::vector<Sides> sides_of(const ObservedDataset& observed, const trajectory::T
   return found;
 }
 
-std::optional<Parting> first_parting(const std::vector<Sides>& sides, double from, double to) {
-  std::optional<Parting> first;
-  for (const Sides& own : sides) {
-    const std::optional<Parting> found = parting_of(own, from, to);
-    if (found && (!first || found->from < first->from)) first = found;
+std::optional<Parting> first_parting(const std::vector<Sides>& sides, double from, double to,
+                                     const Settings& settings) {
+  for (const bool left_out : {true, false}) {
+    std::optional<Parting> first;
+    for (const Sides& own : sides) {
+      const double limit = left_out ? own.not_held : own.limit;
+      const auto found = parting_of(own, limit, from, to, settings.sides_at_rest);
+      if (found && (!first || found->from < first->from)) first = found;
+    }
+    if (!first) continue;
+    first->left_out = left_out;
+    return first;
   }
-  return first;
+  return {};
 }
 
 const Parting* earliest(const std::vector<Parting>& partings) {
   const auto first =
-      std::min_element(partings.begin(), partings.end(),
-                       [](const Parting& a, const Parting& b) { return a.from < b.from; });
+      std::min_element(partings.begin(), partings.end(), [](const Parting& a, const Parting& b) {
+        if (a.left_out != b.left_out) return a.left_out;
+        return a.from < b.from;
+      });
   return first == partings.end() ? nullptr : &*first;
 }
 
@@ -186,13 +203,21 @@ std::optional<Parting> as_one(const std::vector<Parting>& partings) {
 std::string note_of(const std::vector<Parting>& partings, int trials) {
   const Parting* first = earliest(partings);
   assert(first != nullptr);
+  const auto left_out = std::count_if(partings.begin(), partings.end(),
+                                      [](const Parting& own) { return own.left_out; });
+  const std::string meaning =
+      left_out > 0
+          ? fmt::format(
+                "so far apart that a model of the plane, which moves them as one, doesn't "
+                "hold them in {}, whose data are left out from there on, or until a window "
+                "begins with both together",
+                left_out)
+          : "which a model of the plane, that moves them as one, holds as well as builders know "
+            "lengths: nothing is left out";
   return fmt::format(
-      "{}: left and right part in {} of {} trials, at {} of {} from {:.3f} s on (by {:.2g} {}): a "
-      "model of the plane moves them as one, so a trial's data are left out from there on, or "
-      "until "
-      "a window begins with both together",
+      "{}: left and right part in {} of {} trials, at {} of {} from {:.3f} s on (by {:.2g} {}): {}",
       first->dataset, partings.size(), trials, first->joint, first->trial, first->from, first->most,
-      first->unit);
+      first->unit, meaning);
 }
 
 }  // namespace jaculus::diagnosis
