@@ -29,7 +29,7 @@ struct Sides {
   std::vector<double> time, apart;  ///< gaps left out [s], [unit], not negative
 };
 
-/// Every joint of a trial whose log has both sides. They part by more than settings.sides_apart, and
+/// Every joint of a trial whose log has both sides. They part by more than settings.sides_apart and
 /// are not held beyond settings.sides_not_held (of what slides these times settings.lever); or
 /// beyond settings.sides_scatter times what the difference scatters by, if that is more. Zeros of
 /// encoders differ: what counts is the difference beyond its median at rest before the command, or
