@@ -120,6 +120,15 @@ bool all_hold(const Problem& with, int patterns_tried, const SearchResult& searc
   });
 }
 
+/// What a selection's leading model leaves of trials that its fit did not see.
+HeldOut held_out_of_leader(const Problem& problem, const Selection& selection) {
+  const Posterior posterior = posterior_of(selection.search, problem.settings);
+  HeldOutGaps gaps(problem, selection.comparison, posterior,
+                   as_stated(problem, selection.comparison.whitening),
+                   selection.search.models.front().fit);
+  return gaps.of(leading(selection.search));
+}
+
 }  // namespace
 
 const ModelFit& leading(const SearchResult& search) {
@@ -159,19 +168,12 @@ void leave_out_unfounded(const Problem& with, int patterns_tried, Selection& aga
       leave_out(c, again.search);
 }
 
-bool predicts_as_well(const Problem& problem, const Selection& found) {
-  const Settings& settings = problem.settings;
-  const ModelFit& lead = leading(found.search);
-  const ModelFit& alone = *most_probable(found.search.models, [&](const ModelFit& model) {
-    return !problem.hypotheses.beyond_effects(model.candidates);
-  });
-  if (lead.log_weight() - alone.log_weight() >= settings.clear_lead) return true;
-
-  const Posterior posterior = posterior_of(found.search, settings);
-  HeldOutGaps gaps(problem, found.comparison, posterior,
-                   as_stated(problem, found.comparison.whitening), found.search.models.front().fit);
-  const HeldOut with = gaps.of(lead), without = gaps.of(alone);
-  return !with.valid || !without.valid || no_worse(with.after, without.after, settings);
+bool predicts_as_well(const Problem& with, const Selection& found, const Problem& problem,
+                      const Selection& alone) {
+  const HeldOut by_force = held_out_of_leader(with, found);
+  const HeldOut by_effects = held_out_of_leader(problem, alone);
+  return !by_force.valid || !by_effects.valid ||
+         no_worse(by_force.after, by_effects.after, problem.settings);
 }
 
 }  // namespace jaculus::diagnosis

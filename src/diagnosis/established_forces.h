@@ -23,10 +23,12 @@ bool force_established(const Problem& problem, const SearchResult& search, int c
 /// push that holds and a pattern that does as well the more probable one is told.
 void leave_out_unfounded(const Problem& with, int patterns_tried, Selection& again);
 
-/// Whether the leading model predicts trials held out no worse than the best of effects alone,
-/// where it leads that by less than settings.clear_lead. Evidence that is not clear rests on how
-/// the model's misfit is described; what was fitted to a shape that all trials share need not be
-/// what made it.
-bool predicts_as_well(const Problem& problem, const Selection& found);
+/// Whether what leads with a force (`found`, of the problem that has it as a candidate) predicts
+/// trials held out no worse than what led without any, each in the space that it was found in.
+/// Evidence of two spaces can't be compared, and within one it rests on how misfits are described
+/// and on which models the search came to; what was fitted to a shape that all trials share need
+/// not be what made it.
+bool predicts_as_well(const Problem& with, const Selection& found, const Problem& problem,
+                      const Selection& alone);
 
 }  // namespace jaculus::diagnosis

@@ -159,17 +159,24 @@ struct WithPush {
   }
 };
 
-TEST(PredictsAsWell, IsAskedOfALeadThatIsNotClear) {
-  const double clear = Settings{}.clear_lead;
+/// The same without the push.
+Selection without_push(Selection found) {
+  std::erase_if(found.search.models,
+                [](const ModelFit& model) { return model.candidates == std::vector<int>{1}; });
+  return found;
+}
+
+TEST(PredictsAsWell, IsAskedOfEveryLeadHoweverClear) {
   const Vector by_effect = test::toy_truth(0.5, 0.0), by_push = test::toy_truth(0.0, 0.3);
   const auto well = [](const Vector& truth, double lead) {
     const WithPush own(truth, lead);
-    return predicts_as_well(*own.problem, own.found);
+    return predicts_as_well(*own.problem, own.found, *own.problem, without_push(own.found));
   };
+  const double clear = Settings{}.clear_lead;
   EXPECT_FALSE(well(by_effect, clear - 1.0));
-  EXPECT_TRUE(well(by_effect, clear + 1.0));
+  EXPECT_FALSE(well(by_effect, clear + 1.0));
   EXPECT_TRUE(well(by_push, clear - 1.0));
-  EXPECT_TRUE(well(by_effect, -1.0));  // no push leads
+  EXPECT_TRUE(well(by_effect, -1.0)) << "no push leads, so that both are one";
 }
 
 }  // namespace
