@@ -74,8 +74,8 @@ MagneticSaturation::MagneticSaturation(double linear, double cubic)
     : linear_(linear), cubic_(cubic) {
   assert(linear >= 0.0 && cubic >= 0.0 && linear + cubic > 0.0);
   if (linear == 0.0 || cubic == 0.0) return;
-  knee_torque_ = std::sqrt(linear / cubic);
-  per_current_ = 1.0 / (linear * knee_torque_);
+  corner_torque_ = std::sqrt(linear / cubic);
+  per_current_ = 1.0 / (linear * corner_torque_);
 }
 
 double MagneticSaturation::torque(double current) const {
@@ -90,7 +90,7 @@ double MagneticSaturation::torque(double current) const {
   const double f = s * (1.0 + s * s) - q, slope = 1.0 + 3.0 * s * s;
   s -= f * slope / (slope * slope - 3.0 * f * s);
   s -= (s * (1.0 + s * s) - q) / (1.0 + 3.0 * s * s);
-  return std::copysign(knee_torque_ * s, current);
+  return std::copysign(corner_torque_ * s, current);
 }
 
 double saturated_torque(double linear, double cubic, double current) {

@@ -121,7 +121,8 @@ bool all_hold(const Problem& with, int patterns_tried, const SearchResult& searc
 }
 
 /// What a selection's leading model leaves of trials that its fit did not see.
-HeldOut held_out_of_leader(const Problem& problem, const Selection& selection) {
+HeldOut held_out_of_leader(const Led& led) {
+  const auto& [problem, selection] = led;
   const Posterior posterior = posterior_of(selection.search, problem.settings);
   HeldOutGaps gaps(problem, selection.comparison, posterior,
                    as_stated(problem, selection.comparison.whitening),
@@ -168,12 +169,12 @@ void leave_out_unfounded(const Problem& with, int patterns_tried, Selection& aga
       leave_out(c, again.search);
 }
 
-bool predicts_as_well(const Problem& with, const Selection& found, const Problem& problem,
-                      const Selection& alone) {
-  const HeldOut by_force = held_out_of_leader(with, found);
-  const HeldOut by_effects = held_out_of_leader(problem, alone);
-  return !by_force.valid || !by_effects.valid ||
-         no_worse(by_force.after, by_effects.after, problem.settings);
+bool predicts_as_well(const Led& by_force, const Led& by_effects) {
+  const HeldOut with = held_out_of_leader(by_force), without = held_out_of_leader(by_effects);
+  if (!without.valid) return true;
+  if (!with.valid || with.folds < without.folds) return false;
+  return no_worse(with.after / with.before, without.after / without.before,
+                  by_effects.problem.settings);
 }
 
 }  // namespace jaculus::diagnosis

@@ -23,12 +23,18 @@ bool force_established(const Problem& problem, const SearchResult& search, int c
 /// push that holds and a pattern that does as well the more probable one is told.
 void leave_out_unfounded(const Problem& with, int patterns_tried, Selection& again);
 
-/// Whether what leads with a force (`found`, of the problem that has it as a candidate) predicts
-/// trials held out no worse than what led without any, each in the space that it was found in.
-/// Evidence of two spaces can't be compared, and within one it rests on how misfits are described
-/// and on which models the search came to; what was fitted to a shape that all trials share need
-/// not be what made it.
-bool predicts_as_well(const Problem& with, const Selection& found, const Problem& problem,
-                      const Selection& alone);
+/// A search and its problem.
+struct Led {
+  const Problem& problem;
+  const Selection& selection;
+};
+
+/// Whether what leads with a force predicts trials held out no worse than what led without any
+/// (5 %: settings.least_improvement_small_gap), each over what the files state in the space that it
+/// was found in, and on all folds that the other is judged on. Evidence of two spaces can't be
+/// compared, and within one it rests on how misfits are described and on which models the search
+/// came to; what was fitted to a shape that all trials share need not be what made it. Of one trial
+/// nothing can be held out: there the evidence stands alone.
+bool predicts_as_well(const Led& by_force, const Led& by_effects);
 
 }  // namespace jaculus::diagnosis

@@ -204,7 +204,7 @@ Searched search_with_forces(Prepared prepared, const ProblemBuilder& rebuild,
 
   leave_out_unfounded(among, likely.tried, found);
   if (!among.hypotheses.beyond_effects(leading(found.search).candidates) ||
-      !predicts_as_well(among, found, problem, alone))
+      !predicts_as_well({among, found}, {problem, alone}))
     return {std::move(prepared), std::move(alone), {}};
   std::vector<PlacePattern> patterns = leading_patterns(among, found.search, likely.patterns);
   return {std::move(with), std::move(found), std::move(patterns)};

@@ -80,15 +80,18 @@ std::string parting_sentence(const Diagnosis& d) {
   const Parting* first = earliest(d.partings);
   if (first == nullptr) return {};
   const ShownUnit shown = shown_unit(first->unit);
-  const auto left_out = std::count_if(d.partings.begin(), d.partings.end(),
-                                      [](const Parting& own) { return own.left_out; });
+  const int left_out = left_out_of(d.partings);
+  const std::string meaning =
+      left_out > 0 ? fmt::format(
+                         "in {} of these so far that no model of the plane holds it: what "
+                         "follows is not judged",
+                         left_out)
+                   : "too little to matter to a model of the plane";
   return fmt::format(
       " Left and right part in {} of {} trials, first at {} {:.3g} s after the start (by {:.2g} "
       "{}), {}.",
-      left_out > 0 ? left_out : count_of(d.partings), trials_of(d), in_words(first->joint),
-      first->from, first->most / shown.size, shown.unit,
-      left_out > 0 ? "which no model of the plane holds: what follows is not judged"
-                   : "which a model of the plane holds as well as lengths are known");
+      d.partings.size(), trials_of(d), in_words(first->joint), first->from,
+      first->most / shown.size, shown.unit, meaning);
 }
 
 std::string gap_place(const Diagnosis& d) {

@@ -101,8 +101,8 @@ class MagneticSaturation {
 
  private:
   double linear_, cubic_;
-  double knee_torque_ = 0.0;  ///< sqrt(a/c), where both terms are equal [N m]
-  double per_current_ = 0.0;  ///< 1/(a knee torque) [1/A]
+  double corner_torque_ = 0.0;  ///< sqrt(a/c), where both terms are equal [N m]
+  double per_current_ = 0.0;    ///< 1/(a corner torque) [1/A]
 };
 
 /// The same of one current.

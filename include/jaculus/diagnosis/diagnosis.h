@@ -88,7 +88,7 @@ struct Parting {
   std::string dataset;  ///< of its folder
   std::string trial;
   std::string joint;     ///< that parts first
-  double from = 0.0;     ///< [s]
+  double from = 0.0;     ///< where they began to [s]
   double most = 0.0;     ///< by which they part then [unit]
   std::string unit;      ///< "rad", "m"
   bool left_out = true;  ///< whether data of the trial are left out from `from` on

@@ -22,6 +22,9 @@ using trajectory::Stream;
 constexpr std::array<std::pair<const char*, const char*>, 3> kOutOfPlane = {
     {{"y", "m"}, {"roll", "rad"}, {"yaw", "rad"}}};
 
+// Deviations of means. Chosen: where nothing parts one span in forty seems to.
+constexpr double kBeyondNoise = 2.0;
+
 /// What zeros differ by: before the command at rest, or where there is no rest at first; under a
 /// logged input at the middle of what there is.
 double zero_of(const Sides& sides, const ObservedDataset& observed, const Settings& settings) {
@@ -33,31 +36,54 @@ double zero_of(const Sides& sides, const ObservedDataset& observed, const Settin
   return median(rest.empty() ? sides.apart : rest);
 }
 
-/// Where values began to rise to the one at `at`: a foot left the floor there, and its side's
-/// torque has moved the leg alone ever since. It goes back while one of the few before is lower by
-/// more than noise.
-std::size_t start_of_rise(const Sides& sides, std::size_t at, int few) {
-  const std::vector<double>& values = sides.apart;
-  std::size_t before = at;
-  while (before > 0 && at - before < static_cast<std::size_t>(few)) {
-    --before;
-    if (values[before] < values[at] - sides.scatter) at = before;
-  }
-  return at;
+/// Samples from `first` to `last`, and their mean.
+struct Span {
+  std::size_t first = 0, last = 0;
+  double mean = 0.0;  ///< [unit]
+
+  [[nodiscard]] double count() const { return static_cast<double>(last - first + 1); }
+};
+
+/// The samples up to `last` that are less than `length` [s] before it.
+Span span_up_to(const Sides& sides, std::size_t last, double length) {
+  Span span{last, last, sides.apart[last]};
+  while (span.first > 0 && sides.time[last] - sides.time[span.first - 1] < length)
+    span.mean += sides.apart[--span.first];
+  span.mean /= span.count();
+  return span;
 }
 
-/// Of one joint by more than `limit`; nothing where its sides stay closer.
+/// Where what sides differ by began to move to the sample at `at`: a foot left the floor there, and
+/// its side's torque has moved the leg alone ever since. It goes back by spans while the one before
+/// is behind by more than noise, then to the last sample that is still where that span was.
+std::size_t start_of_rise(const Sides& sides, std::size_t at, double length) {
+  const double sign = sides.apart[at] < 0.0 ? -1.0 : 1.0;
+  Span now = span_up_to(sides, at, length);
+  while (now.first > 0) {
+    const Span before = span_up_to(sides, now.first - 1, length);
+    const double noise = sides.scatter * std::sqrt(1.0 / now.count() + 1.0 / before.count());
+    if (sign * (now.mean - before.mean) <= kBeyondNoise * noise) break;
+    now = before;
+  }
+
+  std::size_t start = std::min(now.last, at);
+  const double still = kBeyondNoise * sides.scatter;
+  while (start < at && sign * (sides.apart[start + 1] - now.mean) <= still) ++start;
+  return start;
+}
+
+/// Of one joint by more than `limit`, two samples in a row; nothing where its sides stay closer.
 std::optional<Parting> parting_of(const Sides& sides, double limit, double from, double to,
-                                  int few) {
-  const std::vector<double>& apart = sides.apart;
+                                  double length) {
   std::optional<Parting> found;
-  for (std::size_t i = 0; i + 1 < apart.size() && sides.time[i] <= to; ++i) {
+  for (std::size_t i = 0; i + 1 < sides.apart.size() && sides.time[i] <= to; ++i) {
     if (sides.time[i] < from) continue;
-    if (!found && apart[i] > limit && apart[i + 1] > limit) {
+    const double both = std::min(std::abs(sides.apart[i]), std::abs(sides.apart[i + 1]));
+    if (!found && both > limit) {
       found = sides.names;
-      found->from = std::max(from, sides.time[start_of_rise(sides, i, few)]);
+      found->from = std::max(from, sides.time[start_of_rise(sides, i, length)]);
     }
-    if (found) found->most = std::max(found->most, apart[i]);
+    if (found) found->most = std::max(found->most, both);
   }
   return found;
 }
@@ -158,9 +184,9 @@ std::vector<Sides> sides_of(const ObservedDataset& observed, const trajectory::T
       sides.scatter = scatter_of(sides.apart);
       const double noise = settings.sides_scatter * sides.scatter;
       sides.limit = std::max(settings.sides_apart * lever, noise);
-      sides.not_held = std::max(settings.sides_not_held * lever, sides.limit);
+      sides.beyond_plane = std::max(settings.sides_beyond_plane * lever, sides.limit);
       const double zero = zero_of(sides, observed, settings);
-      for (double& value : sides.apart) value = std::abs(value - zero);
+      for (double& value : sides.apart) value -= zero;
       found.push_back(std::move(sides));
     }
   }
@@ -172,8 +198,8 @@ std::optional<Parting> first_parting(const std::vector<Sides>& sides, double fro
   for (const bool left_out : {true, false}) {
     std::optional<Parting> first;
     for (const Sides& own : sides) {
-      const double limit = left_out ? own.not_held : own.limit;
-      const auto found = parting_of(own, limit, from, to, settings.sides_at_rest);
+      const double limit = left_out ? own.beyond_plane : own.limit;
+      const auto found = parting_of(own, limit, from, to, settings.sides_rise);
       if (found && (!first || found->from < first->from)) first = found;
     }
     if (!first) continue;
@@ -200,22 +226,26 @@ std::optional<Parting> as_one(const std::vector<Parting>& partings) {
   return one;
 }
 
+int left_out_of(const std::vector<Parting>& partings) {
+  return static_cast<int>(std::count_if(partings.begin(), partings.end(),
+                                        [](const Parting& own) { return own.left_out; }));
+}
+
 std::string note_of(const std::vector<Parting>& partings, int trials) {
   const Parting* first = earliest(partings);
   assert(first != nullptr);
-  const auto left_out = std::count_if(partings.begin(), partings.end(),
-                                      [](const Parting& own) { return own.left_out; });
+  const int left_out = left_out_of(partings);
   const std::string meaning =
       left_out > 0
           ? fmt::format(
-                "so far apart that a model of the plane, which moves them as one, doesn't "
-                "hold them in {}, whose data are left out from there on, or until a window "
-                "begins with both together",
+                "In {} that is too far for a model of the plane, which moves both as one: "
+                "data are left out from there on, or until a window begins with both "
+                "together",
                 left_out)
-          : "which a model of the plane, that moves them as one, holds as well as builders know "
-            "lengths: nothing is left out";
+          : "A model of the plane moves both as one; at this size that errs by less than lengths "
+            "are known to, so nothing is left out";
   return fmt::format(
-      "{}: left and right part in {} of {} trials, at {} of {} from {:.3f} s on (by {:.2g} {}): {}",
+      "{}: left and right part in {} of {} trials, at {} of {} from {:.3f} s on (by {:.2g} {}). {}",
       first->dataset, partings.size(), trials, first->joint, first->trial, first->from, first->most,
       first->unit, meaning);
 }

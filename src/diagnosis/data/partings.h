@@ -5,7 +5,9 @@
 // so sides that differ count in the second order only, until they part: in a leap as soon as one
 // foot of a pair leaves the floor before the other. Where a log has both sides (channel
 // <joint>_apart, their difference 2 d), data are no test of a model of the plane from where the
-// difference began to rise to what that order doesn't hold; that they part is said before.
+// difference began to rise to what that order doesn't hold; that they part is said before. The
+// order says nothing of a foot that leaves the floor first: how far its side then gets is how long
+// the model has been wrong.
 
 #include <optional>
 #include <string>
@@ -24,13 +26,13 @@ bool tells_of_plane(const model::PlanarModel& model, const std::string& stream,
 struct Sides {
   Parting names;                    ///< dataset, trial, joint and unit
   double limit = 0.0;               ///< from which on they part [unit]
-  double not_held = 0.0;            ///< from which on a model of the plane doesn't hold them [unit]
+  double beyond_plane = 0.0;        ///< from which on a model of the plane doesn't hold them [unit]
   double scatter = 0.0;             ///< of their difference [unit]
-  std::vector<double> time, apart;  ///< gaps left out [s], [unit], not negative
+  std::vector<double> time, apart;  ///< gaps left out [s], [unit]
 };
 
 /// Every joint of a trial whose log has both sides. They part by more than settings.sides_apart and
-/// are not held beyond settings.sides_not_held (of what slides these times settings.lever); or
+/// are not held beyond settings.sides_beyond_plane (of what slides these times settings.lever); or
 /// beyond settings.sides_scatter times what the difference scatters by, if that is more. Zeros of
 /// encoders differ: what counts is the difference beyond its median at rest before the command, or
 /// over all of a log that itself drove the robot.
@@ -48,6 +50,9 @@ const Parting* earliest(const std::vector<Parting>& partings);
 /// Those of a trial's windows as one: the first that is left out, or else the first; by as much as
 /// they part at most. Nothing of none.
 std::optional<Parting> as_one(const std::vector<Parting>& partings);
+
+/// Of how many trials data are left out.
+int left_out_of(const std::vector<Parting>& partings);
 
 /// What was seen and left out, a sentence for the partings of a dataset of so many trials.
 std::string note_of(const std::vector<Parting>& partings, int trials);

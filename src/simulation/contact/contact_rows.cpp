@@ -4,23 +4,12 @@
 
 namespace jaculus::simulation::detail {
 
-namespace {
-
-/// Of some contacts, two each, as many as the compiler has a loop for.
-int rows_for(int contacts) {
-  if (contacts <= 2) return 4;
-  return contacts <= 4 ? 2 * contacts : kStride;
-}
-
-}  // namespace
-
 void ContactRows::set(const Inertia& inertia, const std::vector<ContactState>& contacts,
                       const std::vector<int>& touching) {
   assert(count_of(touching) <= kMaxTouching);
   size_ = inertia.size();
   touching_ = touching;
-  const int count = count_of(touching), rows = rows_for(count);
-
+  const int count = count_of(touching);
   for (int j = 0; j < size_; ++j) {
     double* x = &solved_[j * kStride];
     for (int k = 0; k < count; ++k) {
@@ -28,27 +17,25 @@ void ContactRows::set(const Inertia& inertia, const std::vector<ContactState>& c
       x[2 * k] = c.tangential[j];
       x[2 * k + 1] = c.normal[j];
     }
-    for (int r = 2 * count; r < rows; ++r) x[r] = 0.0;
   }
 
-  switch (rows) {
-    case 4:
-      solve<4>(inertia);
-      break;
-    case 6:
-      solve<6>(inertia);
-      break;
-    case 8:
-      solve<8>(inertia);
-      break;
-    default:
-      solve<kStride>(inertia);
-  }
+  if (count <= 2)
+    solve<4>(inertia);
+  else if (count == 3)
+    solve<6>(inertia);
+  else if (count == 4)
+    solve<8>(inertia);
+  else
+    solve<kStride>(inertia);
 }
 
 /// solved_ = L^-1 of what it holds, A = solved_^T solved_, of its first kRows columns side by side.
 template <int kRows>
 void ContactRows::solve(const Inertia& inertia) {
+  const int used = 2 * count_of(touching_);
+  for (int j = 0; j < size_; ++j)
+    for (int r = used; r < kRows; ++r) solved_[j * kStride + r] = 0.0;
+
   double A[kRows * kRows] = {};
   for (int j = 0; j < size_; ++j) {
     double* x = &solved_[j * kStride];
@@ -62,7 +49,6 @@ void ContactRows::solve(const Inertia& inertia) {
       for (int r = 0; r < kRows; ++r) A[c * kRows + r] += x[c] * x[r];
   }
 
-  const int used = 2 * count_of(touching_);
   for (int c = 0; c < used; ++c)
     for (int r = 0; r < used; ++r) A_[c * kStride + r] = A[c * kRows + r];
 }

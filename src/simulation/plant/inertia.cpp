@@ -27,9 +27,9 @@ bool factorise(double* L, double* inverse, int given) {
     }
     if (!(own[j] > 0.0)) return false;
 
-    const double per_root = inverse[j] = 1.0 / std::sqrt(own[j]);
+    const double reciprocal = inverse[j] = 1.0 / std::sqrt(own[j]);
 #pragma GCC unroll kUnrolled
-    for (int i = j; i < size; ++i) own[i] *= per_root;
+    for (int i = j; i < size; ++i) own[i] *= reciprocal;
   }
   return true;
 }
