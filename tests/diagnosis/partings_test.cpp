@@ -94,13 +94,13 @@ TEST(Partings, AreLeftOutWhereTheyAreFarAndOnlySaidBefore) {
   const auto both = [](double t) {
     const long k = std::lround(1e3 * t);
     return (k % 2 == 0 ? 1e-3 : -1e-3) + (t < 0.0105 ? 0.0 : 0.04) +
-           (t < 0.0505 ? 0.0 : 5.0 * (t - 0.05));
+           (t < 0.0805 ? 0.0 : 10.0 * (t - 0.08));
   };
   const Legged robot(both);
   const auto far = robot.parting(0.0, 0.1, 0.02, 0.155);
   ASSERT_TRUE(far.has_value());
   EXPECT_TRUE(far->left_out);
-  EXPECT_NEAR(far->from, 0.05, 0.002);
+  EXPECT_NEAR(far->from, 0.08, 0.002);
 
   const auto near = robot.parting(0.0, 0.045, 0.02, 0.155);
   ASSERT_TRUE(near.has_value());

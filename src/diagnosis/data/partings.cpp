@@ -55,7 +55,7 @@ Span span_up_to(const Sides& sides, std::size_t last, double length) {
 
 /// Where what sides differ by began to move to the sample at `at`: a foot left the floor there, and
 /// its side's torque has moved the leg alone ever since. It goes back by spans while the one before
-/// is behind by more than noise, then to the last sample that is still where that span was.
+/// is behind by more than noise, then to the last sample before two that have left that span.
 std::size_t start_of_rise(const Sides& sides, std::size_t at, double length) {
   const double sign = sides.apart[at] < 0.0 ? -1.0 : 1.0;
   Span now = span_up_to(sides, at, length);
@@ -66,9 +66,11 @@ std::size_t start_of_rise(const Sides& sides, std::size_t at, double length) {
     now = before;
   }
 
-  std::size_t start = std::min(now.last, at);
-  const double still = kBeyondNoise * sides.scatter;
-  while (start < at && sign * (sides.apart[start + 1] - now.mean) <= still) ++start;
+  const auto moved_on = [&](std::size_t i) {
+    return sign * (sides.apart[i] - now.mean) > kBeyondNoise * sides.scatter;
+  };
+  std::size_t start = now.last;
+  while (start + 1 < at && !(moved_on(start + 1) && moved_on(start + 2))) ++start;
   return start;
 }
 
