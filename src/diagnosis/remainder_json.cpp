@@ -68,8 +68,7 @@ Json parting_json(const Parting& p) {
           {"joint", p.joint},
           {"from_s", json_number(p.from)},
           {"most", json_number(p.most)},
-          {"unit", p.unit},
-          {"left_out", p.left_out}};
+          {"unit", p.unit}};
 }
 
 }  // namespace

@@ -80,18 +80,12 @@ std::string parting_sentence(const Diagnosis& d) {
   const Parting* first = earliest(d.partings);
   if (first == nullptr) return {};
   const ShownUnit shown = shown_unit(first->unit);
-  const int left_out = left_out_of(d.partings);
-  const std::string meaning =
-      left_out > 0 ? fmt::format(
-                         "in {} of these so far that no model of the plane holds it: what "
-                         "follows is not judged",
-                         left_out)
-                   : "too little to matter to a model of the plane";
   return fmt::format(
       " Left and right part in {} of {} trials, first at {} {:.3g} s after the start (by {:.2g} "
-      "{}), {}.",
+      "{}), "
+      "which no model of the plane holds: what follows is not judged.",
       d.partings.size(), trials_of(d), in_words(first->joint), first->from,
-      first->most / shown.size, shown.unit, meaning);
+      first->most / shown.size, shown.unit);
 }
 
 std::string gap_place(const Diagnosis& d) {

@@ -148,8 +148,7 @@ Prediction prediction_of(const json& root, const std::string& path) {
   prediction.described = parts_of(root);
   prediction.remainder = prediction.verdict == diagnosis::Verdict::unexplained ||
                          root.value("/remainder/established"_json_pointer, false);
-  for (const json& own : root.value("/remainder/partings"_json_pointer, json::array()))
-    prediction.parted = prediction.parted || !own.is_object() || own.value("left_out", true);
+  prediction.parted = !root.value("/remainder/partings"_json_pointer, json::array()).empty();
   return prediction;
 }
 

@@ -83,15 +83,14 @@ struct OneOff {
   std::string channel;  ///< where it shows most
 };
 
-/// Left and right of one joint that part; far apart no model of the plane holds them.
+/// Left and right of one joint that part, which no model of the plane holds.
 struct Parting {
   std::string dataset;  ///< of its folder
   std::string trial;
-  std::string joint;     ///< that parts first
-  double from = 0.0;     ///< where they began to [s]
-  double most = 0.0;     ///< by which they part then [unit]
-  std::string unit;      ///< "rad", "m"
-  bool left_out = true;  ///< whether data of the trial are left out from `from` on
+  std::string joint;  ///< that parts first
+  double from = 0.0;  ///< data of the trial are left out from here on [s]
+  double most = 0.0;  ///< by which they part then [unit]
+  std::string unit;   ///< "rad", "m"
 };
 
 /// An experiment that would separate the rivals of an ambiguous verdict.

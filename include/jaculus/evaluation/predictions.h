@@ -94,7 +94,7 @@ struct Prediction {
   /// whether it says that more is there than it names: verdict unexplained, or a remainder that it
   /// calls established
   bool remainder = false;
-  bool parted = false;    ///< whether it says that left and right part by more than a plane holds
+  bool parted = false;    ///< whether it says that left and right part, which no plane holds
   double seconds = kNaN;  ///< that it took; NaN where not known
 };
 

@@ -68,7 +68,7 @@ struct Observations {
   std::vector<ObservedDataset> datasets;
   std::vector<std::string> notes;         ///< what was left out or assumed, a sentence each
   std::vector<std::string> insufficient;  ///< why the data can't answer; empty where they may
-  std::vector<Parting> partings{};        ///< of sides; some are left out from there on
+  std::vector<Parting> partings{};        ///< from which on data are left out
 };
 
 /// Selects and cuts. `models` holds the robot of each dataset, its overrides applied.

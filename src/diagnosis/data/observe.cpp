@@ -176,11 +176,11 @@ double start_known(const ObservedDataset& observed, const Trial& trial, const Se
 
 /// The end of what a model of the plane can be held to within [from, to] of a trial.
 double together_until(const std::vector<Sides>& sides, double from, double to,
-                      const Settings& settings, std::vector<Parting>& partings) {
-  const std::optional<Parting> found = first_parting(sides, from, to, settings);
+                      std::vector<Parting>& partings) {
+  const std::optional<Parting> found = first_parting(sides, from, to);
   if (!found) return to;
   partings.push_back(*found);
-  return found->left_out ? found->from : to;
+  return found->from;
 }
 
 void cut_windows(ObservedDataset& observed, int trial_index, const Settings& settings,
@@ -203,8 +203,8 @@ void cut_windows(ObservedDataset& observed, int trial_index, const Settings& set
     segment.trial = trial_index;
     segment.start = from;
     if (!measured_start(observed, trial, from, settings, segment)) continue;
-    add_channels(observed, trial, from, together_until(sides, from, to, settings, of_windows),
-                 settings, segment);
+    add_channels(observed, trial, from, together_until(sides, from, to, of_windows), settings,
+                 segment);
     observed.segments.push_back(std::move(segment));
   }
   if (const auto one = as_one(of_windows)) partings.push_back(*one);
@@ -216,8 +216,8 @@ void cut_trials(ObservedDataset& observed, const Settings& settings,
   double latest = 0.0;
   for (int t = 0; t < count_of(observed.dataset.trials); ++t) {
     const Trial& trial = observed.dataset.trials[t];
-    const double to = together_until(sides_of(observed, trial, settings), 0.0, observed.window_end,
-                                     settings, partings);
+    const double to =
+        together_until(sides_of(observed, trial, settings), 0.0, observed.window_end, partings);
     Segment segment;
     segment.trial = t;
     add_channels(observed, trial, observed.window_start, to, settings, segment);

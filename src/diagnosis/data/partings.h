@@ -4,10 +4,8 @@
 //   (f(q + d) + f(q - d)) / 2 = f(q) + f''(q) d^2 / 2 + ...
 // so sides that differ count in the second order only, until they part: in a leap as soon as one
 // foot of a pair leaves the floor before the other. Where a log has both sides (channel
-// <joint>_apart, their difference 2 d), data are no test of a model of the plane from where the
-// difference began to rise to what that order doesn't hold; that they part is said before. The
-// order says nothing of a foot that leaves the floor first: how far its side then gets is how long
-// the model has been wrong.
+// <joint>_apart, their difference 2 d), data from there on are no test of a model of the plane:
+// from where the difference began to rise to what it parts by.
 
 #include <optional>
 #include <string>
@@ -26,33 +24,24 @@ bool tells_of_plane(const model::PlanarModel& model, const std::string& stream,
 struct Sides {
   Parting names;                    ///< dataset, trial, joint and unit
   double limit = 0.0;               ///< from which on they part [unit]
-  double beyond_plane = 0.0;        ///< from which on a model of the plane doesn't hold them [unit]
-  double scatter = 0.0;             ///< of their difference [unit]
-  std::vector<double> time, apart;  ///< gaps left out [s], [unit]
+  std::vector<double> time, apart;  ///< gaps left out [s], [unit], not negative
 };
 
-/// Every joint of a trial whose log has both sides. They part by more than settings.sides_apart and
-/// are not held beyond settings.sides_beyond_plane (of what slides these times settings.lever); or
-/// beyond settings.sides_scatter times what the difference scatters by, if that is more. Zeros of
-/// encoders differ: what counts is the difference beyond its median at rest before the command, or
-/// over all of a log that itself drove the robot.
+/// Every joint of a trial whose log has both sides. They part by more than settings.sides_apart (of
+/// what slides that times settings.lever) or settings.sides_scatter times what the difference
+/// scatters by. Zeros of encoders differ: what counts is the difference beyond its median at rest
+/// before the command, or over all of a log that itself drove the robot.
 std::vector<Sides> sides_of(const ObservedDataset& observed, const trajectory::Trial& trial,
                             const Settings& settings);
 
-/// Where a trial's sides first part within [from, to] by what is not held, two samples in a row, or
-/// else where they first part; nothing where none do.
-std::optional<Parting> first_parting(const std::vector<Sides>& sides, double from, double to,
-                                     const Settings& settings);
+/// Where a trial's sides first part within [from, to], two samples in a row; nothing where none do.
+std::optional<Parting> first_parting(const std::vector<Sides>& sides, double from, double to);
 
-/// The first of some that are left out, or else of all; null of none.
+/// The first of some; null of none.
 const Parting* earliest(const std::vector<Parting>& partings);
 
-/// Those of a trial's windows as one: the first that is left out, or else the first; by as much as
-/// they part at most. Nothing of none.
+/// Those of a trial's windows as one: the first, by as much as they part at most. Nothing of none.
 std::optional<Parting> as_one(const std::vector<Parting>& partings);
-
-/// Of how many trials data are left out.
-int left_out_of(const std::vector<Parting>& partings);
 
 /// What was seen and left out, a sentence for the partings of a dataset of so many trials.
 std::string note_of(const std::vector<Parting>& partings, int trials);

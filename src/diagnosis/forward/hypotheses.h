@@ -10,6 +10,7 @@
 // nothing of it. Start offsets are free in every segment, forces are random effects of a dataset
 // (noise/random_effects.h): these two enter through their sensitivities alone.
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <string>
@@ -30,6 +31,10 @@ struct FreeParameter {
   double probe = kNaN;  ///< signed step from nominal whose influence is plain; NaN: one scale
 
   [[nodiscard]] double usual_step() const { return std::isnan(probe) ? scale : probe; }
+  /// A value moved by so many prior scales, as far as the bounds let it go.
+  [[nodiscard]] double moved(double value, double scales) const {
+    return std::clamp(value + scales * scale, bounds.lower, bounds.upper);
+  }
   /// Of u = (p - nominal)/scale.
   [[nodiscard]] Bounds scaled_bounds() const {
     return {(bounds.lower - nominal) / scale, (bounds.upper - nominal) / scale};

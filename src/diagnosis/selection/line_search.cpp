@@ -73,9 +73,8 @@ struct Line {
     std::vector<std::size_t> simulated;        // of which steps they are
     for (const double u : steps) {
       points.push_back({u});
-      const FreeParameter& own = problem.hypotheses.parameters[parameter];
       Vector p = base.simulated;
-      p[parameter] = std::clamp(p[parameter] + u * own.scale, own.bounds.lower, own.bounds.upper);
+      p[parameter] = problem.hypotheses.parameters[parameter].moved(p[parameter], u);
       const PredictionSet set = predict_all(problem, p);
       if (!set.valid) continue;
       changes.push_back(rows_of(problem, whitening.alignments, set));

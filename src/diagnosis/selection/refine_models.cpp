@@ -186,8 +186,7 @@ Vector FittedModels::by_tolerances(const ModelFit& lead, const ModelFit& model) 
         problem_.tolerance_part(c, lead.fit.p).completeOrthogonalDecomposition().solve(moved);
     for (int j = 0; j < count_of(hypotheses.tolerances); ++j) {
       const int i = hypotheses.tolerances[j];
-      const Bounds& range = hypotheses.parameters[i].bounds;
-      p[i] = std::clamp(p[i] + t[j] * hypotheses.parameters[i].scale, range.lower, range.upper);
+      p[i] = hypotheses.parameters[i].moved(p[i], t[j]);
     }
   }
   return p;

@@ -50,12 +50,6 @@ std::optional<Matrix> columns_of(const Problem& problem, const Whitening& whiten
   return columns_at(problem, whitening, base, candidate, step, share);
 }
 
-/// A step of u prior scales in a parameter's unit, as far as its bounds let it go.
-double step_within(const FreeParameter& parameter, double value, double u) {
-  const Bounds& bounds = parameter.bounds;
-  return std::clamp(value + u * parameter.scale, bounds.lower, bounds.upper) - value;
-}
-
 /// Whether an effect does at both strengths what its slope says.
 bool proportional(const Matrix& small, const Matrix& full, const Settings& settings) {
   return (small - full).norm() < settings.same_slope * full.norm();
@@ -69,7 +63,7 @@ bool holds_to_estimate(const Problem& problem, const Whitening& whitening, const
   const int first = candidate.parameters.front();
   const FreeParameter& own = problem.hypotheses.parameters[first];
   const double value = base.simulated[first];
-  const double step = step_within(own, value, probe.estimate[0]);
+  const double step = own.moved(value, probe.estimate[0]) - value;
   const double share = step / probe_step(own, value, 1.0);
   if (share >= 0.0 && share <= 1.0) return true;
   if (!(std::abs(share) <= problem.settings.line_search_highest)) return false;
@@ -159,7 +153,7 @@ Probe probe_candidate(const Problem& problem, const Whitening& whitening, const 
 
   // Without influence up to its threshold: its columns are those of the step that helps.
   const FreeParameter& own = problem.hypotheses.parameters[first];
-  const double step = step_within(own, base.simulated[first], probe.step);
+  const double value = base.simulated[first], step = own.moved(value, probe.step) - value;
   const double others = std::min(1.0, std::abs(step / own.usual_step()));
   const auto there = columns_at(problem, whitening, base, candidate, step, others);
   probe.predictions += count_of(candidate.parameters);
@@ -189,7 +183,7 @@ std::vector<Vector> fit_starts(const Problem& problem, const Vector& base, int c
     const double step = p.usual_step();
     const double u = probe.estimate.size() > 0 ? probe.estimate[k] : 0.0;
 
-    estimated[i] = std::clamp(base[i] + u * p.scale, p.bounds.lower, p.bounds.upper);
+    estimated[i] = p.moved(base[i], u);
     if (k == 0 && std::abs(u * p.scale) < problem.settings.off_nominal * std::abs(step))
       estimated[i] = base[i] + problem.settings.from_nominal * step;
 
