@@ -40,12 +40,10 @@ struct Legged {
     trial.streams.push_back(stream);
   }
 
-  [[nodiscard]] std::optional<Parting> parting(double from, double to, double limit = 0.02,
-                                               double beyond_plane = 0.02) const {
+  [[nodiscard]] std::optional<Parting> parting(double from, double to, double limit = 0.02) const {
     Settings settings;
     settings.sides_apart = limit;
-    settings.sides_beyond_plane = beyond_plane;
-    return first_parting(sides_of(observed, trial, settings), from, to, settings);
+    return first_parting(sides_of(observed, trial, settings), from, to);
   }
 };
 
@@ -89,7 +87,7 @@ TEST(Partings, AreSoughtAboutNoiseAndCountAsMuchWhereAJointSlides) {
   EXPECT_TRUE(Legged(slides, model::JointKind::prismatic).parting(0.0, 0.1).has_value());
 }
 
-TEST(Partings, AreLeftOutWhereTheyAreFarAndOnlySaidBefore) {
+TEST(Partings, BeginAnewAboveAPlateau) {
   // Noise of 1 mrad, 40 mrad from 0.01 s on, as unlike friction makes them; then a foot lifts.
   const auto both = [](double t) {
     const long k = std::lround(1e3 * t);
@@ -97,46 +95,44 @@ TEST(Partings, AreLeftOutWhereTheyAreFarAndOnlySaidBefore) {
            (t < 0.0805 ? 0.0 : 10.0 * (t - 0.08));
   };
   const Legged robot(both);
-  const auto far = robot.parting(0.0, 0.1, 0.02, 0.155);
+  const auto far = robot.parting(0.0, 0.1, 0.155);
   ASSERT_TRUE(far.has_value());
-  EXPECT_TRUE(far->left_out);
   EXPECT_NEAR(far->from, 0.08, 0.002);
 
-  const auto near = robot.parting(0.0, 0.045, 0.02, 0.155);
+  const auto near = robot.parting(0.0, 0.045);
   ASSERT_TRUE(near.has_value());
-  EXPECT_FALSE(near->left_out);
   EXPECT_NEAR(near->from, 0.01, 0.002);
   EXPECT_NEAR(near->most, 0.04, 0.003);
 }
 
-/// Noise of encoders and a motion, sampled at so many Hz: from when on data are left out.
-double left_out_from(double rate, const std::function<double(double)>& apart) {
+/// Noise of encoders and a motion, at so many Hz: where sides part that get 0.155 rad apart.
+double parted_from(double rate, const std::function<double(double)>& apart) {
   std::mt19937 rng(4);
   std::normal_distribution<double> noise(0.0, 1.4e-3);
   Sides sides;
-  sides.limit = 0.02;
-  sides.beyond_plane = 0.155;
-  sides.scatter = 1.4e-3;
+  sides.limit = 0.155;
+  sides.noise = 2.0 * 1.4e-3;
+  sides.rise = 0.02;
   for (double t = -0.2; t < 1.0; t += 1.0 / rate) {
     sides.time.push_back(t);
     sides.apart.push_back(apart(t) + noise(rng));
   }
-  const auto found = first_parting({sides}, 0.0, 1.0, Settings{});
-  return found && found->left_out ? found->from : kNaN;
+  const auto found = first_parting({sides}, 0.0, 1.0);
+  return found ? found->from : kNaN;
 }
 
 TEST(Partings, AreCutWhereTheyBeganWhateverTheRateOfTheLog) {
   // Slowly, and as a foot does that leaves the floor, which is at 0.1 s.
   for (const double rate : {250.0, 1000.0, 2000.0}) {
     for (const double slope : {0.3, 0.8, 5.0})
-      EXPECT_NEAR(left_out_from(rate, [&](double t) { return slope * std::max(0.0, t - 0.1); }),
-                  0.1, 0.03)
+      EXPECT_NEAR(parted_from(rate, [&](double t) { return slope * std::max(0.0, t - 0.1); }), 0.1,
+                  0.03)
           << slope << " rad/s at " << rate << " Hz";
     for (const double faster : {5.0, 20.0, 100.0}) {
       const auto lifted = [&](double t) {
         return 0.5 * faster * std::pow(std::max(0.0, t - 0.1), 2);
       };
-      const double from = left_out_from(rate, lifted);
+      const double from = parted_from(rate, lifted);
       EXPECT_LT(std::abs(lifted(from)), 0.01) << faster << " rad/s^2 at " << rate << " Hz";
     }
   }
@@ -144,7 +140,7 @@ TEST(Partings, AreCutWhereTheyBeganWhateverTheRateOfTheLog) {
   const auto across = [](double t) {
     return t < 0.1 ? -0.12 : std::min(0.3, -0.12 + 4.0 * (t - 0.1));
   };
-  EXPECT_NEAR(left_out_from(1000.0, across), 0.1, 0.01);
+  EXPECT_NEAR(parted_from(1000.0, across), 0.1, 0.01);
 }
 
 TEST(Partings, AreNoSingleSampleAndNoGap) {
@@ -162,27 +158,6 @@ TEST(Partings, OfWindowsAreOneOfTheTrial) {
   EXPECT_EQ(one->joint, "hip");
   EXPECT_EQ(one->from, 0.2);
   EXPECT_EQ(one->most, 0.1);
-
-  // What is left out comes first, for that decides what an answer is about.
-  const auto later = as_one(
-      {{"d", "t", "knee", 0.6, 0.3, "rad", true}, {"d", "t", "hip", 0.2, 0.05, "rad", false}});
-  EXPECT_EQ(later->joint, "knee");
-  EXPECT_TRUE(later->left_out);
-}
-
-TEST(Partings, AreToldByWhatTheyDoToTheAnswer) {
-  const Parting near{"leap", "trial_02", "knee", 0.2, 0.04, "rad", false};
-  const Parting far{"leap", "trial_01", "hip", 0.4, 0.3, "rad", true};
-  EXPECT_EQ(
-      note_of({near}, 4),
-      "leap: left and right part in 1 of 4 trials, at knee of trial_02 from 0.200 s on (by 0.04 "
-      "rad). A model of the plane moves both as one; at this size that errs by less than "
-      "lengths are known to, so nothing is left out");
-  EXPECT_EQ(
-      note_of({near, far}, 4),
-      "leap: left and right part in 2 of 4 trials, at hip of trial_01 from 0.400 s on (by 0.3 "
-      "rad). In 1 that is too far for a model of the plane, which moves both as one: data are "
-      "left out from there on, or until a window begins with both together");
 }
 
 TEST(Partings, OnlyJointsOfTheModelTellOfThePlane) {

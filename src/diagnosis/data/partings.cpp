@@ -22,9 +22,6 @@ using trajectory::Stream;
 constexpr std::array<std::pair<const char*, const char*>, 3> kOutOfPlane = {
     {{"y", "m"}, {"roll", "rad"}, {"yaw", "rad"}}};
 
-// Deviations of means. Chosen: where nothing parts one span in forty seems to.
-constexpr double kBeyondNoise = 2.0;
-
 /// What zeros differ by: before the command at rest, or where there is no rest at first; under a
 /// logged input at the middle of what there is.
 double zero_of(const Sides& sides, const ObservedDataset& observed, const Settings& settings) {
@@ -44,10 +41,10 @@ struct Span {
   [[nodiscard]] double count() const { return static_cast<double>(last - first + 1); }
 };
 
-/// The samples up to `last` that are less than `length` [s] before it.
-Span span_up_to(const Sides& sides, std::size_t last, double length) {
+/// The samples up to `last` that are less than `rise` before it.
+Span span_up_to(const Sides& sides, std::size_t last) {
   Span span{last, last, sides.apart[last]};
-  while (span.first > 0 && sides.time[last] - sides.time[span.first - 1] < length)
+  while (span.first > 0 && sides.time[last] - sides.time[span.first - 1] < sides.rise)
     span.mean += sides.apart[--span.first];
   span.mean /= span.count();
   return span;
@@ -56,34 +53,33 @@ Span span_up_to(const Sides& sides, std::size_t last, double length) {
 /// Where what sides differ by began to move to the sample at `at`: a foot left the floor there, and
 /// its side's torque has moved the leg alone ever since. It goes back by spans while the one before
 /// is behind by more than noise, then to the last sample before two that have left that span.
-std::size_t start_of_rise(const Sides& sides, std::size_t at, double length) {
+std::size_t start_of_rise(const Sides& sides, std::size_t at) {
   const double sign = sides.apart[at] < 0.0 ? -1.0 : 1.0;
-  Span now = span_up_to(sides, at, length);
+  Span now = span_up_to(sides, at);
   while (now.first > 0) {
-    const Span before = span_up_to(sides, now.first - 1, length);
-    const double noise = sides.scatter * std::sqrt(1.0 / now.count() + 1.0 / before.count());
-    if (sign * (now.mean - before.mean) <= kBeyondNoise * noise) break;
+    const Span before = span_up_to(sides, now.first - 1);
+    const double noise = sides.noise * std::sqrt(1.0 / now.count() + 1.0 / before.count());
+    if (sign * (now.mean - before.mean) <= noise) break;
     now = before;
   }
 
   const auto moved_on = [&](std::size_t i) {
-    return sign * (sides.apart[i] - now.mean) > kBeyondNoise * sides.scatter;
+    return sign * (sides.apart[i] - now.mean) > sides.noise;
   };
   std::size_t start = now.last;
   while (start + 1 < at && !(moved_on(start + 1) && moved_on(start + 2))) ++start;
   return start;
 }
 
-/// Of one joint by more than `limit`, two samples in a row; nothing where its sides stay closer.
-std::optional<Parting> parting_of(const Sides& sides, double limit, double from, double to,
-                                  double length) {
+/// Of one joint, two samples in a row; nothing where its sides stay together.
+std::optional<Parting> parting_of(const Sides& sides, double from, double to) {
   std::optional<Parting> found;
   for (std::size_t i = 0; i + 1 < sides.apart.size() && sides.time[i] <= to; ++i) {
     if (sides.time[i] < from) continue;
     const double both = std::min(std::abs(sides.apart[i]), std::abs(sides.apart[i + 1]));
-    if (!found && both > limit) {
+    if (!found && both > sides.limit) {
       found = sides.names;
-      found->from = std::max(from, sides.time[start_of_rise(sides, i, length)]);
+      found->from = std::max(from, sides.time[start_of_rise(sides, i)]);
     }
     if (found) found->most = std::max(found->most, both);
   }
@@ -183,10 +179,10 @@ std::vector<Sides> sides_of(const ObservedDataset& observed, const trajectory::T
       sides.names.joint = own.joint;
       sides.names.unit = stream.units[c];
       const double lever = own.kind == model::JointKind::prismatic ? settings.lever : 1.0;
-      sides.scatter = scatter_of(sides.apart);
-      const double noise = settings.sides_scatter * sides.scatter;
-      sides.limit = std::max(settings.sides_apart * lever, noise);
-      sides.beyond_plane = std::max(settings.sides_beyond_plane * lever, sides.limit);
+      const double scatter = scatter_of(sides.apart);
+      sides.limit = std::max(settings.sides_apart * lever, settings.sides_scatter * scatter);
+      sides.noise = settings.sides_moved * scatter;
+      sides.rise = settings.sides_rise;
       const double zero = zero_of(sides, observed, settings);
       for (double& value : sides.apart) value -= zero;
       found.push_back(std::move(sides));
@@ -195,28 +191,19 @@ std::vector<Sides> sides_of(const ObservedDataset& observed, const trajectory::T
   return found;
 }
 
-std::optional<Parting> first_parting(const std::vector<Sides>& sides, double from, double to,
-                                     const Settings& settings) {
-  for (const bool left_out : {true, false}) {
-    std::optional<Parting> first;
-    for (const Sides& own : sides) {
-      const double limit = left_out ? own.beyond_plane : own.limit;
-      const auto found = parting_of(own, limit, from, to, settings.sides_rise);
-      if (found && (!first || found->from < first->from)) first = found;
-    }
-    if (!first) continue;
-    first->left_out = left_out;
-    return first;
+std::optional<Parting> first_parting(const std::vector<Sides>& sides, double from, double to) {
+  std::optional<Parting> first;
+  for (const Sides& own : sides) {
+    const std::optional<Parting> found = parting_of(own, from, to);
+    if (found && (!first || found->from < first->from)) first = found;
   }
-  return {};
+  return first;
 }
 
 const Parting* earliest(const std::vector<Parting>& partings) {
   const auto first =
-      std::min_element(partings.begin(), partings.end(), [](const Parting& a, const Parting& b) {
-        if (a.left_out != b.left_out) return a.left_out;
-        return a.from < b.from;
-      });
+      std::min_element(partings.begin(), partings.end(),
+                       [](const Parting& a, const Parting& b) { return a.from < b.from; });
   return first == partings.end() ? nullptr : &*first;
 }
 
@@ -228,28 +215,16 @@ std::optional<Parting> as_one(const std::vector<Parting>& partings) {
   return one;
 }
 
-int left_out_of(const std::vector<Parting>& partings) {
-  return static_cast<int>(std::count_if(partings.begin(), partings.end(),
-                                        [](const Parting& own) { return own.left_out; }));
-}
-
 std::string note_of(const std::vector<Parting>& partings, int trials) {
   const Parting* first = earliest(partings);
   assert(first != nullptr);
-  const int left_out = left_out_of(partings);
-  const std::string meaning =
-      left_out > 0
-          ? fmt::format(
-                "In {} that is too far for a model of the plane, which moves both as one: "
-                "data are left out from there on, or until a window begins with both "
-                "together",
-                left_out)
-          : "A model of the plane moves both as one; at this size that errs by less than lengths "
-            "are known to, so nothing is left out";
   return fmt::format(
-      "{}: left and right part in {} of {} trials, at {} of {} from {:.3f} s on (by {:.2g} {}). {}",
+      "{}: left and right part in {} of {} trials, at {} of {} from {:.3f} s on (by {:.2g} {}): a "
+      "model of the plane moves them as one, so a trial's data are left out from there on, or "
+      "until "
+      "a window begins with both together",
       first->dataset, partings.size(), trials, first->joint, first->trial, first->from, first->most,
-      first->unit, meaning);
+      first->unit);
 }
 
 }  // namespace jaculus::diagnosis

@@ -24,7 +24,9 @@ bool tells_of_plane(const model::PlanarModel& model, const std::string& stream,
 struct Sides {
   Parting names;                    ///< dataset, trial, joint and unit
   double limit = 0.0;               ///< from which on they part [unit]
-  std::vector<double> time, apart;  ///< gaps left out [s], [unit], not negative
+  double noise = 0.0;               ///< by which one sample is no move [unit]
+  double rise = 0.0;                ///< settings.sides_rise [s]
+  std::vector<double> time, apart;  ///< gaps left out [s], [unit]
 };
 
 /// Every joint of a trial whose log has both sides. They part by more than settings.sides_apart (of
