@@ -30,13 +30,14 @@ struct Seen {
   fs::path from;
 };
 
-/// The robot of the problem behind a plan; empty where no summary tells.
+/// The robot of the problem behind a plan, as found from the plan's folder; empty where no summary
+/// tells.
 std::string robot_of_plan(const fs::path& folder) {
   std::ifstream stream(folder / "summary.json");
   if (!stream) return {};
   const auto json = nlohmann::ordered_json::parse(stream, nullptr, false);
   if (!json.is_object() || !json.contains("problem")) return {};
-  return json["problem"].value("robot", "");
+  return json.value("robot_folder", json["problem"].value("robot", ""));
 }
 
 Seen see_dataset(const ViewOptions& options) {

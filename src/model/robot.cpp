@@ -213,6 +213,13 @@ fs::path find_robot(const std::string& name, const fs::path& relative_to) {
                   fmt::join(known, ", ")));
 }
 
+bool is_installed(const std::string& name) {
+  const std::vector<fs::path> folders = model_folders();
+  return fs::path(name).filename() == name && name != "." && name != ".." &&
+         std::any_of(folders.begin(), folders.end(),
+                     [&](const fs::path& folder) { return is_robot(folder / name); });
+}
+
 Robot read_robot(const fs::path& folder, const std::vector<Override>& overrides, Reading reading) {
   const Description described = read_description(folder);
   Robot robot = read_files(folder, described, overrides, reading);

@@ -48,7 +48,12 @@ void write_plan(const SolvedPlan& solved, const fs::path& folder) {
   if (!solved.solution.is_null()) write_json(folder / "solution.json", solved.solution);
 
   write_json(folder / "timing.json", timing_json(solved));
-  write_json(folder / "summary.json", to_json(solved.summary));
+
+  solver::Summary summary = solved.summary;
+  if (!summary.robot_folder.empty())
+    summary.robot_folder =
+        fs::relative(fs::absolute(summary.robot_folder), fs::absolute(folder)).generic_string();
+  write_json(folder / "summary.json", to_json(summary));
 }
 
 PlanTables plan_tables(const SolvedPlan& solved) {

@@ -253,6 +253,7 @@ Summary summarise(const Plan& plan, const transcription::Problem& problem) {
   s.seed = problem.solver.seed;
   s.reference = problem.reference;
   s.problem = transcription::describe_problem(problem);
+  if (!model::is_installed(problem.robot)) s.robot_folder = problem.robot_folder.generic_string();
   model::PlanarModel limited = program.equations().model();
   for (model::PlanarMotor& motor : limited.motors)
     motor = transcription::limited_motor(problem, limited, motor);

@@ -168,6 +168,7 @@ Summary read(const Json& json) {
   s.input_hold = hold_from(json.at("input_hold").get<std::string>());
   s.reference = numbers_from(json.at("reference"));
   s.seed = json.at("seed").get<int>();
+  s.robot_folder = json.value("robot_folder", std::string());
   s.problem = json.at("problem");
 
   return s;
@@ -233,6 +234,7 @@ Json to_json(const Summary& s) {
   json["reference"] = numbers(s.reference);
   json["seed"] = s.seed;
   json["version"] = version();
+  if (!s.robot_folder.empty()) json["robot_folder"] = s.robot_folder;
   json["problem"] = s.problem;
 
   return json;

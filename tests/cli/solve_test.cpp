@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "cli/program.h"
@@ -51,6 +52,19 @@ TEST(Solve, DoubleIntegratorTakesTwoSeconds) {
   EXPECT_NEAR(price_of(summary, "motor torque"), 1.0, 1e-5);
   for (const char* file : {"plan.csv", "solution.json", "timing.json"})
     EXPECT_TRUE(fs::exists(folder / "out" / file));
+}
+
+TEST(View, FindsTheRobotThatStandsBesideItsProblem) {
+  const TemporaryFolder folder;
+  fs::copy(source_folder() / "models/slider", folder / "mine", fs::copy_options::recursive);
+  std::ofstream(folder / "mine/leap.yaml") << "format: jaculus-problem/1\nextends: " << kProblems
+                                           << "double_integrator.yaml\nname: leap\nrobot: .\n";
+  run_program({"solve", folder / "mine/leap.yaml", "--out", folder / "plans/leap"});
+  ASSERT_TRUE(fs::exists(folder / "plans/leap/plan.csv"));
+  EXPECT_EQ(json_of(folder / "plans/leap/summary.json").at("robot_folder"), "../../mine");
+  const Outcome run = run_program({"view", folder / "plans/leap", "--out", folder / "leap.html"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_TRUE(fs::exists(folder / "leap.html"));
 }
 
 TEST(Solve, CoarseLeapIsSolvedTwiceToTheSameBytes) {

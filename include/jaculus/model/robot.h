@@ -42,6 +42,9 @@ struct Override {
 /// Throws InputError naming the known robots.
 std::filesystem::path find_robot(const std::string& name, const std::filesystem::path& relative_to);
 
+/// Whether a name is that of a robot under models/, wherever the file lies that names it.
+bool is_installed(const std::string& name);
+
 /// Reads, checks and reduces a robot. Every fault of the files is an InputError with file:line,
 /// except for what URDF files of the field get wrong and other tools live with: that is a note,
 /// unless `reading` is strict.

@@ -122,7 +122,10 @@ struct Summary {
   transcription::InputHold input_hold = transcription::InputHold::held;  ///< of the plan's torques
   int seed = 0;                             ///< of everything random in the solve
   std::map<std::string, double> reference;  ///< published figures, from the problem
-  nlohmann::ordered_json problem;           ///< as understood: transcription::describe_problem()
+  /// Where the robot was found, in summary.json from that file's folder; empty: by a name that is
+  /// installed.
+  std::string robot_folder;
+  nlohmann::ordered_json problem;  ///< as understood: transcription::describe_problem()
 
   [[nodiscard]] bool converged() const { return solver::converged(status); }
 };
