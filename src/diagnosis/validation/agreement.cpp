@@ -9,6 +9,7 @@
 #include "diagnosis/forward/unknown_gains.h"
 #include "diagnosis/noise/alignment.h"
 #include "diagnosis/noise/quantiles.h"
+#include "diagnosis/validation/fit_to_others.h"
 
 namespace jaculus::diagnosis {
 namespace {
@@ -90,25 +91,19 @@ Fit fit_from(const Problem& problem, const Whitening& whitening, const std::vect
   return fit_model(problem, whitening, free, {p}, options);
 }
 
-/// Gaps of each dataset where the model is fitted to the others, unknowns from where the files have
-/// them: from the whole's optimum a flat cost would keep what this dataset told. Empty vectors
-/// where it fails.
+/// Gaps of each dataset where the model is fitted to the others. Empty vectors where it fails.
 std::vector<Vector> held_out_gaps(const Problem& problem, const Comparison& comparison,
                                   const Fit& model) {
   const int count = count_of(problem.observations.datasets);
-  Vector start = model.p;
-  for (const int i : problem.hypotheses.nuisances())
-    start[i] = problem.hypotheses.parameters[i].nominal;
-
   std::vector<Vector> gaps(count);
   tbb::parallel_for(0, count, [&](int d) {
     SegmentMask mask;
     for (int own = 0; own < count; ++own)
       mask.emplace_back(problem.observations.datasets[own].segments.size(), own != d);
     const Whitening others = whitening_of(problem, comparison.noise, mask);
-    const Fit fit = fit_model(problem, others, model.free, {start});
-    if (!fit.valid) return;
-    const std::vector<Vector> all = gaps_at(problem, comparison, fit.p);
+    const auto p = fit_to_others(problem, comparison.whitening, others, mask, model);
+    if (!p) return;
+    const std::vector<Vector> all = gaps_at(problem, comparison, *p);
     if (!all.empty()) gaps[d] = all[d];
   });
   return gaps;

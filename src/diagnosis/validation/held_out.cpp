@@ -9,6 +9,7 @@
 
 #include "diagnosis/forward/sensitivities.h"
 #include "diagnosis/selection/known_slopes.h"
+#include "diagnosis/validation/fit_to_others.h"
 #include "diagnosis/validation/fold_interval.h"
 
 namespace jaculus::diagnosis {
@@ -52,6 +53,28 @@ std::vector<Matrix> open_rows_of(const Problem& problem, const Whitening& fold,
   return open;
 }
 
+/// Rows of all segments by a model refitted to a fold; nothing where it can't be simulated.
+std::optional<std::vector<Vector>> refitted_rows(const Problem& problem,
+                                                 const Comparison& comparison,
+                                                 const Whitening& fold, const SegmentMask& mask,
+                                                 const Fit& fit) {
+  // Windows of a logged input restart, so that slopes hold for another dataset as well.
+  if (count_of(mask) > 1 && !in_windows(problem) && !fit.free.empty()) {
+    const auto p = fit_to_others(problem, comparison.whitening, fold, mask, fit);
+    if (!p) return {};
+    const PredictionSet there = predict_all(problem, *p);
+    if (!there.valid) return {};
+    return rows_of(problem, fold.alignments, there);
+  }
+
+  const Matrix J = fit.jacobian(rows_of_part(comparison.whitening, fold), Eigen::all);
+  const RandomWeights weights(fold.random, fit.scales);
+  NearFit there =
+      fit_by_known_slopes(problem, fold, weights, fit.free, J, fit.p, problem.settings.refit_steps);
+  if (!there.valid) return {};
+  return std::move(there.rows);
+}
+
 /// Errors of the segments that a fold leaves out, by the model refitted to the others; nothing
 /// where the fold has no rows or can't be simulated. `open`: a dataset each; null: nothing is.
 std::optional<Errors> judge_fold(const Problem& problem, const Comparison& comparison,
@@ -59,11 +82,8 @@ std::optional<Errors> judge_fold(const Problem& problem, const Comparison& compa
                                  const std::vector<Matrix>* open) {
   const Whitening fold = whitening_of(problem, comparison.noise, mask);
   if (fold.rows == 0) return {};
-  const Matrix J = fit.jacobian(rows_of_part(comparison.whitening, fold), Eigen::all);
-  const RandomWeights weights(fold.random, fit.scales);
-  const NearFit there =
-      fit_by_known_slopes(problem, fold, weights, fit.free, J, fit.p, problem.settings.refit_steps);
-  if (!there.valid) return {};
+  const auto rows = refitted_rows(problem, comparison, fold, mask, fit);
+  if (!rows) return {};
 
   Errors errors(problem);
   for (int d = 0; d < count_of(mask); ++d) {
@@ -73,7 +93,7 @@ std::optional<Errors> judge_fold(const Problem& problem, const Comparison& compa
     const Judge judge{
         observed,         comparison.noise.datasets[d], comparison.whitening.datasets[d],
         problem.settings, alone ? kInfinity : trained,  open != nullptr ? &(*open)[d] : nullptr};
-    const Vector residual = measured_rows(observed, comparison.noise.alignments[d]) - there.rows[d];
+    const Vector residual = measured_rows(observed, comparison.noise.alignments[d]) - (*rows)[d];
     for (int s = 0; s < count_of(mask[d]); ++s)
       if (!mask[d][s]) judge.judge(d, s, residual, errors);
   }

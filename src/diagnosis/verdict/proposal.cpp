@@ -179,7 +179,9 @@ const ModelFit* best_predicting(HeldOutGaps& gaps) {
   for (const ModelFit& model : gaps.posterior().models) {
     if (model.candidates.empty() || !model.fit.valid || model.probability() < least) continue;
     const HeldOut own = gap_of(model);
-    if (!own.valid || !present.valid || !(own.after < better * present.after)) continue;
+    if (!own.valid || !present.valid || own.folds < present.folds ||
+        !(own.after < better * present.after))
+      continue;
     best = &model;
     present = own;
   }
