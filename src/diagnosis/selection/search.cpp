@@ -186,8 +186,11 @@ SearchResult search_models(const Problem& problem, const Comparison& comparison,
   }
 
   const Members led = options.known.empty() ? Members{} : options.known.front().candidates;
-  if (options.earlier != nullptr && !beyond_reach(problem, models))
+  if (options.earlier != nullptr && !beyond_reach(problem, models)) {
+    const double by_slopes = models.value(*models.leading());
     models.refine(options.none, led);
+    out.overstated = by_slopes - models.value(*models.leading());
+  }
   out.indistinguishable =
       indistinguishable_sets(random, models, out.probes, problem.settings.indistinguishable_below);
   out.predictions = models.predictions();
@@ -195,6 +198,40 @@ SearchResult search_models(const Problem& problem, const Comparison& comparison,
   out.models = last ? pooled(problem, comparison, models.all(), out.predictions) : models.all();
   return out;
 }
+
+namespace {
+
+/// A search under a plan, and again about what leads it where slopes of tolerances had promised
+/// more than they hold: what leads was then found beside models that explained by slopes what they
+/// can't, nothing seemed left for another effect, and the search ended early. In the last space
+/// slopes are those of what leads.
+Selection search_until_slopes_hold(const Problem& problem, Comparison comparison,
+                                   SearchOptions options) {
+  SearchResult search = search_models(problem, comparison, options);
+  const std::vector<ModelFit> known = options.known;
+  for (int round = 0; round < problem.settings.searched_again && !in_windows(problem); ++round) {
+    if (search.models.empty() || search.overstated < problem.settings.clear_lead) break;
+    const ModelFit lead =
+        *most_probable(search.models, [](const ModelFit& m) { return m.fit.valid; });
+    if (lead.candidates.empty()) break;
+    if (options.progress) options.progress("once more about what leads");
+    Relinearised about = relinearise(problem, comparison, lead.fit);
+
+    options.earlier = &search;
+    options.same_space = false;
+    options.known = known;
+    for (ModelFit& model : leading_models(search, problem))
+      if (!model.candidates.empty()) options.known.push_back(std::move(model));
+    SearchResult again = search_models(problem, about.comparison, options);
+    if (again.models.empty()) break;
+    again.predictions += search.predictions;
+    comparison = std::move(about.comparison);
+    search = std::move(again);
+  }
+  return {std::move(comparison), std::move(search)};
+}
+
+}  // namespace
 
 Selection select_models(const Problem& problem, Comparison comparison,
                         const std::function<void(const std::string&)>& progress,
@@ -227,9 +264,10 @@ Selection select_models(const Problem& problem, Comparison comparison,
   const int largest =
       in_windows(problem) ? problem.settings.largest_set : problem.settings.largest_model;
   const SearchOptions options{largest, &singles, same_space, {}, none, std::move(known), progress};
-  SearchResult search = search_models(problem, comparison, options);
-  search.predictions += singles.predictions;
-  return {std::move(comparison), std::move(search), std::move(about_none)};
+  Selection found = search_until_slopes_hold(problem, std::move(comparison), options);
+  found.search.predictions += singles.predictions;
+  found.about_none = std::move(about_none);
+  return found;
 }
 
 Selection select_models_from(const Problem& problem, Comparison comparison, SearchResult part,
