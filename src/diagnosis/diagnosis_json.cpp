@@ -61,7 +61,8 @@ Json effects_json(const Diagnosis& d) {
       parameters[p.name] = {{"value", json_number(p.value)},
                             {"ci95", pair(p.ci95)},
                             {"unit", p.unit},
-                            {"at_bound", p.at_bound}};
+                            {"at_bound", p.at_bound},
+                            {"cut_by_range", p.cut_by_range}};
     list.push_back({{"name", e.name},
                     {"at", joints_of(d, e.name)},
                     {"caption", e.caption},

@@ -36,6 +36,12 @@ std::string share_text(const EffectShare& share) {
   return text + "\n";
 }
 
+/// What the parameter's range has to do with what is stated.
+const char* range_text(const FoundParameter& p) {
+  if (p.at_bound) return ", at its bound";
+  return p.cut_by_range ? ", cut where its range ends" : "";
+}
+
 std::string effects_text(const Diagnosis& d) {
   std::string text;
   for (const FoundEffect& e : d.effects) {
@@ -43,7 +49,7 @@ std::string effects_text(const Diagnosis& d) {
     for (const FoundParameter& p : e.parameters)
       text += fmt::format("  {} {} [{}, {}] {}{}", p.name, shown_number(p.value),
                           shown_number(p.ci95.lower), shown_number(p.ci95.upper), p.unit,
-                          p.at_bound ? ", at its bound" : "");
+                          range_text(p));
     text += "\n";
     if (e.share) text += share_text(*e.share);
     if (!e.indistinguishable.empty())
@@ -88,6 +94,11 @@ std::string tolerance_text(const PhysicalGap& row) {
   return text;
 }
 
+/// Behind the point; "-" where it can't be told.
+std::string two_digits(double value) {
+  return std::isfinite(value) ? fmt::format("{:.2f}", value) : "-";
+}
+
 /// Errors in units first, noise floors after them.
 std::string gap_text(const Diagnosis& d) {
   const std::vector<PhysicalGap> rows = physical_gaps(d.gap, d.tolerances, d.horizon);
@@ -104,10 +115,12 @@ std::string gap_text(const Diagnosis& d) {
     }
     text += fmt::format("gap on held-out {}: {:.2f} noise floors before, {:.2f} after", d.gap.over,
                         d.gap.before, d.gap.after);
-    text += d.gap.shrink
-                ? fmt::format(", shrink {:.2f} [{}, {}]\n", *d.gap.shrink,
-                              shown_number(d.gap.ci95.lower), shown_number(d.gap.ci95.upper))
-                : "\n";
+    if (d.gap.shrink)
+      text += fmt::format(", shrink {} [{}, {}]", two_digits(*d.gap.shrink),
+                          two_digits(d.gap.ci95.lower), two_digits(d.gap.ci95.upper));
+    if (std::isfinite(d.gap.adjusted))
+      text += fmt::format("; the builder's tolerances alone leave {:.2f}", d.gap.adjusted);
+    text += "\n";
   }
 
   for (const PhysicalGap& row : rows)

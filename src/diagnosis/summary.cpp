@@ -14,6 +14,7 @@ namespace {
 
 constexpr std::size_t kMostNamed = 3;  // places, effects or channels in a sentence
 constexpr double kWorthAWord = 0.05;   // share of the gap's energy
+constexpr double kMostly = 0.5;        // probability below which a name is said to be doubtful
 constexpr double kWithinNoise = 1.5;   // of a channel's floor, below which its error is noise
 
 /// "a", "a and b", "a, b and c".
@@ -217,6 +218,16 @@ std::string unknowns_sentence(const Agreement& agreement) {
   return text + ". ";
 }
 
+/// Where a name more likely doesn't hold than does.
+std::string doubt_sentence(const Diagnosis& d) {
+  double least = 1.0;
+  for (const FoundEffect& e : d.effects) least = std::min(least, e.probability);
+  if (least >= kMostly) return {};
+  return fmt::format(" {} with a probability of {} only: {}, not a finding.",
+                     d.effects.size() > 1 ? "Each of these names holds" : "That name holds",
+                     per_cent(least), d.effects.size() > 1 ? "candidates" : "a candidate");
+}
+
 std::string effects_sentence(const Diagnosis& d) {
   if (d.verdict == Verdict::none) return "No effect is needed.";
   if (d.verdict == Verdict::insufficient)
@@ -233,8 +244,10 @@ std::string effects_sentence(const Diagnosis& d) {
   for (const FoundEffect& e : d.effects)
     if (named.size() < kMostNamed) named.push_back(effect_phrase(e));
   if (d.verdict == Verdict::ambiguous)
-    return unknowns + fmt::format("One of these causes it, and these data can't tell which: {}.",
-                                  listed(named, "or"));
+    return unknowns + fmt::format(
+                          "Probably one of these causes it, and these data can't tell which "
+                          "(probabilities beside the names below): {}.",
+                          listed(named, "or"));
 
   for (const FoundEffect& e : d.effects) {
     std::vector<std::string> others;
@@ -248,7 +261,7 @@ std::string effects_sentence(const Diagnosis& d) {
   if (!rivals.empty()) text += "; these data can't tell " + listed(rivals);
   if (d.verdict == Verdict::partial && more.empty())
     text += "; something else, not named, is there too";
-  return unknowns + text + "." + more;
+  return unknowns + text + "." + more + doubt_sentence(d);
 }
 
 std::string which_sentence(const Diagnosis& d) {

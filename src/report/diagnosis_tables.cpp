@@ -28,7 +28,9 @@ ReportTable parameter_table(const diagnosis::Diagnosis& d) {
     for (const diagnosis::FoundParameter& p : e.parameters)
       table.rows.push_back({plain(e.name), shown(e.probability, 3), plain(p.name), shown(p.value),
                             shown(p.ci95.lower), shown(p.ci95.upper),
-                            p.unit + (p.at_bound ? ", at its bound" : "")});
+                            p.unit + (p.at_bound       ? ", at its bound"
+                                      : p.cut_by_range ? ", cut where its range ends"
+                                                       : "")});
     if (e.parameters.empty())
       table.rows.push_back({plain(e.name), shown(e.probability, 3), "–", "–", "–", "–", "–"});
   }

@@ -120,6 +120,20 @@ TEST(Diagnose, ValueAtItsBoundIsSaid) {
   }
 }
 
+TEST(Diagnose, IntervalThatItsRangeCutsIsSaid) {
+  // A value of 0.1 with a deviation of some 1e-5: a range that ends within two of them cuts it.
+  for (const double beyond : {0.1, 1e-5}) {
+    auto problem = toy_problem(toy_truth(0.0, 0.1));
+    const Diagnosis whole = diagnose_problem(*problem);
+    ASSERT_EQ(names(whole), std::vector<std::string>{"second"}) << diagnosis_text(whole);
+    problem->hypotheses.parameters[1].bounds.upper = whole.effects[0].parameters[0].value + beyond;
+    const Diagnosis d = diagnose_problem(*problem);
+    ASSERT_EQ(names(d), std::vector<std::string>{"second"}) << diagnosis_text(d);
+    EXPECT_FALSE(d.effects[0].parameters[0].at_bound) << diagnosis_text(d);
+    EXPECT_EQ(d.effects[0].parameters[0].cut_by_range, beyond < 0.01) << diagnosis_text(d);
+  }
+}
+
 TEST(Diagnose, WhatNoCandidateHasIsUnexplained) {
   ToyData data;
   data.extra = [](int channel, double t) {

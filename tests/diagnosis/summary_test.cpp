@@ -83,6 +83,16 @@ TEST(Summary, NamesPlacesThatHoldSomeOfTheGap) {
   EXPECT_TRUE(holds(summary_of(d).which, "something else, not named, is there too"));
 }
 
+TEST(Summary, SaysWhereNamesMoreLikelyDontHold) {
+  Diagnosis d = friction();
+  EXPECT_FALSE(holds(summary_of(d).which, "a finding"));
+  d.verdict = Verdict::partial;
+  d.effects[0].probability = d.effects[1].probability = 0.3;
+  EXPECT_TRUE(holds(summary_of(d).which,
+                    "Each of these names holds with a probability of 30 % only: candidates, not a "
+                    "finding."));
+}
+
 TEST(Summary, NamesNoEffectWhereNoneIsEstablished) {
   Diagnosis d = friction();
   d.effects.clear();

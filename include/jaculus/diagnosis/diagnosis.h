@@ -27,6 +27,8 @@ struct FoundParameter {
   double value = 0.0;
   Bounds ci95;
   bool at_bound = false;  ///< the value is where its range ends, and says no more than that
+  /// The interval, not the value, ends where the range does: data may allow more.
+  bool cut_by_range = false;
 };
 
 struct FoundEffect {

@@ -81,7 +81,10 @@ FoundEffect found_effect(const Problem& problem, const Whitening& whitening,
     const Bounds ci =
         with_form_error(parameter, own[k].value, own[k].ci95, problem.settings.form_error);
     found.parameters.push_back(shown(candidate, k, own[k].value, ci));
-    found.parameters.back().at_bound = at_bound(parameter, model->fit.p[candidate.parameters[k]]);
+    FoundParameter& last = found.parameters.back();
+    last.at_bound = at_bound(parameter, model->fit.p[candidate.parameters[k]]);
+    last.cut_by_range =
+        !last.at_bound && (at_bound(parameter, ci.lower) || at_bound(parameter, ci.upper));
   }
   return found;
 }
@@ -98,7 +101,10 @@ void widen_by_rivals(const Problem& problem, const Whitening& whitening, const P
       const FoundEffect there = found_effect(problem, whitening, posterior, c, model, {});
       for (std::size_t k = 0; k < effect.parameters.size(); ++k) {
         Bounds& own = effect.parameters[k].ci95;
-        const Bounds& more = there.parameters[k].ci95;
+        const FoundParameter& rivals = there.parameters[k];
+        const Bounds& more = rivals.ci95;
+        const bool wider = more.lower < own.lower || more.upper > own.upper;
+        effect.parameters[k].cut_by_range |= wider && (rivals.at_bound || rivals.cut_by_range);
         own = {std::min(own.lower, more.lower), std::max(own.upper, more.upper)};
       }
     }

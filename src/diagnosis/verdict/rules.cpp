@@ -108,8 +108,9 @@ const std::vector<VerdictRule>& verdict_rules() {
        "leave, so that what is named could be the shadow of something else (setting named_beside)",
        less_than_is_left},
       {"more is there", Verdict::partial,
-       "what is named is established, but it is not all: forces remain that it doesn't explain "
-       "(settings remainder_share, plain_remainder_share, plain_gap, prior_lacking)",
+       "what is named stands by evidence and on data that no fit saw, but it is not all: forces "
+       "remain that it doesn't explain, and what is missing may bend names and values (settings "
+       "remainder_share, plain_remainder_share, plain_gap, prior_lacking)",
        more_is_there},
       {"one effect", Verdict::effect, "", one_effect},
       {"several effects", Verdict::several, "", several_effects},
