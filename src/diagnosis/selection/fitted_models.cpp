@@ -225,7 +225,10 @@ std::vector<Vector> FittedModels::starts_of(const ModelFit& about, const LinearS
 void FittedModels::fit_again(const std::vector<ModelFit>& earlier) {
   std::vector<Job> jobs;
   for (const ModelFit& model : earlier) {
-    if (!model.fit.valid || find(model.candidates) != nullptr) continue;
+    const auto same = [&](const Job& job) { return job.members == model.candidates; };
+    if (!model.fit.valid || find(model.candidates) != nullptr ||
+        std::any_of(jobs.begin(), jobs.end(), same))
+      continue;
     Job job{model.candidates, {model.fit.p}};
     if (in_windows(problem_)) job.scales = model.fit.scales;
     jobs.push_back(job);

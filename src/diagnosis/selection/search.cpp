@@ -179,6 +179,7 @@ SearchResult search_models(const Problem& problem, const Comparison& comparison,
     models.extend(none, out.probes, problem.settings.kept_singles);
     if (options.earlier != nullptr) models.fit_again(rivals_that_led(*options.earlier, problem));
     models.fit_again(options.known);
+    models.fit_again(options.led_before);
     fit_indistinguishable(problem.settings, random, out.probes, models);
     search_about_leaders(problem, comparison.whitening, options, models);
     if (options.largest > 1)
@@ -201,27 +202,35 @@ SearchResult search_models(const Problem& problem, const Comparison& comparison,
 
 namespace {
 
+/// Models with effects whose tolerances were simulated, the most probable first, as many as are
+/// fitted in one move.
+std::vector<ModelFit> simulated_models(const SearchResult& search, const Settings& settings) {
+  std::vector<ModelFit> models;
+  for (const ModelFit* model : most_probable_first(search.models))
+    if (model->fit.valid && !model->candidates.empty() && !model->fit.by_slopes() &&
+        count_of(models) < settings.kept_singles)
+      models.push_back(*model);
+  return models;
+}
+
 /// A search under a plan, and again about what leads it where slopes of tolerances had promised
 /// more than they hold: what leads was then found beside models that explained by slopes what they
 /// can't, nothing seemed left for another effect, and the search ended early. In the last space
-/// slopes are those of what leads.
+/// slopes are those of what leads; what led before is among its models.
 Selection search_until_slopes_hold(const Problem& problem, Comparison comparison,
                                    SearchOptions options) {
   SearchResult search = search_models(problem, comparison, options);
-  const std::vector<ModelFit> known = options.known;
   for (int round = 0; round < problem.settings.searched_again && !in_windows(problem); ++round) {
     if (search.models.empty() || search.overstated < problem.settings.clear_lead) break;
-    const ModelFit lead =
-        *most_probable(search.models, [](const ModelFit& m) { return m.fit.valid; });
-    if (lead.candidates.empty()) break;
-    if (options.progress) options.progress("once more about what leads");
-    Relinearised about = relinearise(problem, comparison, lead.fit);
+    options.led_before = simulated_models(search, problem.settings);
+    if (options.led_before.empty()) break;
+    Relinearised about = relinearise(problem, comparison, options.led_before.front().fit);
+    if (about.comparison.noise.p == comparison.noise.p) break;  // noise can't be told there
 
+    if (options.progress) options.progress("once more about what leads");
     options.earlier = &search;
     options.same_space = false;
-    options.known = known;
-    for (ModelFit& model : leading_models(search, problem))
-      if (!model.candidates.empty()) options.known.push_back(std::move(model));
+    options.none = search.models.front().fit.p;
     SearchResult again = search_models(problem, about.comparison, options);
     if (again.models.empty()) break;
     again.predictions += search.predictions;
@@ -240,7 +249,7 @@ Selection select_models(const Problem& problem, Comparison comparison,
     comparison = about_tolerances(problem, std::move(comparison));
   const int first = in_windows(problem) ? problem.settings.largest_set : 1;
   const SearchResult singles =
-      search_models(problem, comparison, {first, nullptr, false, {}, {}, {}, progress});
+      search_models(problem, comparison, {first, nullptr, false, {}, {}, {}, {}, progress});
   if (singles.models.empty()) return {std::move(comparison), singles};
   const Posterior posterior = posterior_of(singles, problem.settings);
   const bool fixed = problem.hypotheses.tolerances.empty();
@@ -263,7 +272,8 @@ Selection select_models(const Problem& problem, Comparison comparison,
   }
   const int largest =
       in_windows(problem) ? problem.settings.largest_set : problem.settings.largest_model;
-  const SearchOptions options{largest, &singles, same_space, {}, none, std::move(known), progress};
+  const SearchOptions options{largest, &singles,         same_space, {},
+                              none,    std::move(known), {},         progress};
   Selection found = search_until_slopes_hold(problem, std::move(comparison), options);
   found.search.predictions += singles.predictions;
   found.about_none = std::move(about_none);
@@ -288,7 +298,7 @@ Selection select_models_from(const Problem& problem, Comparison comparison, Sear
   ToldAnew told = told_anew(problem, comparison, none, leader ? &*leader : nullptr, 1);
   comparison = std::move(told.comparison);
   leave_out_led_models(problem.settings, part);
-  SearchOptions options{problem.settings.largest_set, &part, false, 1, {}, {}, progress};
+  SearchOptions options{problem.settings.largest_set, &part, false, 1, {}, {}, {}, progress};
   if (told.about_none) options.none = told.about_none->fit.p;
   SearchResult search = search_models(problem, comparison, options);
   search.predictions += part.predictions;

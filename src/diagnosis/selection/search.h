@@ -38,6 +38,8 @@ struct SearchOptions {
   /// Models of another search of these data that shall not be missed, in this problem's parameters,
   /// the leading one first.
   std::vector<ModelFit> known{};
+  /// Those that led a search in another space, fitted in this one from where they were.
+  std::vector<ModelFit> led_before{};
   std::function<void(const std::string&)> progress{};
 };
 SearchResult search_models(const Problem& problem, const Comparison& comparison,
