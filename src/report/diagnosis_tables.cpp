@@ -25,12 +25,13 @@ ReportTable parameter_table(const diagnosis::Diagnosis& d) {
                     {},
                     ""};
   for (const diagnosis::FoundEffect& e : d.effects) {
-    for (const diagnosis::FoundParameter& p : e.parameters)
+    for (const diagnosis::FoundParameter& p : e.parameters) {
+      std::string unit = p.unit;
+      if (p.at_bound) unit += ", at its bound";
+      if (p.cut_by_range) unit += ", cut by its range";
       table.rows.push_back({plain(e.name), shown(e.probability, 3), plain(p.name), shown(p.value),
-                            shown(p.ci95.lower), shown(p.ci95.upper),
-                            p.unit + (p.at_bound       ? ", at its bound"
-                                      : p.cut_by_range ? ", cut where its range ends"
-                                                       : "")});
+                            shown(p.ci95.lower), shown(p.ci95.upper), unit});
+    }
     if (e.parameters.empty())
       table.rows.push_back({plain(e.name), shown(e.probability, 3), "–", "–", "–", "–", "–"});
   }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <set>
 
+#include "diagnosis/selection/neighbouring_sets.h"
 #include "diagnosis/selection/search.h"
 #include "diagnosis/toy.h"
 

@@ -48,7 +48,8 @@ SearchResult search_models(const Problem& problem, const Comparison& comparison,
 /// Search twice: where one effect leads clearly after the singles, everything is relinearised about
 /// it first, or about none with its tolerances fitted where no effect leads or that leaves less.
 /// Nuisances act differently once an effect is there (a shift on a tail that swings, the clocks by
-/// which an impact is dated).
+/// which an impact is dated). Under a plan once more about what leads then, where slopes of
+/// tolerances had promised settings.clear_lead more than simulating them keeps.
 struct Selection {
   Comparison comparison;                     ///< about the clear leader, or none
   SearchResult search;                       ///< no models where none can't be fitted

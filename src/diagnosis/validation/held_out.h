@@ -36,8 +36,8 @@ using OpenRows = std::vector<std::vector<Matrix>>;
 OpenRows open_rows(const Problem& problem, const Comparison& comparison, const Folds& folds,
                    const Fit& none);
 
-/// Free parameters are refitted in each fold: by Gauss-Newton steps with the slopes of the fit, which
-/// is of `comparison`; to other datasets under a plan anew (fit_to_others.h).
+/// Free parameters are refitted in each fold: by Gauss-Newton steps with the slopes of the fit,
+/// which is of `comparison`; to other datasets under a plan anew (fit_to_others.h).
 JudgedFit judge_fit(const Problem& problem, const Comparison& comparison, const Folds& folds,
                     const Fit& fit, const OpenRows& open);
 
