@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <optional>
 #include <set>
 
 #include "jaculus/core/installation.h"
@@ -193,6 +194,13 @@ Robot read_files(const fs::path& folder, const Description& described,
   return robot;
 }
 
+/// The folder of a robot under models/; nothing where none has that name.
+std::optional<fs::path> installed_folder(const std::string& name) {
+  for (const fs::path& folder : model_folders())
+    if (is_robot(folder / name)) return (folder / name).lexically_normal();
+  return {};
+}
+
 }  // namespace
 
 fs::path find_robot(const std::string& name, const fs::path& relative_to) {
@@ -201,9 +209,7 @@ fs::path find_robot(const std::string& name, const fs::path& relative_to) {
       fs::is_directory(relative_to, code) ? relative_to : relative_to.parent_path();
   if (!name.empty()) {
     if (is_robot(beside / name)) return (beside / name).lexically_normal();
-    for (const fs::path& folder : model_folders()) {
-      if (is_robot(folder / name)) return (folder / name).lexically_normal();
-    }
+    if (auto installed = installed_folder(name)) return *std::move(installed);
   }
   const std::vector<std::string> known = known_robots();
   throw InputError(
@@ -214,10 +220,7 @@ fs::path find_robot(const std::string& name, const fs::path& relative_to) {
 }
 
 bool is_installed(const std::string& name) {
-  const std::vector<fs::path> folders = model_folders();
-  return fs::path(name).filename() == name && name != "." && name != ".." &&
-         std::any_of(folders.begin(), folders.end(),
-                     [&](const fs::path& folder) { return is_robot(folder / name); });
+  return fs::path(name).filename() == name && name != "." && name != ".." && installed_folder(name);
 }
 
 Robot read_robot(const fs::path& folder, const std::vector<Override>& overrides, Reading reading) {
