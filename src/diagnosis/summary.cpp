@@ -14,7 +14,6 @@ namespace {
 
 constexpr std::size_t kMostNamed = 3;  // places, effects or channels in a sentence
 constexpr double kWorthAWord = 0.05;   // share of the gap's energy
-constexpr double kMostly = 0.5;        // probability below which a name is said to be doubtful
 constexpr double kWithinNoise = 1.5;   // of a channel's floor, below which its error is noise
 
 /// "a", "a and b", "a, b and c".
@@ -222,7 +221,7 @@ std::string unknowns_sentence(const Agreement& agreement) {
 std::string doubt_sentence(const Diagnosis& d) {
   double least = 1.0;
   for (const FoundEffect& e : d.effects) least = std::min(least, e.probability);
-  if (least >= kMostly) return {};
+  if (least >= d.settings.likely) return {};
   return fmt::format(" {} with a probability of {} only: {}, not a finding.",
                      d.effects.size() > 1 ? "Each of these names holds" : "That name holds",
                      per_cent(least), d.effects.size() > 1 ? "candidates" : "a candidate");
