@@ -99,11 +99,13 @@ const ModelFit* clear_leader(const Posterior& posterior, const Settings& setting
   return best->log_weight() - none->log_weight() > settings.clear_lead ? best : nullptr;
 }
 
-/// The best models of a search, as many as are fitted in one move.
-std::vector<ModelFit> leading_models(const SearchResult& search, const Problem& problem) {
+/// The best models of a search of which `holds` does, as many as are fitted in one move.
+template <class Condition>
+std::vector<ModelFit> best_models(const SearchResult& search, const Settings& settings,
+                                  const Condition& holds) {
   std::vector<ModelFit> models;
   for (const ModelFit* model : most_probable_first(search.models))
-    if (count_of(models) < problem.settings.kept_singles) models.push_back(*model);
+    if (count_of(models) < settings.kept_singles && holds(*model)) models.push_back(*model);
   return models;
 }
 
@@ -172,7 +174,9 @@ SearchResult search_models(const Problem& problem, const Comparison& comparison,
   out.probes = models.probe(none);
   const RandomEffects& random = comparison.whitening.random;
   if (in_windows(problem)) {
-    if (options.earlier != nullptr) models.fit_again(leading_models(*options.earlier, problem));
+    if (options.earlier != nullptr)
+      models.fit_again(
+          best_models(*options.earlier, problem.settings, [](const ModelFit&) { return true; }));
     search_from_leader(problem, comparison.whitening, out.probes, options, models);
   } else {
     if (options.progress) options.progress("single effects");
@@ -202,15 +206,9 @@ SearchResult search_models(const Problem& problem, const Comparison& comparison,
 
 namespace {
 
-/// Models with effects whose tolerances were simulated, the most probable first, as many as are
-/// fitted in one move.
-std::vector<ModelFit> simulated_models(const SearchResult& search, const Settings& settings) {
-  std::vector<ModelFit> models;
-  for (const ModelFit* model : most_probable_first(search.models))
-    if (model->fit.valid && !model->candidates.empty() && !model->fit.by_slopes() &&
-        count_of(models) < settings.kept_singles)
-      models.push_back(*model);
-  return models;
+/// Whether a model has effects and was fitted with tolerances simulated.
+bool is_simulated(const ModelFit& model) {
+  return model.fit.valid && !model.candidates.empty() && !model.fit.by_slopes();
 }
 
 /// A search under a plan, and again about what leads it where slopes of tolerances had promised
@@ -222,7 +220,7 @@ Selection search_until_slopes_hold(const Problem& problem, Comparison comparison
   SearchResult search = search_models(problem, comparison, options);
   for (int round = 0; round < problem.settings.searched_again && !in_windows(problem); ++round) {
     if (search.models.empty() || search.overstated < problem.settings.clear_lead) break;
-    options.led_before = simulated_models(search, problem.settings);
+    options.led_before = best_models(search, problem.settings, is_simulated);
     if (options.led_before.empty()) break;
     Relinearised about = relinearise(problem, comparison, options.led_before.front().fit);
     if (about.comparison.noise.p == comparison.noise.p) break;  // noise can't be told there
