@@ -16,12 +16,11 @@ namespace jaculus::diagnosis {
 namespace {
 
 using test::toy_problem;
-using test::toy_shape;
 using test::toy_truth;
 
-constexpr int kStrength = 1;
-constexpr std::array<double, 2> kStrengthOf = {-0.4,
-                                               0.5};  // of the same parameter, a condition each
+constexpr int kStrength = 1;  // index of the parameter
+// Of that parameter, a condition each.
+constexpr std::array<double, 2> kStrengthOf = {-0.4, 0.5};
 
 /// Of the second effect's strength: slopes at 0.5 are six times those at -0.4.
 double strength(double p) { return std::exp(2.0 * p) - 1.0; }
@@ -38,17 +37,16 @@ struct TwoConditions {
         toy_problem(toy_truth(0.0, strength(kStrengthOf[1])), other)->observations.datasets[0]);
     problem->forward = [counts = simulated](int dataset, int, const Vector& p) {
       ++(*counts)[dataset];
-      Prediction prediction;
-      prediction.valid = true;
-      prediction.step = 1e-3;
-      const Vector time = Vector::LinSpaced(531, 0.0, 0.53);
-      prediction.values.resize(2, time.size());
-      for (int c = 0; c < 2; ++c)
-        prediction.values.row(c) =
-            toy_shape(c, time, toy_truth(0.0, strength(p[kStrength]))).transpose();
-      return prediction;
+      return test::toy_prediction(toy_truth(0.0, strength(p[kStrength])));
     };
   }
+};
+
+struct FittedToBoth {
+  TwoConditions two;
+  Vector nominal = two.problem->hypotheses.nominal();
+  Comparison comparison = comparison_about(*two.problem, estimate_noise(*two.problem, nominal));
+  Fit fit = fit_model(*two.problem, comparison.whitening, {kStrength}, {nominal});
 };
 
 SegmentMask without(const Problem& problem, int left_out) {
@@ -59,12 +57,10 @@ SegmentMask without(const Problem& problem, int left_out) {
 }
 
 TEST(FitToOthers, ArrivesWhereTheseAreAndSimulatesNothingElse) {
-  const TwoConditions two;
-  const Problem& problem = *two.problem;
-  const Comparison comparison =
-      comparison_about(problem, estimate_noise(problem, problem.hypotheses.nominal()));
-  const Fit both =
-      fit_model(problem, comparison.whitening, {kStrength}, {problem.hypotheses.nominal()});
+  const FittedToBoth fitted;
+  const Problem& problem = *fitted.two.problem;
+  const Comparison& comparison = fitted.comparison;
+  const Fit& both = fitted.fit;
   ASSERT_TRUE(both.valid);
 
   for (int left_out = 0; left_out < 2; ++left_out) {
@@ -72,21 +68,19 @@ TEST(FitToOthers, ArrivesWhereTheseAreAndSimulatesNothingElse) {
     ASSERT_GT(std::abs(both.p[kStrength] - truth), 0.1);  // the fit to both is of neither
     const SegmentMask mask = without(problem, left_out);
     const Whitening others = whitening_of(problem, comparison.noise, mask);
-    (*two.simulated)[left_out] = 0;
+    (*fitted.two.simulated)[left_out] = 0;
     const auto p = fit_to_others(problem, comparison.whitening, others, mask, both);
     ASSERT_TRUE(p.has_value());
     EXPECT_NEAR((*p)[kStrength], truth, 2e-3);
-    EXPECT_EQ((*two.simulated)[left_out], 1);
+    EXPECT_EQ((*fitted.two.simulated)[left_out], 1);
   }
 }
 
 TEST(FitToOthers, IsWhatAConditionThatIsLeftOutIsJudgedBy) {
-  const TwoConditions two;
-  const Problem& problem = *two.problem;
-  const Comparison comparison =
-      comparison_about(problem, estimate_noise(problem, problem.hypotheses.nominal()));
-  const Fit both =
-      fit_model(problem, comparison.whitening, {kStrength}, {problem.hypotheses.nominal()});
+  const FittedToBoth fitted;
+  const Problem& problem = *fitted.two.problem;
+  const Comparison& comparison = fitted.comparison;
+  const Fit& both = fitted.fit;
   const Folds folds = folds_of(problem.observations, problem.settings);
   const JudgedFit judged = judge_fit(problem, comparison, folds, both, {});
 

@@ -30,15 +30,7 @@ std::shared_ptr<Problem> strained_problem() {
     Vector all = p.head(4);
     all[0] += kFirstTrue * share;
     all[1] += kSecondTrue * (1.0 - std::pow(1.0 - share, 2));
-
-    Prediction prediction;
-    prediction.valid = true;
-    prediction.step = 1e-3;
-    const Vector time = Vector::LinSpaced(531, 0.0, 0.53);
-    prediction.values.resize(2, time.size());
-    for (int c = 0; c < 2; ++c)
-      prediction.values.row(c) = test::toy_shape(c, time, all).transpose();
-    return prediction;
+    return test::toy_prediction(all);
   };
   return problem;
 }

@@ -30,6 +30,17 @@ struct ToyData {
   int pushed = -1;  ///< segment that leaves the others at 0.3 s
 };
 
+/// Both channels on a grid of 1 ms, of parameters of the shapes.
+inline diagnosis::Prediction toy_prediction(const Vector& p) {
+  diagnosis::Prediction prediction;
+  prediction.valid = true;
+  prediction.step = 1e-3;
+  const Vector time = Vector::LinSpaced(531, 0.0, 0.53);
+  prediction.values.resize(2, time.size());
+  for (int c = 0; c < 2; ++c) prediction.values.row(c) = toy_shape(c, time, p).transpose();
+  return prediction;
+}
+
 inline std::shared_ptr<diagnosis::Problem> toy_problem(const Vector& truth,
                                                        const ToyData& data = {}) {
   auto problem = std::make_shared<diagnosis::Problem>();
@@ -79,15 +90,7 @@ inline std::shared_ptr<diagnosis::Problem> toy_problem(const Vector& truth,
     candidate.parameters = {k};
     h.candidates.push_back(candidate);
   }
-  problem->forward = [](int, int, const Vector& p) {
-    diagnosis::Prediction prediction;
-    prediction.valid = true;
-    prediction.step = 1e-3;
-    const Vector time = Vector::LinSpaced(531, 0.0, 0.53);
-    prediction.values.resize(2, time.size());
-    for (int c = 0; c < 2; ++c) prediction.values.row(c) = toy_shape(c, time, p).transpose();
-    return prediction;
-  };
+  problem->forward = [](int, int, const Vector& p) { return toy_prediction(p); };
   return problem;
 }
 
