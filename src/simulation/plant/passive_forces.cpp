@@ -121,8 +121,7 @@ PassiveForces::Rubbing PassiveForces::rubbing(const Friction& f, const Mechanism
     load = std::abs(motors[f.motor].torque);
   } else {
     mechanism.joint(f.body, q, v, state);
-    const model::PlanarBody& link = plant_.model.bodies[f.body];
-    joint.rate = link.sign * (mechanism.frame(f.body).omega - mechanism.frame(link.parent).omega);
+    joint.rate = state.rate;
     joint.row = &state.row;
   }
 
