@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 
 #include "jaculus/core/error.h"
 #include "jaculus/core/installation.h"
@@ -85,6 +86,59 @@ TEST(Laws, StatesAreIntegratedWithTheMotion) {
       EXPECT_NEAR(s.q(0, k), kForce * kTime * kTime / kMass * (t - 1.0 + std::exp(-t)), 1e-8);
     }
   }
+}
+
+/// Torque by the rate of the same joint.
+Law by_own_rate(const std::string& joint, const std::function<double(double)>& torque) {
+  Law law;
+  law.name = "by own rate";
+  law.readings = {{ReadingKind::joint_rate, joint}};
+  law.actions = {{ActionKind::joint_torque, joint}};
+  law.functions = [torque] {
+    return LawFunctions{nullptr, [torque](const double* r, const double*, double* out, double*) {
+                          out[0] = torque(r[0]);
+                        }};
+  };
+  return law;
+}
+
+TEST(Laws, DryFrictionRestsAsFastAsThePlantsOwn) {
+  constexpr double kMass = 0.01, kFriction = 2.0;  // N, 20 weights: 4e4 1/s where it rests
+  const model::PlanarModel model = mass_on_rail(kMass);
+  Plant own = plant_of(model, 0.0), ruled = own;
+  JointFriction friction{.joint = "rail", .coulomb = kFriction};
+  own.friction = {friction};
+  ruled.laws = {by_own_rate("rail", [rate = friction.smoothing_rate](double v) {
+    return -kFriction * std::tanh(v / rate);
+  })};
+  const StartState start = start_at({0}, {1});
+  const Simulation expected = run(own, start), found = run(ruled, start);
+  EXPECT_LT((found.q - expected.q).cwiseAbs().maxCoeff(), 1e-7);
+  EXPECT_LT(found.evaluations, 2 * expected.evaluations) << "explicit steps would take 3e4";
+}
+
+/// v' = c v/m: what grows with its own rate is no fast part.
+TEST(Laws, MayDriveTheirOwnRate) {
+  model::PlanarModel model = mass_on_rail(1.0);
+  model.gravity = 0.0;
+  Plant plant = plant_of(model, 0.0);
+  plant.laws = {by_own_rate("rail", [](double v) { return 10.0 * v; })};
+  EXPECT_NEAR(run(plant, start_at({0}, {1})).v(0, 100), std::exp(5.0), 1e-5);
+}
+
+/// A spring that pushes away: q'' = k q/m, where nothing ends the motion.
+TEST(Laws, ThatDriveAMotionBeyondAllMachinesEndIt) {
+  model::PlanarModel model = mass_on_rail(1.0);
+  model.gravity = 0.0;
+  Plant plant = plant_of(model, 0.0);
+  Law law = by_own_rate("rail", [](double q) { return 1e4 * q; });
+  law.readings = {{ReadingKind::joint_position, "rail"}};
+  plant.laws = {law};
+  const Simulation s = simulate(plant, no_controller(), start_at({0}, {1}), options_for(10.0));
+  EXPECT_EQ(s.status, SimulationStatus::diverged);
+  EXPECT_TRUE(test::holds(s.message, "more than 1e5 rad/s or m/s"));
+  // v = cosh(100 t)
+  EXPECT_NEAR(s.end_time, std::acosh(1e5) / 100.0, 0.01);
 }
 
 /// A robot of motors, and what a law reads of them.

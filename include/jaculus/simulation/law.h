@@ -75,8 +75,9 @@ struct Action {
   }
 };
 
-/// A law's functions, for one run in one thread. `readings`, `actions` and `states` in the law's
-/// order, an action's values side by side; what is not known yet is 0.
+/// A law's functions, for one run in one thread, of their arguments alone: they are also called at
+/// states that no motion comes to. `readings`, `actions` and `states` in the law's order, an
+/// action's values side by side; what is not known yet is 0.
 struct LawFunctions {
   /// Sets the actions before the motors; null where there is none.
   std::function<void(const double* readings, const double* states, double* actions)> before;

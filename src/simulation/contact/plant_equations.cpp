@@ -108,8 +108,10 @@ const ContactRows* PlantEquations::rows(const State& y, const std::vector<int>& 
 
 void PlantEquations::fast_slopes(const State& y, std::vector<FastPart>& parts) {
   parts.clear();
-  if (!passive_.has_fast_parts() || !weigh(y)) return;
-  passive_.list_fast_parts(mechanism_, drive_.motors, y.data(), y.data() + size(), parts);
+  if (!(passive_.has_fast_parts() || laws_.has_fast_parts()) || !weigh(y)) return;
+  const double *q = y.data(), *v = q + size();
+  passive_.list_fast_parts(mechanism_, drive_.motors, q, v, parts);
+  laws_.list_fast_parts(mechanism_, q, v, parts);
 }
 
 const FastParts& PlantEquations::fast_parts(const State& y, const std::vector<Touch>& modes) {

@@ -18,8 +18,8 @@
 // one whose friction can't hold it passes through, with its error. A part that is fast no more at
 // the step's end (a joint that breaks away) forgets nothing: where one has changed by a factor of
 // two the error is sum_i e_i u_i itself.
-// What is stiff beside these parts (compliant ground, users' laws, a motor's damping behind a stiff
-// hinge) is as in an explicit method.
+// What is stiff beside these parts (compliant ground, states of users' laws, a motor's damping
+// behind a stiff hinge) is as in an explicit method.
 // Coefficients: ROS34PW2 (Rang and Angermann, New Rosenbrock W-methods of order 3 for partial
 // differential algebraic equations of index 1, BIT 45, 2005), in the form without products by J
 // (Hairer and Wanner, section IV.7).

@@ -14,6 +14,8 @@ namespace {
 constexpr double kMostEvaluations = 5e5;  ///< of the equations, and
 /// so many more a second of motion: a thousand times what a leap takes
 constexpr double kMostRate = 4e6;
+/// Rate of a coordinate beyond which a motion has diverged; turbines turn at a tenth [rad/s, m/s].
+constexpr double kFastest = 1e5;
 
 RunState start_state(const PlantEquations& equations, const StartState& start) {
   const int n = equations.model_size();
@@ -163,6 +165,16 @@ Outcome take_step(Run& run, double limit, Step& step, const Evaluation*& at_end)
   return {};
 }
 
+/// A fault where something moves faster than any machine.
+Outcome check_rates(const Run& run) {
+  const int n = run.equations.size();
+  for (int i = 0; i < n; ++i)
+    if (std::abs(run.state.y[n + i]) > kFastest)
+      return Fault{SimulationStatus::diverged,
+                   "the motion diverges: a joint or the body moves at more than 1e5 rad/s or m/s"};
+  return {};
+}
+
 }  // namespace
 
 /// Steps between the instants at which inputs jump, to the end of the run or to a fault.
@@ -175,6 +187,7 @@ Outcome advance(Run& run) {
     if (Outcome failed = take_step(run, std::min(change, run.options.duration), step, at_end))
       return failed;
     if (Outcome failed = end_step(run, step, *at_end)) return failed;
+    if (Outcome failed = check_rates(run)) return failed;
     if (run.options.stop_at_lift_off && s.touched && !touches_floor(run.equations, s)) break;
     if (s.t == change)
       if (Outcome failed = take_jump(run)) return failed;

@@ -31,6 +31,10 @@ bool of_joint(ActionKind kind) {
   return kind == ActionKind::joint_torque || kind == ActionKind::torque_scale;
 }
 
+/// Of a joint's rate, by which the slope of its torque is told; more where it turns faster. A sign
+/// that is smoothed is so over far more; one that isn't has a slope that ends there [rad/s, m/s].
+constexpr double kRateStep = 1e-6;
+
 /// Generalised force less the motors' that a joint feels, by its row: -row.h/(row.row).
 double load_at(const Row& row, const Inertia& inertia) {
   double along = 0.0, square = 0.0;
@@ -73,7 +77,7 @@ Laws::Laws(const Plant& plant) {
       return place;
     };
 
-    Own own{&law, law.functions(), {}, {}, {}, {}, {}, {}};
+    Own own{&law, law.functions(), {}, {}, {}, {}, {}, {}, {}, {}};
     for (const Reading& r : law.readings) {
       const bool whole = r.kind == ReadingKind::time || r.kind == ReadingKind::bus_voltage;
       own.read_at.push_back(whole              ? Place{}
@@ -95,6 +99,8 @@ Laws::Laws(const Plant& plant) {
     own.states.assign(law.states.size(), 0.0);
     own.rates.assign(law.states.size(), 0.0);
     states_ += count_of(law.states);
+    pair_rates(own);
+    follows_rates_ = follows_rates_ || !own.own_rates.empty();
     laws_.push_back(std::move(own));
   }
 
@@ -102,6 +108,18 @@ Laws::Laws(const Plant& plant) {
     limits_.push_back(components::largest_joint_torque(motor).value);
   rates_.assign(states_, 0.0);
   changes_.torque_scale.assign(model.motors.size(), 1.0);
+}
+
+void Laws::pair_rates(Own& own) {
+  int value = 0;
+  for (std::size_t a = 0; a < own.act_at.size(); ++a) {
+    for (std::size_t i = 0; i < own.read_at.size(); ++i)
+      if (own.law->actions[a].kind == ActionKind::joint_torque &&
+          own.law->readings[i].kind == ReadingKind::joint_rate &&
+          own.read_at[i].body == own.act_at[a].body)
+        own.own_rates.push_back({static_cast<int>(i), value, own.act_at[a]});
+    value += own.law->actions[a].values();
+  }
 }
 
 void Laws::start(double* states) const {
@@ -221,6 +239,30 @@ void Laws::add(const Mechanism& mechanism, const std::vector<MotorState>& motors
     act(own, mechanism, q, v, force);
     for (std::size_t k = 0; k < own.rates.size(); ++k)
       *rate++ = own.rates[k] / own.law->states[k].scale;
+  }
+}
+
+void Laws::list_fast_parts(const Mechanism& mechanism, const double* q, const double* v,
+                           std::vector<FastPart>& parts) {
+  for (Own& own : laws_) {
+    values_beside_.resize(own.actions.size());
+    rates_beside_.resize(own.rates.size());
+    for (const OwnRate& pair : own.own_rates) {
+      double& rate = own.readings[pair.reading];
+      const double here = rate;
+      rate += kRateStep * std::max(1.0, std::abs(here));
+      const double step = rate - here;
+      own.functions.act(own.readings.data(), own.states.data(), values_beside_.data(),
+                        rates_beside_.data());
+      rate = here;
+
+      JointState joint;
+      if (pair.joint.motor < 0) mechanism.joint(pair.joint.body, q, v, joint);
+      const double rise = values_beside_[pair.value] - own.actions[pair.value];
+      parts.push_back(
+          {.row = pair.joint.motor < 0 ? joint.row : mechanism.motor_row[pair.joint.motor],
+           .damping = std::max(0.0, -pair.joint.count * rise / step)});
+    }
   }
 }
 
