@@ -69,6 +69,31 @@ std::vector<Effect> at_joints(const Row& row, const JointScope& scope, const Pla
   return effects;
 }
 
+/// A uniform bar has the spread half/sqrt(3).
+const double kHalfOfSpread = std::sqrt(3.0);
+/// Of the longer side, what a plate's or a rod's other side is at least: files have none of it.
+constexpr double kThinnest = 0.1;
+
+/// Minitaur's, as in its URDF.
+BaseSize usual_base() { return {6.192, Vec2::Zero(), kHalfOfSpread * Vec2(0.167, 0.0367)}; }
+
+/// Where no file says along which axis the mass is spread, along both alike.
+BaseSize base_size(const PlanarModel& model) {
+  const PlanarBody& base = model.bodies.front();
+  Vec2 spread = base.spread;
+  if (spread.isZero()) spread.setConstant(std::sqrt(0.5 * base.inertia / base.mass));
+  spread = spread.cwiseMax(kThinnest * spread.maxCoeff());
+  return {base.mass, base.com, kHalfOfSpread * spread};
+}
+
+Effect made_for_base(const Row& row) {
+  Effect effect = guarded(row.on_base(usual_base()));
+  effect.sized = [row](const PlanarModel& model, const JointRates&) -> std::vector<Effect> {
+    return {guarded(row.on_base(base_size(model)))};
+  };
+  return effect;
+}
+
 Effect made_for(const Row& row, const JointScope& scope) {
   Effect effect = with_parts(row, scope);
   effect.sized = [row, scope](const PlanarModel& model, const JointRates& rates) {
@@ -162,7 +187,8 @@ std::vector<Effect> sized_for(const Effect& effect, const PlanarModel& model,
 std::vector<Effect> effects_of(const std::vector<Row>& rows) {
   std::vector<Effect> effects;
   for (const Row& row : rows) {
-    if (row.scopes.empty()) effects.push_back(guarded(row.whole()));
+    if (row.whole != nullptr) effects.push_back(guarded(row.whole()));
+    if (row.on_base != nullptr) effects.push_back(made_for_base(row));
     for (const JointScope& scope : row.scopes) effects.push_back(made_for(row, scope));
   }
   return effects;

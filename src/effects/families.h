@@ -18,13 +18,23 @@ using model::PlanarMotor;
 using simulation::Plant;
 using trajectory::ExperimentKind;
 
-/// One physical effect: of the robot as a whole, or of joints, then an entry for each scope.
+/// How large a floating base is, of which priors and bounds of its masses are made.
+struct BaseSize {
+  double mass = 0.0;         ///< [kg]
+  Vec2 com = Vec2::Zero();   ///< in its frame [m]
+  Vec2 half = Vec2::Zero();  ///< of a uniform bar of its spread, along x and z of its frame [m]
+};
+
+/// One physical effect: of the robot as a whole, of its base, or of joints, then an entry for each
+/// scope.
 struct Row {
   Row(Effect (*make)()) : whole(make) {}
+  Row(Effect (*make)(const BaseSize&)) : on_base(make) {}
   Row(Effect (*make)(const JointScope&), std::vector<JointScope> its_scopes)
       : on_joints(make), scopes(std::move(its_scopes)) {}
 
   Effect (*whole)() = nullptr;
+  Effect (*on_base)(const BaseSize&) = nullptr;
   Effect (*on_joints)(const JointScope&) = nullptr;
   std::vector<JointScope> scopes;
 };

@@ -31,7 +31,7 @@ void edit_bodies(Effect& effect, std::function<std::vector<int>(const PlanarMode
   };
 }
 
-Effect on_base(const std::string& name, const std::string& caption, EditBody edit) {
+Effect effect_on_base(const std::string& name, const std::string& caption, EditBody edit) {
   Effect effect;
   effect.name = name;
   effect.caption = caption;
@@ -116,27 +116,41 @@ Effect link_mass(const JointScope& scope) {
   return effect;
 }
 
-Effect payload() {
-  Effect effect = on_base("payload", "a mass on the base that the model does not have",
-                          [](const Vector& theta, PlanarBody& base) {
-                            add_mass(base, theta[0], {theta[1], theta[2]});
-                          });
-  effect.parameters = {{"mass", "kg", 0.0, {0.0, 3.0}, 0.5},
-                       {"x", "m", 0.0, {-0.3, 0.3}, 0.12},
-                       {"z", "m", 0.0, {-0.2, 0.3}, 0.06}};
+// Of the base's mass and half length, what others commonly mount or move.
+constexpr double kUsualPayload = 1.0 / 12.0, kMostPayload = 0.5;
+constexpr double kMovedMass = 0.1;  // carried from the middle to the end
+
+Effect payload(const BaseSize& base) {
+  Effect effect = effect_on_base("payload", "a mass on the base that the model does not have",
+                                 [](const Vector& theta, PlanarBody& base) {
+                                   add_mass(base, theta[0], {theta[1], theta[2]});
+                                 });
+  // In both directions of its length: what stands on a base may be higher than it.
+  const double half = base.half.x();
+  const auto place = [](const std::string& name, double from, double to, double scale) {
+    return EffectParameter{name, "m", std::clamp(0.0, from, to), {from, to}, scale};
+  };
+  effect.parameters = {
+      {"mass", "kg", 0.0, {0.0, kMostPayload * base.mass}, kUsualPayload * base.mass},
+      place("x", base.com.x() - half, base.com.x() + half, 0.4 * half),
+      place("z", base.com.y() - 0.7 * half, base.com.y() + half, 0.2 * half)};
   return effect;
 }
 
-Effect com_shift() {
-  Effect effect = on_base("com_shift", "the base's centre of mass lies elsewhere",
-                          [](const Vector& theta, PlanarBody& base) { base.com += theta; });
-  effect.parameters = {{"x", "m", 0.0, {-0.1, 0.1}, 0.02}, {"z", "m", 0.0, {-0.08, 0.08}, 0.02}};
+/// No centre of mass lies beyond the ends of its body.
+Effect com_shift(const BaseSize& base) {
+  Effect effect = effect_on_base("com_shift", "the base's centre of mass lies elsewhere",
+                                 [](const Vector& theta, PlanarBody& base) { base.com += theta; });
+  const Vec2& half = base.half;
+  effect.parameters = {{"x", "m", 0.0, {-half.x(), half.x()}, kMovedMass * half.x()},
+                       {"z", "m", 0.0, {-half.y(), half.y()}, kMovedMass * half.y()}};
   return effect;
 }
 
 Effect body_inertia() {
-  Effect effect = on_base("body_inertia", "the base's pitch inertia is other than stated",
-                          [](const Vector& theta, PlanarBody& base) { base.inertia *= theta[0]; });
+  Effect effect =
+      effect_on_base("body_inertia", "the base's pitch inertia is other than stated",
+                     [](const Vector& theta, PlanarBody& base) { base.inertia *= theta[0]; });
   effect.parameters = {{"scale", "-", 1.0, {0.2, 3.0}, 0.25}};
   return effect;
 }

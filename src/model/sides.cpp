@@ -80,6 +80,9 @@ void add_side(PlanarBody& left, const PlanarBody& right) {
   const Vec2 apart = right.com - left.com;
   // parallel axes: m_l m_r / (m_l + m_r) |c_r - c_l|^2; zero, exactly, where the sides are alike
   left.inertia += right.inertia + left.mass * right.mass / mass * apart.squaredNorm();
+  const Vec2 squares = left.mass * left.spread.cwiseAbs2() + right.mass * right.spread.cwiseAbs2() +
+                       left.mass * right.mass / mass * apart.cwiseAbs2();
+  left.spread = (squares / mass).cwiseSqrt();
   left.com += right.mass / mass * apart;
   left.mass = mass;
 }

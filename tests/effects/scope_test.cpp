@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "experiments.h"
 #include "jaculus/core/installation.h"
@@ -151,6 +152,42 @@ TEST(LegEffects, HaveAnEntryForEachMotor) {
                        strength(plant) != strength(nominal);
     EXPECT_TRUE(moved) << name;
   }
+}
+
+TEST(BaseEffects, ScaleWithTheBase) {
+  // A bar of 0.1 m by 0.01 m half, with the spread of a uniform one; and twice as large and heavy.
+  model::PlanarModel robot = tailed();
+  robot.bodies[0].com = Vec2::Zero();
+  for (const double size : {1.0, 2.0}) {
+    robot.bodies[0].mass = 6.0 * size;
+    robot.bodies[0].spread = size * Vec2(0.1, 0.01) / std::sqrt(3.0);
+    const std::vector<Effect> shift = sized_for(*find_effect("com_shift"), robot, {});
+    ASSERT_EQ(shift.size(), 1u);
+    EXPECT_NEAR(shift[0].parameters[0].bounds.upper, 0.1 * size, 1e-12);
+    EXPECT_NEAR(shift[0].parameters[1].bounds.lower, -0.01 * size, 1e-12);
+    EXPECT_NEAR(shift[0].parameters[1].scale, 0.001 * size, 1e-12);
+    const std::vector<Effect> payload = sized_for(*find_effect("payload"), robot, {});
+    EXPECT_NEAR(payload[0].parameters[0].bounds.upper, 3.0 * size, 1e-12);
+    EXPECT_NEAR(payload[0].parameters[2].bounds.upper, 0.1 * size, 1e-12);
+  }
+
+  // A thin plate still has a tenth of its length, and a payload stands about the centre of mass.
+  robot.bodies[0].spread = Vec2(0.1, 0.0) / std::sqrt(3.0);
+  robot.bodies[0].com = Vec2(0.25, 0.0);
+  const std::vector<Effect> thin = sized_for(*find_effect("com_shift"), robot, {});
+  EXPECT_NEAR(thin[0].parameters[1].bounds.upper, 0.01, 1e-12);
+  const std::vector<Effect> ahead = sized_for(*find_effect("payload"), robot, {});
+  EXPECT_TRUE(effect_faults(ahead[0]).empty());
+  EXPECT_NEAR(ahead[0].parameters[1].nominal, 0.15, 1e-12);
+  EXPECT_NEAR(ahead[0].parameters[1].bounds.upper, 0.35, 1e-12);
+
+  // No file that says along which axis: a square's, by the inertia.
+  robot.bodies[0].spread.setZero();
+  robot.bodies[0].mass = 2.0;
+  robot.bodies[0].inertia = 4.0 * 0.01 / 3.0;
+  const std::vector<Effect> shift = sized_for(*find_effect("com_shift"), robot, {});
+  EXPECT_NEAR(shift[0].parameters[0].bounds.upper, 0.1, 1e-12);
+  EXPECT_NEAR(shift[0].parameters[1].bounds.upper, 0.1, 1e-12);
 }
 
 TEST(LegEffects, OnLinksOfALoopHaveNone) {

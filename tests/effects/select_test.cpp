@@ -55,7 +55,7 @@ TEST(ReadEffect, SaysWhatIsWrong) {
   EXPECT_TRUE(
       test::holds(message("tail_compliance:stiffness=5"), "5 given; allowed: 20 to inf N m/rad"));
   EXPECT_TRUE(test::holds(message("tail_compliance:stiffness=80,compliance=0.01"), "given twice"));
-  EXPECT_TRUE(test::holds(message("payload:mass=-1"), "-1 given; allowed: 0 to 3 kg"));
+  EXPECT_TRUE(test::holds(message("payload:mass=-1"), "-1 given; allowed: 0 to 3.4"));
 }
 
 /// Payload against the parallel-axis sum worked out by hand.

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdlib>
 
 #include "jaculus/model/robot.h"
@@ -53,6 +54,19 @@ TEST(Minitaur, HasThePublishedMasses) {
   // The base carries mount and rotor at the pivot: moments about the base's origin.
   const PlanarBody& base = tail.bodies[0];
   EXPECT_NEAR(about_joint(base), 0.1817 + 1e-6 + 7.2e-5 + 0.7033 * 0.02, 1e-12);
+}
+
+TEST(Minitaur, KnowsHowFarItsMassesLieFromTheirCentres) {
+  const PlanarModel bare = read_robot(kModels / "minitaur").planar;
+  const PlanarModel tail = read_robot(kModels / "minitaur_tail").planar;
+  // (I_yy + I_zz - I_xx)/2 of mass times distance along x, (I_xx + I_yy - I_zz)/2 along z.
+  const Vec2& base = bare.bodies[0].spread;
+  EXPECT_NEAR(base.x(), std::sqrt(0.17335 / 6.192), 1e-12);
+  EXPECT_NEAR(base.y(), std::sqrt(0.00835 / 6.192), 1e-12);
+  EXPECT_GT(tail.bodies[0].spread.y(), 1.1 * base.y());  // the mount stands 0.1 m above
+  for (const PlanarModel& model : {bare, tail})
+    for (const PlanarBody& body : model.bodies)
+      EXPECT_NEAR(body.mass * body.spread.squaredNorm(), body.inertia, 1e-12) << body.name;
 }
 
 TEST(Minitaur, HasTheCoordinatesOfTheLegs) {

@@ -157,6 +157,13 @@ TEST(Robot, TurnedFramesAndHeldJointsKeepTheirPlace) {
   const double inertia = 0.03 + 2.0 * (Vec2(0.1, 0.2) - com).squaredNorm() + 0.04 +
                          (Vec2(0.5, 0.0) - com).squaredNorm();
   EXPECT_NEAR(one.inertia, inertia, 1e-12);
+  // Of mass times distance squared along principal axes: 0.025, 0.015, 0.005; those of the first
+  // link are pitched by 0.5, of the rolled one the second lies along z.
+  const double c = std::cos(0.5), s = std::sin(0.5);
+  const Vec2 own = {0.025 * c * c + 0.005 * s * s + 0.025, 0.025 * s * s + 0.005 * c * c + 0.015};
+  const Vec2 squares =
+      own + 2.0 * (Vec2(0.1, 0.2) - com).cwiseAbs2() + (Vec2(0.5, 0.0) - com).cwiseAbs2();
+  EXPECT_NEAR((one.mass * one.spread.cwiseAbs2() - squares).norm(), 0.0, 1e-12);
   EXPECT_EQ(m.coordinates[0].range.upper, 2.0);
   ASSERT_EQ(m.held.size(), 1u);
   EXPECT_EQ(m.held[0].joint, "b");

@@ -50,6 +50,9 @@ struct PlanarBody {
   Vec2 com = Vec2::Zero();     ///< centre of mass in the body frame [m]
   /// pitch inertia about the centre of mass, sum over the lumped parts [kg m^2]
   double inertia = 0.0;
+  /// How far the file's mass lies from its centre, root mean square along x and z of the body frame
+  /// [m]; a size: what moves or scales masses leaves it. Zero in models that no file made.
+  Vec2 spread = Vec2::Zero();
   int count = 1;  ///< how many spatial bodies it stands for
   /// joints of the file that `joint` stands for, the left one first; empty where the file has none
   std::vector<FileJoint> file_joints = {};
