@@ -14,26 +14,47 @@ namespace {
 
 constexpr double kLeastSize = 1e-30;  // of a channel's squares [unit^2], where logarithms end
 
-/// log likelihood of white residuals scaled back to the data's units, where the size of each
-/// channel's noise is not known, -sum n/2 log(r^T r/n): a measure, rough, of models that are each
-/// told about in a space of their own, in which what fits badly is granted more noise.
-double likelihood_by_size(const Relinearised& told) {
+/// As how many independent values each white row counts: a share of those of a coordinate with a
+/// misfit.
+Vector independent_values(const Whitening& whitening) {
+  Vector values = Vector::Ones(whitening.rows);
+  for (const Misfit& misfit : whitening.random.misfits) {
+    int rows = 0;
+    for (const auto& [first, count] : misfit.spans) rows += count;
+    for (const auto& [first, count] : misfit.spans)
+      values.segment(first, count).setConstant(misfit.values / rows);
+  }
+  return values;
+}
+
+/// log density of the data and of what a model's parameters u strain, each in its prior scale,
+///   -sum n/2 log(r^T r/N) - |u|^2/2,
+/// of white residuals scaled back to the data's units, N rows of a channel that count as n
+/// independent values, where the size of its noise is not known: a measure, rough, of models that
+/// are each told about in a space of their own, in which what fits badly is granted more noise.
+double density_by_size(const Problem& problem, const Relinearised& told) {
   const Whitening& whitening = told.comparison.whitening;
   const Vector white = whitening.in_rows(told.fit.residual);
-  double sum = 0.0;
+  const Vector values = independent_values(whitening);
+  double sum = -0.5 * problem.hypotheses.scaled(told.fit.free, told.fit.p).squaredNorm();
   Eigen::Index first = 0;
   for (const DatasetWhitening& own : whitening.datasets) {
     const Vector r = white.segment(first, own.rows).cwiseProduct(own.sigma);
-    std::map<int, std::pair<double, int>> sizes;  // by channel: squares and rows
+    struct Size {
+      double squares = 0.0, values = 0.0;
+      int rows = 0;
+    };
+    std::map<int, Size> sizes;  // by channel
     int row = 0;
     for (const RowSpan& span : own.spans) {
-      auto& [squares, rows] = sizes[span.channel];
-      squares += r.segment(row, span.count).squaredNorm();
-      rows += span.count;
+      Size& size = sizes[span.channel];
+      size.squares += r.segment(row, span.count).squaredNorm();
+      size.values += values.segment(first + row, span.count).sum();
+      size.rows += span.count;
       row += span.count;
     }
     for (const auto& [channel, size] : sizes)
-      sum -= 0.5 * size.second * std::log(std::max(size.first / size.second, kLeastSize));
+      sum -= 0.5 * size.values * std::log(std::max(size.squares / size.rows, kLeastSize));
     first += own.rows;
   }
   return sum;
@@ -117,7 +138,7 @@ ToldAnew told_anew(const Problem& problem, const Comparison& comparison, const F
   if (problem.hypotheses.tolerances.empty() || !leaves_more(problem, about.fit))
     return {std::move(about.comparison), {}};
   Relinearised other = about_none();
-  const bool less = likelihood_by_size(about) > likelihood_by_size(other);
+  const bool less = density_by_size(problem, about) > density_by_size(problem, other);
   return {less ? std::move(about.comparison) : other.comparison, std::move(other)};
 }
 

@@ -32,9 +32,9 @@ struct ToldAnew {
   std::optional<Relinearised> about_none;  ///< where it was worked out
 };
 /// The space about a leading effect, or about none where there is no such effect or where it leaves
-/// forces and none's own tolerances, fitted, leave less. Singles are judged by slopes at the files'
-/// values: a strong effect is told there, but what tolerances do beyond slopes may be taken for
-/// one.
+/// forces and none's own tolerances, fitted, leave less for what they strain. Singles are judged by
+/// slopes at the files' values: a strong effect is told there, but what tolerances do beyond slopes
+/// may be taken for one.
 ToldAnew told_anew(const Problem& problem, const Comparison& comparison, const Fit& none,
                    const ModelFit* leader, int rounds);
 
