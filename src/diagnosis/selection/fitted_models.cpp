@@ -57,6 +57,10 @@ FittedModels::FittedModels(const Problem& problem, const Comparison& comparison,
                hypotheses.with_nuisances_of(hypotheses.nominal(), comparison.noise.p))}});
 }
 
+bool FittedModels::sought(const Members& members) const {
+  return !beyond_effects_only_ || members.size() < 2 || problem_.hypotheses.beyond_effects(members);
+}
+
 double FittedModels::value(const ModelFit& model) const { return model.log_weight(); }
 
 const ModelFit* FittedModels::find(const Members& members) const {
@@ -95,8 +99,10 @@ const std::vector<Probe>& FittedModels::probe(const ModelFit& base) {
   const std::vector<Probe>* before = about_none != probed_.end() ? &about_none->second
                                      : same_space_               ? &earlier_->probes
                                                                  : nullptr;
-  std::vector<Probe> probes = screen(problem_, comparison_.whitening, base.fit,
-                                     search ? Screening::line_search : Screening::steps, before);
+  const auto beside = [&](int c) { return sought(with_member(base.candidates, c)); };
+  std::vector<Probe> probes =
+      screen(problem_, comparison_.whitening, base.fit,
+             search ? Screening::line_search : Screening::steps, before, beside);
   for (std::size_t c = 0; c < probes.size(); ++c) {
     predictions_ += probes[c].predictions;
     if (!base.candidates.empty() || !again) continue;
@@ -141,7 +147,7 @@ void FittedModels::extend(const ModelFit& base, const std::vector<Probe>& probes
     if (!probes[c].valid) continue;
     Job job;
     job.members = with_member(base.candidates, c);
-    if (find(job.members) != nullptr) continue;
+    if (!sought(job.members) || find(job.members) != nullptr) continue;
 
     job.starts = fit_starts(problem_, base.fit.p, c, probes[c]);
     if (const Fit* known = base.candidates.empty() ? fitted_earlier(c) : nullptr)
@@ -166,7 +172,7 @@ void FittedModels::fit_sets(const ModelFit& about, const std::vector<LinearSet>&
                             const std::vector<Probe>& probes) {
   std::vector<Job> jobs;
   for (const LinearSet& set : sets) {
-    if (find(set.members) != nullptr) continue;
+    if (!sought(set.members) || find(set.members) != nullptr) continue;
     Job job{set.members, {}, contained_in(set.members)};
     job.starts = starts_of(about, set, probes);
     job.enough = job.base.log_evidence + problem_.settings.member_gain;

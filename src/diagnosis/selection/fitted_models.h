@@ -19,6 +19,11 @@ class FittedModels {
   FittedModels(const Problem& problem, const Comparison& comparison, const SearchResult* earlier,
                bool same_space);
 
+  /// From here on of sets of effects only those with a push or a pattern (Hypotheses) are fitted
+  /// beside singles: another search of these data had the others, and what led there is among them.
+  void seek_beyond_effects() { beyond_effects_only_ = true; }
+  [[nodiscard]] bool sought(const Members& members) const;
+
   [[nodiscard]] const std::vector<ModelFit>& all() const { return models_; }
   [[nodiscard]] const ModelFit& none() const { return models_.front(); }
   [[nodiscard]] long predictions() const { return predictions_; }
@@ -34,8 +39,8 @@ class FittedModels {
   /// `from` and the next best of its size, best first.
   [[nodiscard]] std::vector<ModelFit> close_to(const ModelFit& from, int count) const;
 
-  /// Screens all candidates about a model, by line search about none; once, for fits stay as they
-  /// are until they are refined, which lets go of what is returned here.
+  /// Screens all candidates that are sought beside a model, by line search about none; once, for
+  /// fits stay as they are until they are refined, which lets go of what is returned here.
   const std::vector<Probe>& probe(const ModelFit& base);
   /// Fits `base` and one more candidate each, of the best `count` probes.
   void extend(const ModelFit& base, const std::vector<Probe>& probes, int count);
@@ -90,7 +95,8 @@ class FittedModels {
   /// effects alone, until the best is refined.
   void refine_effects_alone(const Members& led, std::set<Members>& refined);
   /// The models that a refined one is compared with where one of its effects is dropped: by slopes
-  /// they would be judged at a poorer optimum than it is.
+  /// they would be judged at a poorer optimum than it is. Those that were not sought are fitted
+  /// from where it is.
   void refine_within(const ModelFit& larger, std::set<Members>& refined);
   /// Each of the models that were refined from the nuisances of every other, wherever the cost is
   /// lower there: tolerances have several valleys, and no model shall lead by its start alone.
@@ -110,6 +116,7 @@ class FittedModels {
   const Comparison& comparison_;
   const SearchResult* earlier_;
   bool same_space_;
+  bool beyond_effects_only_ = false;
   LinearNuisances linear_;  ///< at the noise model's point; no columns: there are none
   std::map<Members, std::vector<Probe>> probed_;  ///< about fitted models, as they were
   std::vector<ModelFit> models_;

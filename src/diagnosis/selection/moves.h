@@ -17,7 +17,7 @@ struct Surroundings {
 
   /// Some sets by linear algebra, the most probable first.
   [[nodiscard]] std::vector<LinearSet> judged(std::vector<Members> sets) const;
-  /// The most probable of some sets, those that were not fitted yet.
+  /// The most probable of some sets, those that are sought and were not fitted yet.
   [[nodiscard]] std::vector<LinearSet> best_of(std::vector<Members> sets,
                                                const FittedModels& models, int count) const;
   /// Log prior x evidence by that algebra.
@@ -29,7 +29,7 @@ struct Surroundings {
 bool enlarge(const Surroundings& near, int largest, FittedModels& models);
 
 /// Sets of two effects more that by linear algebra lead every set of one more: neither may help
-/// without the other. Those that were not fitted yet.
+/// without the other. Those that are sought and were not fitted yet.
 std::vector<LinearSet> two_at_once(const Surroundings& near, int largest,
                                    const FittedModels& models);
 

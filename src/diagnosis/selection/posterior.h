@@ -63,9 +63,6 @@ struct SearchResult {
   /// where it was not fitted alone.
   std::vector<std::vector<int>> indistinguishable;
   long predictions = 0;
-  /// By how much what led by slopes of tolerances led more than what leads with these simulated,
-  /// in log posterior; 0 where nothing was simulated after slopes.
-  double overstated = 0.0;
 };
 
 struct Posterior {

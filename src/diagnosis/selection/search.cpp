@@ -99,13 +99,11 @@ const ModelFit* clear_leader(const Posterior& posterior, const Settings& setting
   return best->log_weight() - none->log_weight() > settings.clear_lead ? best : nullptr;
 }
 
-/// The best models of a search of which `holds` does, as many as are fitted in one move.
-template <class Condition>
-std::vector<ModelFit> best_models(const SearchResult& search, const Settings& settings,
-                                  const Condition& holds) {
+/// The best models of a search, as many as are fitted in one move.
+std::vector<ModelFit> best_models(const SearchResult& search, const Settings& settings) {
   std::vector<ModelFit> models;
   for (const ModelFit* model : most_probable_first(search.models))
-    if (count_of(models) < settings.kept_singles && holds(*model)) models.push_back(*model);
+    if (count_of(models) < settings.kept_singles) models.push_back(*model);
   return models;
 }
 
@@ -175,15 +173,14 @@ SearchResult search_models(const Problem& problem, const Comparison& comparison,
   const RandomEffects& random = comparison.whitening.random;
   if (in_windows(problem)) {
     if (options.earlier != nullptr)
-      models.fit_again(
-          best_models(*options.earlier, problem.settings, [](const ModelFit&) { return true; }));
+      models.fit_again(best_models(*options.earlier, problem.settings));
     search_from_leader(problem, comparison.whitening, out.probes, options, models);
   } else {
     if (options.progress) options.progress("single effects");
     models.extend(none, out.probes, problem.settings.kept_singles);
     if (options.earlier != nullptr) models.fit_again(rivals_that_led(*options.earlier, problem));
     models.fit_again(options.known);
-    models.fit_again(options.led_before);
+    if (!options.known.empty()) models.seek_beyond_effects();
     fit_indistinguishable(problem.settings, random, out.probes, models);
     search_about_leaders(problem, comparison.whitening, options, models);
     if (options.largest > 1)
@@ -191,11 +188,8 @@ SearchResult search_models(const Problem& problem, const Comparison& comparison,
   }
 
   const Members led = options.known.empty() ? Members{} : options.known.front().candidates;
-  if (options.earlier != nullptr && !beyond_reach(problem, models)) {
-    const double by_slopes = models.value(*models.leading());
+  if (options.earlier != nullptr && !beyond_reach(problem, models))
     models.refine(options.none, led);
-    out.overstated = by_slopes - models.value(*models.leading());
-  }
   out.indistinguishable =
       indistinguishable_sets(random, models, out.probes, problem.settings.indistinguishable_below);
   out.predictions = models.predictions();
@@ -204,42 +198,6 @@ SearchResult search_models(const Problem& problem, const Comparison& comparison,
   return out;
 }
 
-namespace {
-
-/// Whether a model has effects and was fitted with tolerances simulated.
-bool is_simulated(const ModelFit& model) {
-  return model.fit.valid && !model.candidates.empty() && !model.fit.by_slopes();
-}
-
-/// A search under a plan, and again about what leads it where slopes of tolerances had promised
-/// more than they hold: what leads was then found beside models that explained by slopes what they
-/// can't, nothing seemed left for another effect, and the search ended early. In the last space
-/// slopes are those of what leads; what led before is among its models.
-Selection search_until_slopes_hold(const Problem& problem, Comparison comparison,
-                                   SearchOptions options) {
-  SearchResult search = search_models(problem, comparison, options);
-  for (int round = 0; round < problem.settings.searched_again && !in_windows(problem); ++round) {
-    if (search.models.empty() || search.overstated < problem.settings.clear_lead) break;
-    options.led_before = best_models(search, problem.settings, is_simulated);
-    if (options.led_before.empty()) break;
-    Relinearised about = relinearise(problem, comparison, options.led_before.front().fit);
-    if (about.comparison.noise.p == comparison.noise.p) break;  // noise can't be told there
-
-    if (options.progress) options.progress("once more about what leads");
-    options.earlier = &search;
-    options.same_space = false;
-    options.none = search.models.front().fit.p;
-    SearchResult again = search_models(problem, about.comparison, options);
-    if (again.models.empty()) break;
-    again.predictions += search.predictions;
-    comparison = std::move(about.comparison);
-    search = std::move(again);
-  }
-  return {std::move(comparison), std::move(search)};
-}
-
-}  // namespace
-
 Selection select_models(const Problem& problem, Comparison comparison,
                         const std::function<void(const std::string&)>& progress,
                         std::vector<ModelFit> known) {
@@ -247,7 +205,7 @@ Selection select_models(const Problem& problem, Comparison comparison,
     comparison = about_tolerances(problem, std::move(comparison));
   const int first = in_windows(problem) ? problem.settings.largest_set : 1;
   const SearchResult singles =
-      search_models(problem, comparison, {first, nullptr, false, {}, {}, {}, {}, progress});
+      search_models(problem, comparison, {first, nullptr, false, {}, {}, {}, progress});
   if (singles.models.empty()) return {std::move(comparison), singles};
   const Posterior posterior = posterior_of(singles, problem.settings);
   const bool fixed = problem.hypotheses.tolerances.empty();
@@ -270,12 +228,10 @@ Selection select_models(const Problem& problem, Comparison comparison,
   }
   const int largest =
       in_windows(problem) ? problem.settings.largest_set : problem.settings.largest_model;
-  const SearchOptions options{largest, &singles,         same_space, {},
-                              none,    std::move(known), {},         progress};
-  Selection found = search_until_slopes_hold(problem, std::move(comparison), options);
-  found.search.predictions += singles.predictions;
-  found.about_none = std::move(about_none);
-  return found;
+  const SearchOptions options{largest, &singles, same_space, {}, none, std::move(known), progress};
+  SearchResult search = search_models(problem, comparison, options);
+  search.predictions += singles.predictions;
+  return {std::move(comparison), std::move(search), std::move(about_none)};
 }
 
 Selection select_models_from(const Problem& problem, Comparison comparison, SearchResult part,
@@ -296,7 +252,7 @@ Selection select_models_from(const Problem& problem, Comparison comparison, Sear
   ToldAnew told = told_anew(problem, comparison, none, leader ? &*leader : nullptr, 1);
   comparison = std::move(told.comparison);
   leave_out_led_models(problem.settings, part);
-  SearchOptions options{problem.settings.largest_set, &part, false, 1, {}, {}, {}, progress};
+  SearchOptions options{problem.settings.largest_set, &part, false, 1, {}, {}, progress};
   if (told.about_none) options.none = told.about_none->fit.p;
   SearchResult search = search_models(problem, comparison, options);
   search.predictions += part.predictions;

@@ -35,11 +35,9 @@ struct SearchOptions {
   std::optional<int> rounds{};            ///< of moves at most; else settings.search_rounds
   /// Where the model without effects stands in a space of its own; nothing where it has none.
   std::optional<Vector> none{};
-  /// Models of another search of these data that shall not be missed, in this problem's parameters,
-  /// the leading one first.
+  /// Models of another search of these data, by effects alone, that shall not be missed, in this
+  /// problem's parameters, the leading one first. Other sets of effects alone are then not sought.
   std::vector<ModelFit> known{};
-  /// Those that led a search in another space, fitted in this one from where they were.
-  std::vector<ModelFit> led_before{};
   std::function<void(const std::string&)> progress{};
 };
 SearchResult search_models(const Problem& problem, const Comparison& comparison,
@@ -48,8 +46,7 @@ SearchResult search_models(const Problem& problem, const Comparison& comparison,
 /// Search twice: where one effect leads clearly after the singles, everything is relinearised about
 /// it first, or about none with its tolerances fitted where no effect leads or that leaves less.
 /// Nuisances act differently once an effect is there (a shift on a tail that swings, the clocks by
-/// which an impact is dated). Under a plan once more about what leads then, where slopes of
-/// tolerances had promised settings.clear_lead more than simulating them keeps.
+/// which an impact is dated).
 struct Selection {
   Comparison comparison;                     ///< about the clear leader, or none
   SearchResult search;                       ///< no models where none can't be fitted
