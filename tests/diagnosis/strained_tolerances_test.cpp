@@ -6,6 +6,7 @@
 #include <cmath>
 #include <set>
 
+#include "diagnosis/selection/fitted_models.h"
 #include "diagnosis/selection/neighbouring_sets.h"
 #include "diagnosis/selection/search.h"
 #include "diagnosis/toy.h"
@@ -35,12 +36,14 @@ std::shared_ptr<Problem> strained_problem() {
   return problem;
 }
 
+Comparison nominal_comparison(const Problem& problem) {
+  NoiseModel noise = estimate_noise(problem, problem.hypotheses.nominal());
+  return comparison_about(problem, with_random_effects(problem, std::move(noise)));
+}
+
 SearchResult searched(std::vector<ModelFit> known = {}) {
   const auto problem = strained_problem();
-  NoiseModel noise = estimate_noise(*problem, problem->hypotheses.nominal());
-  const Comparison comparison =
-      comparison_about(*problem, with_random_effects(*problem, std::move(noise)));
-  return select_models(*problem, comparison, {}, std::move(known)).search;
+  return select_models(*problem, nominal_comparison(*problem), {}, std::move(known)).search;
 }
 
 Members leading_set(const SearchResult& search) {
@@ -80,6 +83,22 @@ TEST(KnownModels, LeaveNoOtherSetOfEffectsToSeek) {
   EXPECT_GT(sets(searched()).size(), 1u);
   const ModelFit known = known_model({0, 2});
   EXPECT_EQ(sets(searched({known})), std::set<Members>{known.candidates});
+}
+
+/// A push stands by what it gains over the effects beside it, however these were left out before.
+TEST(KnownModels, OfEffectsAreFittedWhereASetHasThemWithAForce) {
+  const auto problem = strained_problem();
+  effects::Effect push;
+  push.event = true;
+  problem->hypotheses.candidates[2].effect = &push;
+  const Comparison comparison = nominal_comparison(*problem);
+  FittedModels models(*problem, comparison, nullptr, false);
+  models.seek_beyond_effects();
+  models.fit_again({known_model({0, 1, 2})});
+  EXPECT_EQ(models.find({0, 1}), nullptr);
+  models.fit_without_forces();
+  ASSERT_NE(models.find({0, 1}), nullptr);
+  EXPECT_TRUE(models.find({0, 1})->fit.valid);
 }
 
 }  // namespace

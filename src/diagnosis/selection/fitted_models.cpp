@@ -99,10 +99,8 @@ const std::vector<Probe>& FittedModels::probe(const ModelFit& base) {
   const std::vector<Probe>* before = about_none != probed_.end() ? &about_none->second
                                      : same_space_               ? &earlier_->probes
                                                                  : nullptr;
-  const auto beside = [&](int c) { return sought(with_member(base.candidates, c)); };
-  std::vector<Probe> probes =
-      screen(problem_, comparison_.whitening, base.fit,
-             search ? Screening::line_search : Screening::steps, before, beside);
+  std::vector<Probe> probes = screen(problem_, comparison_.whitening, base.fit,
+                                     search ? Screening::line_search : Screening::steps, before);
   for (std::size_t c = 0; c < probes.size(); ++c) {
     predictions_ += probes[c].predictions;
     if (!base.candidates.empty() || !again) continue;
@@ -240,6 +238,24 @@ void FittedModels::fit_again(const std::vector<ModelFit>& earlier) {
     jobs.push_back(job);
   }
   fit(jobs);
+}
+
+void FittedModels::fit_without_forces() {
+  const double least = value(*leading()) - problem_.settings.clear_lead;
+  const Hypotheses& hypotheses = problem_.hypotheses;
+  std::vector<ModelFit> parts;
+  for (const ModelFit& model : models_) {
+    if (!model.fit.valid || value(model) < least) continue;
+    ModelFit part;
+    Members forces;
+    for (const int c : model.candidates)
+      (hypotheses.candidates[c].beyond_effects() ? forces : part.candidates).push_back(c);
+    if (forces.empty() || part.candidates.empty()) continue;
+    part.fit.valid = true;
+    part.fit.p = hypotheses.without_effects(model.fit.p, forces);
+    parts.push_back(std::move(part));
+  }
+  fit_again(parts);
 }
 
 const Fit* FittedModels::fitted_earlier(int candidate) const {

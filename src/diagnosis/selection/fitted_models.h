@@ -39,8 +39,8 @@ class FittedModels {
   /// `from` and the next best of its size, best first.
   [[nodiscard]] std::vector<ModelFit> close_to(const ModelFit& from, int count) const;
 
-  /// Screens all candidates that are sought beside a model, by line search about none; once, for
-  /// fits stay as they are until they are refined, which lets go of what is returned here.
+  /// Screens all candidates about a model, by line search about none; once, for fits stay as they
+  /// are until they are refined, which lets go of what is returned here.
   const std::vector<Probe>& probe(const ModelFit& base);
   /// Fits `base` and one more candidate each, of the best `count` probes.
   void extend(const ModelFit& base, const std::vector<Probe>& probes, int count);
@@ -50,6 +50,9 @@ class FittedModels {
                 const std::vector<Probe>& probes);
   /// Fits models of an earlier search again, from where they were, those that were not fitted yet.
   void fit_again(const std::vector<ModelFit>& earlier);
+  /// Fits the effects of sets with a push or a pattern without it, from where they are with it, of
+  /// those that none leads by settings.clear_lead: what a force gains must be over these.
+  void fit_without_forces();
   /// The leading models again, best first, and none, with tolerances simulated: slopes served to
   /// find them. Each sets out from where it is, from where slopes were told or from the nuisances
   /// of what leads, with the tolerances that are what its effects are, none from where it stands in
@@ -95,8 +98,7 @@ class FittedModels {
   /// effects alone, until the best is refined.
   void refine_effects_alone(const Members& led, std::set<Members>& refined);
   /// The models that a refined one is compared with where one of its effects is dropped: by slopes
-  /// they would be judged at a poorer optimum than it is. Those that were not sought are fitted
-  /// from where it is.
+  /// they would be judged at a poorer optimum than it is.
   void refine_within(const ModelFit& larger, std::set<Members>& refined);
   /// Each of the models that were refined from the nuisances of every other, wherever the cost is
   /// lower there: tolerances have several valleys, and no model shall lead by its start alone.

@@ -100,18 +100,7 @@ void FittedModels::refine_effects_alone(const Members& led, std::set<Members>& r
 
 void FittedModels::refine_within(const ModelFit& larger, std::set<Members>& refined) {
   const Members all = larger.candidates;
-  const Vector p = larger.fit.p;
-  for (const int dropped : all) {
-    const Members rest = without_one(all, dropped);
-    if (!sought(rest)) {
-      ModelFit without;
-      without.candidates = rest;
-      without.fit.valid = true;
-      without.fit.p = problem_.hypotheses.without_effects(p, {dropped});
-      fit_again({without});  // `larger` may have moved
-    }
-    refine_once(rest, refined);
-  }
+  for (const int dropped : all) refine_once(without_one(all, dropped), refined);
 }
 
 void FittedModels::share_valleys(const std::set<Members>& refined) {

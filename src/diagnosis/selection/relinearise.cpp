@@ -32,7 +32,7 @@ Vector independent_values(const Whitening& whitening) {
 /// of white residuals scaled back to the data's units, N rows of a channel that count as n
 /// independent values, where the size of its noise is not known: a measure, rough, of models that
 /// are each told about in a space of their own, in which what fits badly is granted more noise.
-double density_by_size(const Problem& problem, const Relinearised& told) {
+double log_density_by_size(const Problem& problem, const Relinearised& told) {
   const Whitening& whitening = told.comparison.whitening;
   const Vector white = whitening.in_rows(told.fit.residual);
   const Vector values = independent_values(whitening);
@@ -138,8 +138,8 @@ ToldAnew told_anew(const Problem& problem, const Comparison& comparison, const F
   if (problem.hypotheses.tolerances.empty() || !leaves_more(problem, about.fit))
     return {std::move(about.comparison), {}};
   Relinearised other = about_none();
-  const bool less = density_by_size(problem, about) > density_by_size(problem, other);
-  return {less ? std::move(about.comparison) : other.comparison, std::move(other)};
+  const bool leads = log_density_by_size(problem, about) > log_density_by_size(problem, other);
+  return {leads ? std::move(about.comparison) : other.comparison, std::move(other)};
 }
 
 }  // namespace jaculus::diagnosis

@@ -31,10 +31,10 @@ struct ToldAnew {
   Comparison comparison;
   std::optional<Relinearised> about_none;  ///< where it was worked out
 };
-/// The space about a leading effect, or about none where there is no such effect or where it leaves
-/// forces and none's own tolerances, fitted, leave less for what they strain. Singles are judged by
-/// slopes at the files' values: a strong effect is told there, but what tolerances do beyond slopes
-/// may be taken for one.
+/// The space about a leading effect; about none where there is no such effect, or where it leaves
+/// forces and the data, with what each model's parameters strain, are less probable by it than by
+/// none with its tolerances fitted. Singles are judged by slopes at the files' values: a strong
+/// effect is told there, but what tolerances do beyond slopes may be taken for one.
 ToldAnew told_anew(const Problem& problem, const Comparison& comparison, const Fit& none,
                    const ModelFit* leader, int rounds);
 

@@ -163,12 +163,10 @@ Probe probe_candidate(const Problem& problem, const Whitening& whitening, const 
 }
 
 std::vector<Probe> screen(const Problem& problem, const Whitening& whitening, const Fit& base,
-                          Screening how, const std::vector<Probe>* before,
-                          const std::function<bool(int candidate)>& asked) {
+                          Screening how, const std::vector<Probe>* before) {
   std::vector<Probe> probes(problem.hypotheses.candidates.size());
   const Standing standing = standing_of(problem, whitening, base);
   tbb::parallel_for(0, count_of(probes), [&](int c) {
-    if (asked && !asked(c)) return;
     const bool linear = before != nullptr && (*before)[c].linear;
     probes[c] = probe_candidate(problem, whitening, base, standing, c, how, linear);
   });

@@ -13,7 +13,6 @@
 //   line is searched where both steps say the same and so does one to the estimate, if that lies
 //   beyond them.
 
-#include <functional>
 #include <vector>
 
 #include "diagnosis/selection/line_search.h"
@@ -43,11 +42,10 @@ enum class Screening { steps, line_search };
 Probe probe_candidate(const Problem& problem, const Whitening& whitening, const Fit& base,
                       const Standing& standing, int candidate, Screening how, bool linear = false);
 /// The same of every candidate, in parallel and in their order. `before`: their probes about
-/// another model, if any. `asked`: which are probed, the others are invalid; null: all.
+/// another model, if any.
 std::vector<Probe> screen(const Problem& problem, const Whitening& whitening, const Fit& base,
                           Screening how = Screening::steps,
-                          const std::vector<Probe>* before = nullptr,
-                          const std::function<bool(int candidate)>& asked = {});
+                          const std::vector<Probe>* before = nullptr);
 
 /// Where a fit of one more candidate may start: at the linear estimate, at the line search's step
 /// where there is one, at the probing step. The base model's parameters are `base`, p of all

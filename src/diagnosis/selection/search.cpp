@@ -187,6 +187,7 @@ SearchResult search_models(const Problem& problem, const Comparison& comparison,
       search_from_leader(problem, comparison.whitening, out.probes, options, models);
   }
 
+  if (problem.hypotheses.beyond_effects()) models.fit_without_forces();
   const Members led = options.known.empty() ? Members{} : options.known.front().candidates;
   if (options.earlier != nullptr && !beyond_reach(problem, models))
     models.refine(options.none, led);
