@@ -127,17 +127,15 @@ Effect payload(const BaseSize& base) {
                                  });
   // In both directions of its length: what stands on a base may be higher than it.
   const double half = base.half.x();
-  const auto place = [](const std::string& name, double from, double to, double scale) {
-    return EffectParameter{name, "m", std::clamp(0.0, from, to), {from, to}, scale};
-  };
+  const double x = base.com.x(), z = base.com.y();
   effect.parameters = {
       {"mass", "kg", 0.0, {0.0, kMostPayload * base.mass}, kUsualPayload * base.mass},
-      place("x", base.com.x() - half, base.com.x() + half, 0.4 * half),
-      place("z", base.com.y() - 0.7 * half, base.com.y() + half, 0.2 * half)};
+      {"x", "m", x, {x - half, x + half}, 0.4 * half},
+      {"z", "m", z, {z - 0.7 * half, z + half}, 0.2 * half}};
   return effect;
 }
 
-/// No centre of mass lies beyond the ends of its body.
+/// By no more than half of a uniform bar that spreads as the base's mass does.
 Effect com_shift(const BaseSize& base) {
   Effect effect = effect_on_base("com_shift", "the base's centre of mass lies elsewhere",
                                  [](const Vector& theta, PlanarBody& base) { base.com += theta; });

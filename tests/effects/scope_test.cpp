@@ -178,7 +178,7 @@ TEST(BaseEffects, ScaleWithTheBase) {
   EXPECT_NEAR(thin[0].parameters[1].bounds.upper, 0.01, 1e-12);
   const std::vector<Effect> ahead = sized_for(*find_effect("payload"), robot, {});
   EXPECT_TRUE(effect_faults(ahead[0]).empty());
-  EXPECT_NEAR(ahead[0].parameters[1].nominal, 0.15, 1e-12);
+  EXPECT_EQ(ahead[0].parameters[1].nominal, 0.25);
   EXPECT_NEAR(ahead[0].parameters[1].bounds.upper, 0.35, 1e-12);
 
   // No file that says along which axis: a square's, by the inertia.

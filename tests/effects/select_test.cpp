@@ -31,7 +31,8 @@ TEST(ReadEffect, TakesOwnAndShownNames) {
 
 TEST(ReadEffect, LeavesTheOthersNominal) {
   const EffectValue value = read_effect("payload:x=0.1,mass=0.5", tailed(), "--effect");
-  EXPECT_EQ(value.theta, (Vector(3) << 0.5, 0.1, 0.0).finished());
+  const double height = tailed().bodies[0].com.y();  // what is not given is the centre of mass
+  EXPECT_EQ(value.theta, (Vector(3) << 0.5, 0.1, height).finished());
   simulation::Plant plant = simulation::nominal_plant(tailed());
   const double before = plant.model.total_mass();
   apply_effects({value}, plant);
