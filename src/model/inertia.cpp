@@ -55,4 +55,11 @@ void settle_inertia(SpatialLink& link, Assumptions& assumptions) {
   }
 }
 
+Vec2 squares_along(double phi, const Mat3& inertia) {
+  const double half = 0.5 * inertia(1, 1), apart = 0.5 * (inertia(2, 2) - inertia(0, 0));
+  const double c = std::cos(phi), s = std::sin(phi);
+  const double xx = half + apart, zz = half - apart, xz = -inertia(0, 2);
+  return {c * c * xx - 2.0 * c * s * xz + s * s * zz, s * s * xx + 2.0 * c * s * xz + c * c * zz};
+}
+
 }  // namespace jaculus::model

@@ -15,6 +15,10 @@ namespace jaculus::model {
 /// A negative mass is InputError.
 void settle_inertia(SpatialLink& link, Assumptions& assumptions);
 
+/// Sums of mass times distance squared along the axes of a frame turned by phi about +y, from the
+/// inertia of the same mass: of x, (I_yy + I_zz - I_xx)/2, of x z, -I_xz [kg m^2].
+Vec2 squares_along(double phi, const Mat3& inertia);
+
 /// The sphere's moment [kg m^2] of a mass [kg].
 double sphere_moment(double mass);
 

@@ -23,15 +23,6 @@ Vec2 in_plane(const Vec3& v) { return {v.x(), v.z()}; }
 Vec2 unrotate(double phi, const Vec2& v) { return turned(-phi, v); }
 
 double pitch_of(const Mat3& R) { return std::atan2(R(0, 2), R(0, 0)); }
-/// Sums of mass times distance squared along the axes of a frame turned by phi about +y, from the
-/// inertia of the same mass: of x, (I_yy + I_zz - I_xx)/2, of x z, -I_xz [kg m^2].
-Vec2 squares_along(double phi, const Mat3& inertia) {
-  const double half = 0.5 * inertia(1, 1), apart = 0.5 * (inertia(2, 2) - inertia(0, 0));
-  const double c = std::cos(phi), s = std::sin(phi);
-  const double xx = half + apart, zz = half - apart, xz = -inertia(0, 2);
-  return {c * c * xx - 2.0 * c * s * xz + s * s * zz, s * s * xx + 2.0 * c * s * xz + c * c * zz};
-}
-
 bool about_y(const Mat3& R) { return R(1, 1) > std::cos(kLean); }
 
 /// Angle wrapped to (-pi, pi].
