@@ -57,8 +57,10 @@ FittedModels::FittedModels(const Problem& problem, const Comparison& comparison,
                hypotheses.with_nuisances_of(hypotheses.nominal(), comparison.noise.p))}});
 }
 
-bool FittedModels::sought(const Members& members) const {
-  return !beyond_effects_only_ || members.size() < 2 || problem_.hypotheses.beyond_effects(members);
+bool FittedModels::to_fit(const Members& members) const {
+  const bool sought =
+      !beyond_effects_only_ || members.size() < 2 || problem_.hypotheses.beyond_effects(members);
+  return sought && find(members) == nullptr;
 }
 
 double FittedModels::value(const ModelFit& model) const { return model.log_weight(); }
@@ -145,7 +147,7 @@ void FittedModels::extend(const ModelFit& base, const std::vector<Probe>& probes
     if (!probes[c].valid) continue;
     Job job;
     job.members = with_member(base.candidates, c);
-    if (!sought(job.members) || find(job.members) != nullptr) continue;
+    if (!to_fit(job.members)) continue;
 
     job.starts = fit_starts(problem_, base.fit.p, c, probes[c]);
     if (const Fit* known = base.candidates.empty() ? fitted_earlier(c) : nullptr)
@@ -170,7 +172,7 @@ void FittedModels::fit_sets(const ModelFit& about, const std::vector<LinearSet>&
                             const std::vector<Probe>& probes) {
   std::vector<Job> jobs;
   for (const LinearSet& set : sets) {
-    if (!sought(set.members) || find(set.members) != nullptr) continue;
+    if (!to_fit(set.members)) continue;
     Job job{set.members, {}, contained_in(set.members)};
     job.starts = starts_of(about, set, probes);
     job.enough = job.base.log_evidence + problem_.settings.member_gain;

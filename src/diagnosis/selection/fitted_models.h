@@ -22,7 +22,8 @@ class FittedModels {
   /// From here on of sets of effects only those with a push or a pattern (Hypotheses) are fitted
   /// beside singles: another search of these data had the others, and what led there is among them.
   void seek_beyond_effects() { beyond_effects_only_ = true; }
-  [[nodiscard]] bool sought(const Members& members) const;
+  /// Whether a set is sought and was not fitted yet.
+  [[nodiscard]] bool to_fit(const Members& members) const;
 
   [[nodiscard]] const std::vector<ModelFit>& all() const { return models_; }
   [[nodiscard]] const ModelFit& none() const { return models_.front(); }

@@ -21,8 +21,7 @@ std::vector<LinearSet> Surroundings::judged(std::vector<Members> sets) const {
 
 std::vector<LinearSet> Surroundings::best_of(std::vector<Members> sets, const FittedModels& models,
                                              int count) const {
-  std::erase_if(
-      sets, [&](const Members& set) { return models.find(set) != nullptr || !models.sought(set); });
+  std::erase_if(sets, [&](const Members& set) { return !models.to_fit(set); });
   std::vector<LinearSet> best = judged(std::move(sets));
   if (count_of(best) > count) best.resize(count);
   return best;
@@ -55,9 +54,7 @@ std::vector<LinearSet> two_at_once(const Surroundings& near, int largest,
     return count_of(set.members) == one_more;
   });
   best.erase(led, best.end());
-  std::erase_if(best, [&](const LinearSet& set) {
-    return models.find(set.members) != nullptr || !models.sought(set.members);
-  });
+  std::erase_if(best, [&](const LinearSet& set) { return !models.to_fit(set.members); });
   const int most = near.problem.settings.kept_pairs;
   if (count_of(best) > most) best.resize(most);
   return best;

@@ -206,6 +206,13 @@ const PlantChanges& Laws::before_motors(const Mechanism& mechanism, const Inerti
   return changes_;
 }
 
+const Row& Laws::row_of(const Place& joint, const Mechanism& mechanism, const double* q,
+                        const double* v, JointState& state) {
+  if (joint.motor >= 0) return mechanism.motor_row[joint.motor];
+  mechanism.joint(joint.body, q, v, state);
+  return state.row;
+}
+
 void Laws::act(const Own& own, const Mechanism& mechanism, const double* q, const double* v,
                double* force) const {
   const double* value = own.actions.data();
@@ -214,8 +221,7 @@ void Laws::act(const Own& own, const Mechanism& mechanism, const double* q, cons
     const Place& place = own.act_at[a];
     if (action.kind == ActionKind::joint_torque) {
       JointState joint;
-      if (place.motor < 0) mechanism.joint(place.body, q, v, joint);
-      const Row& row = place.motor < 0 ? joint.row : mechanism.motor_row[place.motor];
+      const Row& row = row_of(place, mechanism, q, v, joint);
       for (int i = 0; i < mechanism.n; ++i) force[i] += place.count * value[0] * row[i];
     } else if (action.kind == ActionKind::point_force) {
       PointState point;
@@ -257,11 +263,9 @@ void Laws::list_fast_parts(const Mechanism& mechanism, const double* q, const do
       rate = here;
 
       JointState joint;
-      if (pair.joint.motor < 0) mechanism.joint(pair.joint.body, q, v, joint);
       const double rise = values_beside_[pair.value] - own.actions[pair.value];
-      parts.push_back(
-          {.row = pair.joint.motor < 0 ? joint.row : mechanism.motor_row[pair.joint.motor],
-           .damping = std::max(0.0, -pair.joint.count * rise / step)});
+      parts.push_back({.row = row_of(pair.joint, mechanism, q, v, joint),
+                       .damping = std::max(0.0, -pair.joint.count * rise / step)});
     }
   }
 }

@@ -60,6 +60,9 @@ class Laws {
     std::vector<OwnRate> own_rates;
   };
   static void pair_rates(Own& own);
+  /// d(rate)/dv of a joint: the mechanism's own, or that of `state`, which is set.
+  static const Row& row_of(const Place& joint, const Mechanism& mechanism, const double* q,
+                           const double* v, JointState& state);
   void read(Own& own, const Mechanism& mechanism, const Inertia& inertia, double t, const double* q,
             const double* v);
   void read_motors(Own& own, const std::vector<MotorState>& motors, double bus);
