@@ -123,6 +123,99 @@ TEST(ForemostSets, AreJudgedByTheMisfitsThatTheyLeave) {
             (std::vector<Members>{{2, 5}}));
 }
 
+TEST(ForemostSets, CountWhatForcesMayExplainAsNoEffect) {
+  // What is strongest in the data lies along forces that the model may lack; candidates 1 and 4 do
+  // less, and nothing else does it.
+  Matrix X = columns_without_residual();
+  const Matrix forces = normal_matrix(kForemostRows, 3, 11);
+  X.col(column_of(2)) = forces.col(0) + 0.1 * normal_matrix(kForemostRows, 1, 12);
+  X.col(0) += 2.0 * forces.col(0) + 0.2 * X.col(column_of(1)) - 0.2 * X.col(column_of(4));
+  Linear linear(X);
+  linear.random = {};
+  linear.random.groups = {{.name = "elbow", .force = 0}};
+  linear.random.blocks = {{0, kForemostRows, forces, {0, 0, 0}, forces.transpose() * forces}};
+  linear.table.products = products_of(linear.random, X);
+  const Vector large = Vector{{20.0}}, small = Vector{{1e-3}};
+
+  std::vector<Members> best = larger_sets({}, kForemostCandidates, 2);
+  std::erase_if(best, [](const Members& set) { return set.size() == 1; });
+  const std::vector<Members> pairs = best;
+  const auto evidence = [&](const Members& set) {
+    Matrix own(kForemostRows, 1 + count_of(set) + kForemostNuisances);
+    own << X.col(0), X.col(column_of(set[0])), X.col(column_of(set[1])),
+        X.middleCols(1, kForemostNuisances);
+    return linear_evidence(linear.random, products_of(linear.random, own), large).log_evidence;
+  };
+  std::sort(best.begin(), best.end(),
+            [&](const Members& a, const Members& b) { return evidence(a) > evidence(b); });
+  EXPECT_EQ(best.front(), (Members{1, 4}));
+  best.resize(5);
+  std::sort(best.begin(), best.end());
+  EXPECT_EQ(linear.foremost(5, pairs, large), best);
+  // Without forces candidate 2 is needed.
+  for (const Members& set : linear.foremost(3, pairs, small))
+    EXPECT_TRUE(std::binary_search(set.begin(), set.end(), 2));
+}
+
+TEST(ForemostSets, CountForcesThatASetMakesNeedlessAsSmaller) {
+  // At the fit forces do what candidate 2 does; at their deviation there it gains next to nothing.
+  // Candidate 4 does a little where no force acts.
+  Matrix X = columns_without_residual();
+  const Matrix forces = normal_matrix(kForemostRows, 3, 11);
+  X.col(column_of(2)) = 4.0 * forces.col(0);
+  X.col(0) += X.col(column_of(2)) + 0.1 * X.col(column_of(4));
+  Linear linear(X);
+  linear.random = {};
+  linear.random.groups = {{.name = "elbow", .force = 0}};
+  linear.random.blocks = {{0, kForemostRows, forces, {0, 0, 0}, forces.transpose() * forces}};
+  linear.table.products = products_of(linear.random, X);
+  const auto evidence = [&](int candidate, double deviation) {
+    Matrix own(kForemostRows, 2 + kForemostNuisances);
+    own << X.col(0), X.col(column_of(candidate)), X.middleCols(1, kForemostNuisances);
+    const Products products = products_of(linear.random, own);
+    return linear_evidence(linear.random, products, Vector{{deviation}}).log_evidence;
+  };
+  ASSERT_LT(evidence(2, 4.0), evidence(4, 4.0));
+  ASSERT_GT(evidence(2, 0.4), std::max(evidence(4, 4.0), evidence(4, 0.4)));
+  EXPECT_EQ(linear.foremost(1, {{2}, {4}}, Vector{{4.0}}), (std::vector<Members>{{2}}));
+}
+
+TEST(ForemostSets, HaveForcesInSomeRowsAndMisfitsInOthers) {
+  // Forces move the first half of the rows, of which none belongs to a misfit; candidate 3 does in
+  // the second half what the misfit there would have to.
+  Matrix X = columns_without_residual();
+  const int half = kForemostRows / 2;
+  const Matrix forces = normal_matrix(half, 2, 13);
+  X.col(column_of(2)).head(half) = forces.col(0);
+  X.col(column_of(2)).tail(half).setZero();
+  X.col(0).head(half) += 2.0 * forces.col(0);
+  X.col(0) += 0.4 * X.col(column_of(3));
+  Linear linear(X);
+  linear.random.groups[0] = {.name = "elbow", .force = 0};
+  linear.random.misfits.erase(linear.random.misfits.begin());
+  linear.random.blocks = {{0, half, forces, {0, 0}, forces.transpose() * forces}};
+  linear.table.products = products_of(linear.random, X);
+  const Vector scales = Vector{{20.0, 0.5}};
+
+  std::vector<Members> singles = larger_sets({}, kForemostCandidates, 1), best = singles;
+  const auto worth = [&](const Members& set) {
+    double most = -kInfinity;
+    for (const double deviation : {20.0, 20.0 / 3.0, 2.0}) {
+      const Matrix V =
+          Matrix::Identity(2, 2) + deviation * deviation * linear.random.blocks.front().gram;
+      most = std::max(most, worth_alone(linear, set, Vector{{deviation, 0.5}}) -
+                                0.5 * std::log(V.determinant()));
+    }
+    return most;
+  };
+  std::sort(best.begin(), best.end(),
+            [&](const Members& a, const Members& b) { return worth(a) > worth(b); });
+  EXPECT_EQ(best.front(), (Members{3}));
+  best.resize(2);
+  std::sort(best.begin(), best.end());
+  EXPECT_EQ(linear.foremost(2, singles, scales), best);
+}
+
 TEST(ForemostSets, HoldNoneThatWouldHaveToWorkTheWrongWay) {
   Matrix X = columns_without_residual();
   X.col(0) += 0.5 * X.col(column_of(1)) - 0.3 * X.col(column_of(4));

@@ -4,6 +4,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <numeric>
 #include <utility>
@@ -13,12 +14,24 @@
 namespace jaculus::diagnosis {
 namespace {
 
+/// Of the forces' deviations at the fit, what a set may leave: it then explains nothing of what
+/// they did, nine tenths of its energy, or all but a hundredth.
+constexpr double kForces[] = {1.0, 1.0 / 3.0, 0.1};
+
 /// Products of [r0 Y] of all candidates with the nuisances at their best for them.
 struct AtBest {
   Matrix gram;                  ///< S
   std::vector<Matrix> misfits;  ///< M_c
-  Matrix rest;                  ///< of rows of no misfit, and |n|^2
+  Matrix rest;                  ///< of rows of no misfit, weighed by forces, and |n|^2
+  double log_det = 0.0;         ///< of V by forces
 };
+
+/// Deviations with those of forces times a factor.
+Vector with_forces(const RandomEffects& random, Vector scales, double factor) {
+  for (int g = 0; g < random.size(); ++g)
+    if (random.groups[g].force >= 0) scales[g] *= factor;
+  return scales;
+}
 
 AtBest at_best(const RandomEffects& random, const Vector& scales, const SetProducts& table) {
   const SetColumns& nuisances = table.nuisances;
@@ -38,7 +51,11 @@ AtBest at_best(const RandomEffects& random, const Vector& scales, const SetProdu
     return Matrix(put_in.transpose() * products * put_in);
   };
   AtBest out;
-  Matrix rest = table.products.gram;
+  Vector forces = scales;
+  for (const Misfit& misfit : random.misfits) forces[misfit.group] = 0.0;
+  Weighed by_forces = weigh(random, table.products, forces);
+  out.log_det = by_forces.log_det;
+  Matrix& rest = by_forces.gram;
   for (const Matrix& own : table.products.misfits) {
     out.misfits.push_back(best(own));
     rest -= own;
@@ -72,18 +89,19 @@ double worth(const Problem& problem, const RandomEffects& random, const SetProdu
   Matrix A = S.bottomRightCorner(n, n);
   A.diagonal().array() += 1.0;
   const Eigen::LLT<Matrix> factor(A);
+  if (factor.info() != Eigen::Success) return -kInfinity;
   Vector w(1 + n);
   w << 1.0, -factor.solve(S.col(0).tail(n));
   for (std::size_t k = 0; k < members.size(); ++k)
     if (!on_its_side(problem, members[k], -w[firsts[k]])) return -kInfinity;
 
-  double squares = w.tail(n).squaredNorm() + w.dot(all.rest(columns, columns) * w) +
+  double squares = all.log_det + w.tail(n).squaredNorm() + w.dot(all.rest(columns, columns) * w) +
                    2.0 * factor.matrixLLT().diagonal().array().log().sum();
   for (std::size_t c = 0; c < random.misfits.size(); ++c) {
     const double energy = w.dot(all.misfits[c](columns, columns) * w);
     squares += squares_of(random.groups[random.misfits[c].group], random.misfits[c], energy);
   }
-  return -0.5 * squares;
+  return std::isfinite(squares) ? -0.5 * squares : -kInfinity;
 }
 
 }  // namespace
@@ -94,11 +112,15 @@ std::vector<std::vector<int>> foremost_sets(const Problem& problem, const Random
   const int kept = problem.settings.sets_followed;
   if (count_of(sets) <= kept) return sets;
 
-  const AtBest all = at_best(random, scales, table);
-  std::vector<double> worths(sets.size());
+  std::vector<AtBest> all;
+  for (const double factor : kForces)
+    if (factor == 1.0 || !random.blocks.empty())
+      all.push_back(at_best(random, with_forces(random, scales, factor), table));
+  std::vector<double> worths(sets.size(), -kInfinity);
   tbb::parallel_for(0, count_of(sets), [&](int i) {
-    worths[i] = worth(problem, random, table, all, sets[i]) +
-                log_prior(sets[i].size(), table.own.size(), problem.settings);
+    for (const AtBest& own : all)
+      worths[i] = std::max(worths[i], worth(problem, random, table, own, sets[i]));
+    worths[i] += log_prior(sets[i].size(), table.own.size(), problem.settings);
   });
   std::vector<int> order(sets.size());
   std::iota(order.begin(), order.end(), 0);

@@ -71,8 +71,7 @@ std::vector<LinearSet> linear_sets(const Problem& problem, const Whitening& whit
                                    const std::vector<Probe>& probes,
                                    std::vector<std::vector<int>> sets) {
   const SetProducts table = set_products(problem, whitening, fit, about, probes);
-  if (!in_windows(problem) && whitening.random.blocks.empty())
-    sets = foremost_sets(problem, whitening.random, fit.scales, table, std::move(sets));
+  sets = foremost_sets(problem, whitening.random, fit.scales, table, std::move(sets));
   std::vector<LinearSet> out(sets.size());
   tbb::parallel_for(0, count_of(sets), [&](int i) {
     out[i] = evaluated(problem, whitening, fit, about, table, sets[i]);

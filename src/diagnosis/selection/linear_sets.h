@@ -25,8 +25,8 @@ struct LinearSet {
   Vector scales;  ///< deviations S that it needs
 };
 
-/// Evidence of sets about the fit of the candidates `about`, best first, under a plan of the
-/// foremost of them (foremost_sets.h); without those of which a member has no columns, or an
+/// Evidence of sets about the fit of the candidates `about`, best first, of the foremost of them
+/// (foremost_sets.h); without those of which a member has no columns, or an
 /// estimate on the wrong side of a boundary: what is left without it is a set of its own.
 std::vector<LinearSet> linear_sets(const Problem& problem, const Whitening& whitening,
                                    const Fit& fit, const std::vector<int>& about,

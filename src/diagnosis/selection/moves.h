@@ -15,7 +15,7 @@ struct Surroundings {
   ModelFit about;
   const std::vector<Probe>& probes;
 
-  /// Some sets by linear algebra, the most probable first.
+  /// Some sets by linear algebra, the most probable first, the foremost where they are many.
   [[nodiscard]] std::vector<LinearSet> judged(std::vector<Members> sets) const;
   /// The most probable of some sets, those that are sought and were not fitted yet.
   [[nodiscard]] std::vector<LinearSet> best_of(std::vector<Members> sets,
