@@ -98,6 +98,19 @@ TEST(VerdictRules, UnexplainedWhereStructureIsUnknown) {
   EXPECT_EQ(decide(e, {}).verdict, Verdict::unexplained);
 }
 
+TEST(VerdictRules, SayOfTheNearestWhatItLeaves) {
+  HeldOut gap = plain().gap;
+  const Settings settings;
+  EXPECT_NE(nearest_text("sensor_latency", gap, settings).find("leaves 1.10 noise floors"),
+            std::string::npos);
+  gap.after = settings.plain_gap;
+  const std::string structure = "which leaves structure beyond noise: sensor_latency";
+  EXPECT_NE(nearest_text("sensor_latency", gap, settings).find(structure), std::string::npos);
+  gap.after = 1.1;
+  gap.valid = false;
+  EXPECT_NE(nearest_text("sensor_latency", gap, settings).find(structure), std::string::npos);
+}
+
 TEST(VerdictRules, UnexplainedWhereHeldOutDataAreNotPredictedBetter) {
   VerdictEvidence e = plain();
   e.gap.before = e.gap.adjusted = 4.0;

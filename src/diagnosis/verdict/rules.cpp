@@ -1,5 +1,7 @@
 #include "diagnosis/verdict/rules.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 
@@ -123,6 +125,15 @@ const VerdictRule& decide(const VerdictEvidence& evidence, const Settings& setti
   const std::vector<VerdictRule>& rules = verdict_rules();
   return *std::find_if(rules.begin(), rules.end(),
                        [&](const VerdictRule& rule) { return rule.applies(evidence, settings); });
+}
+
+std::string nearest_text(const std::string& names, const HeldOut& gap, const Settings& settings) {
+  if (!gap.valid || gap.after >= settings.plain_gap)
+    return "the nearest that was found, which leaves structure beyond noise: " + names;
+  return fmt::format(
+      "the nearest that was found leaves {:.2f} noise floors on trials that no fit saw, but these "
+      "data don't tell it from forces of no stated form: {}",
+      gap.after, names);
 }
 
 }  // namespace jaculus::diagnosis

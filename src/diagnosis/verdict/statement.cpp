@@ -151,7 +151,7 @@ double most_probable(const std::vector<Established>& places) {
 /// Why the verdict is what it is.
 std::vector<std::string> rule_reasons(const Problem& problem, const VerdictRule& rule,
                                       Verdict verdict, const PartedProposal& told,
-                                      const ModelFit& chosen) {
+                                      const ModelFit& chosen, const HeldOut& gap) {
   std::vector<std::string> reasons;
   const bool events = names_effects(rule.verdict) && !told.events.empty();
   const bool patterns = names_effects(rule.verdict) && !told.patterns.empty();
@@ -166,8 +166,8 @@ std::vector<std::string> rule_reasons(const Problem& problem, const VerdictRule&
   else
     reasons.emplace_back(rule.reason);
   if (verdict == Verdict::unexplained && !events && !patterns && !chosen.candidates.empty())
-    reasons.push_back("the nearest that was found, which leaves structure beyond noise: " +
-                      joined(told_names(problem, chosen.candidates)));
+    reasons.push_back(
+        nearest_text(joined(told_names(problem, chosen.candidates)), gap, problem.settings));
   for (const Established& e : told.events)
     if (events && !e.others.empty())
       reasons.push_back(fmt::format("{} can't be told from {}",
@@ -297,7 +297,7 @@ Statement state_verdict(const Problem& problem, const Selection& selection, bool
 
   std::vector<Ranked> ranking = ranking_of_effects(judged);
   append(proposal.reasons, out.reasons);
-  append(rule_reasons(problem, rule, out.verdict, told, chosen), out.reasons);
+  append(rule_reasons(problem, rule, out.verdict, told, chosen, out.gap), out.reasons);
   const std::vector<std::string> against = doubts_of(judged, out, effects, ranking);
   append(against, out.reasons);
   Calibrated calibrated =
