@@ -131,8 +131,7 @@ std::string nearest_text(const std::string& names, const HeldOut& gap, const Set
   if (!gap.valid || gap.after >= settings.plain_gap)
     return "the nearest that was found, which leaves structure beyond noise: " + names;
   return fmt::format(
-      "the nearest that was found leaves {:.2f} noise floors on trials that no fit saw, but these "
-      "data don't tell it from forces of no stated form: {}",
+      "the nearest that was found, which leaves {:.2f} noise floors on trials that no fit saw: {}",
       gap.after, names);
 }
 

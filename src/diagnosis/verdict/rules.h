@@ -35,8 +35,7 @@ const std::vector<VerdictRule>& verdict_rules();
 const VerdictRule& decide(const VerdictEvidence& evidence, const Settings& settings);
 
 /// What is said of the nearest model, of these names, where nothing is established, and of the gap
-/// that it leaves [noise floors]: below settings.plain_gap nothing need be missing, and what speaks
-/// against it is that forces of no stated form are more probable.
+/// that it leaves [noise floors]: below settings.plain_gap nothing need be missing.
 std::string nearest_text(const std::string& names, const HeldOut& gap, const Settings& settings);
 
 }  // namespace jaculus::diagnosis
