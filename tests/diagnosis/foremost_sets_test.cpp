@@ -39,6 +39,15 @@ struct Linear {
     }
   }
 
+  /// All rows are moved by these forces of one deviation, none belongs to a misfit.
+  void have_forces_alone(const Matrix& forces) {
+    random = {};
+    random.groups = {{.name = "elbow", .force = 0}};
+    const std::vector<int> group(forces.cols(), 0);
+    random.blocks = {{0, kForemostRows, forces, group, forces.transpose() * forces}};
+    table.products = products_of(random, X);
+  }
+
   [[nodiscard]] std::vector<Members> foremost(int count, const std::vector<Members>& sets,
                                               const Vector& scales) {
     problem.settings.sets_followed = count;
@@ -131,10 +140,7 @@ TEST(ForemostSets, CountWhatForcesMayExplainAsNoEffect) {
   X.col(column_of(2)) = forces.col(0) + 0.1 * normal_matrix(kForemostRows, 1, 12);
   X.col(0) += 2.0 * forces.col(0) + 0.2 * X.col(column_of(1)) - 0.2 * X.col(column_of(4));
   Linear linear(X);
-  linear.random = {};
-  linear.random.groups = {{.name = "elbow", .force = 0}};
-  linear.random.blocks = {{0, kForemostRows, forces, {0, 0, 0}, forces.transpose() * forces}};
-  linear.table.products = products_of(linear.random, X);
+  linear.have_forces_alone(forces);
   const Vector large = Vector{{20.0}}, small = Vector{{1e-3}};
 
   std::vector<Members> best = larger_sets({}, kForemostCandidates, 2);
@@ -165,10 +171,7 @@ TEST(ForemostSets, CountForcesThatASetMakesNeedlessAsSmaller) {
   X.col(column_of(2)) = 4.0 * forces.col(0);
   X.col(0) += X.col(column_of(2)) + 0.1 * X.col(column_of(4));
   Linear linear(X);
-  linear.random = {};
-  linear.random.groups = {{.name = "elbow", .force = 0}};
-  linear.random.blocks = {{0, kForemostRows, forces, {0, 0, 0}, forces.transpose() * forces}};
-  linear.table.products = products_of(linear.random, X);
+  linear.have_forces_alone(forces);
   const auto evidence = [&](int candidate, double deviation) {
     Matrix own(kForemostRows, 2 + kForemostNuisances);
     own << X.col(0), X.col(column_of(candidate)), X.middleCols(1, kForemostNuisances);

@@ -254,6 +254,11 @@ Vector complete_scales(const RandomEffects& effects) {
   return scales;
 }
 
+Vector without_misfits(const RandomEffects& effects, Vector scales) {
+  for (const Misfit& misfit : effects.misfits) scales[misfit.group] = 0.0;
+  return scales;
+}
+
 Vector first_scales(const RandomEffects& effects) {
   return complete_scales(effects).cwiseMax(kFirstScale);
 }

@@ -111,6 +111,8 @@ struct RandomEffects {
 
 /// Those of a model that lacks nothing: no force, the least misfits.
 Vector complete_scales(const RandomEffects& effects);
+/// Deviations with those of misfits zero.
+Vector without_misfits(const RandomEffects& effects, Vector scales);
 
 /// Deviations to begin with: small beside what the groups may reach.
 Vector first_scales(const RandomEffects& effects);

@@ -14,10 +14,6 @@
 namespace jaculus::diagnosis {
 namespace {
 
-/// Of the forces' deviations at the fit, what a set may leave: it then explains nothing of what
-/// they did, nine tenths of its energy, or all but a hundredth.
-constexpr double kForces[] = {1.0, 1.0 / 3.0, 0.1};
-
 /// Products of [r0 Y] of all candidates with the nuisances at their best for them.
 struct AtBest {
   Matrix gram;                  ///< S
@@ -39,7 +35,8 @@ AtBest at_best(const RandomEffects& random, const Vector& scales, const SetProdu
   for (Eigen::Index i = 0; i < table.products.gram.cols(); ++i)
     if (std::find(nuisances.begin(), nuisances.end(), i) == nuisances.end()) others.push_back(i);
 
-  const Matrix gram = weigh(random, table.products, scales).gram;
+  const Weighed all = weigh(random, table.products, scales);
+  const Matrix& gram = all.gram;
   Matrix A = gram(nuisances, nuisances);
   A.diagonal().array() += 1.0;
   const Matrix K = A.llt().solve(Matrix(gram(nuisances, others)));
@@ -51,9 +48,8 @@ AtBest at_best(const RandomEffects& random, const Vector& scales, const SetProdu
     return Matrix(put_in.transpose() * products * put_in);
   };
   AtBest out;
-  Vector forces = scales;
-  for (const Misfit& misfit : random.misfits) forces[misfit.group] = 0.0;
-  Weighed by_forces = weigh(random, table.products, forces);
+  Weighed by_forces =
+      random.misfits.empty() ? all : weigh(random, table.products, without_misfits(random, scales));
   out.log_det = by_forces.log_det;
   Matrix& rest = by_forces.gram;
   for (const Matrix& own : table.products.misfits) {
@@ -112,10 +108,13 @@ std::vector<std::vector<int>> foremost_sets(const Problem& problem, const Random
   const int kept = problem.settings.sets_followed;
   if (count_of(sets) <= kept) return sets;
 
+  const Settings& settings = problem.settings;
+  std::vector<double> left = {1.0};
+  if (!random.blocks.empty())
+    left.insert(left.end(), {settings.forces_left, settings.least_forces_left});
   std::vector<AtBest> all;
-  for (const double factor : kForces)
-    if (factor == 1.0 || !random.blocks.empty())
-      all.push_back(at_best(random, with_forces(random, scales, factor), table));
+  for (const double share : left)
+    all.push_back(at_best(random, with_forces(random, scales, share), table));
   std::vector<double> worths(sets.size(), -kInfinity);
   tbb::parallel_for(0, count_of(sets), [&](int i) {
     for (const AtBest& own : all)

@@ -129,12 +129,6 @@ class WeighedSlopes {
   std::size_t followed_ = 0;
 };
 
-/// Scales without those of misfits.
-Vector without_misfits(const RandomEffects& random, Vector scales) {
-  for (const Misfit& misfit : random.misfits) scales[misfit.group] = 0.0;
-  return scales;
-}
-
 /// Rows of the misfits that follow, then the other rows of M J.
 std::vector<Part> parts_of(const RandomEffects& random, bool follow, const RandomWeights& weights,
                            Eigen::Index rows) {
