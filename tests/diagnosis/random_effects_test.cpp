@@ -64,6 +64,50 @@ TEST(RandomEffects, EvidenceIsTheDenseGaussians) {
   EXPECT_NEAR(linear_evidence(effects, products, scales).log_evidence, log_density, 1e-9);
 }
 
+/// Blocks of more columns than are inverted at once, beside a model of several columns: by scales
+/// that stay, what the fixed point says is what the evidence says, and how many forces the data
+/// tell is the trace of a dense posterior.
+TEST(RandomEffects, AStepOfTheFixedPointAgreesWithTheDenseGaussian) {
+  const RandomEffects effects = small_effects(40, 21);
+  const Vector scales = Vector{{0.7, 0.2}};
+  const Matrix X = normal_matrix(80, 6, 3);
+  const Products products = products_of(effects, X);
+  const LinearEvidence evidence = linear_evidence(effects, products, scales);
+  const ScaleEstimate estimate = estimated_scales(effects, products, scales, 0, 2.3);
+  EXPECT_NEAR(estimate.log_evidence, evidence.log_evidence, 1e-9);
+  EXPECT_LT((estimate.mean - evidence.mean).norm(), 1e-10);
+
+  const Matrix V = covariance(effects, scales) + X.rightCols(5) * X.rightCols(5).transpose();
+  Vector told = Vector::Zero(2);
+  for (const RandomBlock& block : effects.blocks) {
+    const Matrix here = V.inverse().block(block.first, block.first, block.count, block.count);
+    for (int k = 0; k < count_of(block.group); ++k) {
+      const double s = scales[block.group[k]];
+      told[block.group[k]] += s * s * block.columns.col(k).dot(here * block.columns.col(k));
+    }
+  }
+  EXPECT_LT((told_by(effects, products, scales) - told).norm(), 1e-9);
+}
+
+TEST(RandomEffects, WhatHasNoForceIsPlainLeastSquares) {
+  RandomEffects effects = small_effects(15, 5);
+  effects.blocks[1].columns.resize(15, 0);
+  effects.blocks[1].group.clear();
+  effects.blocks[1].gram.resize(0, 0);
+  const Matrix X = normal_matrix(30, 60, 3);  // wide: where a product of no rows once failed
+  const Products products = products_of(effects, X);
+  const Vector scales = Vector{{0.7, 2.5}};
+  const ScaleEstimate some = estimated_scales(effects, products, scales, 0, 2.3);
+  EXPECT_NEAR(some.log_evidence, linear_evidence(effects, products, scales).log_evidence, 1e-9);
+
+  const RandomEffects none;
+  const Products plain = products_of(none, X);
+  const ScaleEstimate estimate = estimated_scales(none, plain, {}, 10, 2.3);
+  const LinearEvidence evidence = linear_evidence(none, plain, {});
+  EXPECT_EQ(estimate.log_evidence, evidence.log_evidence);
+  EXPECT_EQ(estimate.mean, evidence.mean);
+}
+
 TEST(RandomEffects, WeightsAreTheInverseOfTheCovariance) {
   const RandomEffects effects = small_effects(12, 4);
   for (const Vector& scales : {Vector{{1.5, 0.2}}, Vector{{0.0, 0.7}}, Vector{{0.0, 0.0}}}) {

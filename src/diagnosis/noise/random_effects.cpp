@@ -19,6 +19,7 @@ constexpr double kFirstScale = 1e-2;
 constexpr double kLargestFactor = 10.0, kStays = 0.02;
 /// Number of w told below which a deviation no longer matters.
 constexpr double kTold = 1e-3;
+constexpr Eigen::Index kInvertedAtOnce = 8;  ///< rows, below which halves gain nothing
 
 /// Deviations of the columns of a block.
 Vector column_scales(const RandomBlock& block, const Vector& scales) {
@@ -46,25 +47,48 @@ std::vector<Matrix> slopes_by(const Problem& problem, const std::vector<Alignmen
   return slopes;
 }
 
-/// One block's part of weighing.
-struct WeighedBlock {
-  Vector scales;             ///< a column each
-  Eigen::LLT<Matrix> inner;  ///< of I + S G^T G S
-  Matrix products;           ///< S G^T X
-};
-
-WeighedBlock weighed_block(const RandomBlock& block, const Matrix& products, const Vector& scales) {
-  WeighedBlock out;
-  out.scales = column_scales(block, scales);
-  Matrix inner = out.scales.asDiagonal() * block.gram * out.scales.asDiagonal();
-  inner.diagonal().array() += 1.0;
-  out.inner.compute(inner);
-  out.products = out.scales.asDiagonal() * products;
-  return out;
-}
-
 double log_det(const Eigen::LLT<Matrix>& factor) {
   return 2.0 * factor.matrixLLT().diagonal().array().log().sum();
+}
+
+/// Lower R = L^-1 by halves, [L1 0; B L2]^-1 = [R1 0; -R2 B R1 R2]: a third of what solving for the
+/// identity takes.
+void invert_lower(ConstMatrixRef L, MatrixRef R) {
+  const Eigen::Index n = L.rows(), h = n / 2;
+  if (n <= kInvertedAtOnce) {
+    R.setIdentity();
+    L.triangularView<Eigen::Lower>().solveInPlace(R);
+    return;
+  }
+  invert_lower(L.topLeftCorner(h, h), R.topLeftCorner(h, h));
+  invert_lower(L.bottomRightCorner(n - h, n - h), R.bottomRightCorner(n - h, n - h));
+  R.topRightCorner(h, n - h).setZero();
+  const Matrix along = L.bottomLeftCorner(n - h, h) * R.topLeftCorner(h, h);
+  R.bottomLeftCorner(n - h, h).noalias() = -R.bottomRightCorner(n - h, n - h) * along;
+}
+
+/// One block's part of weighing, L L^T = I + S G^T G S.
+struct WeighedBlock {
+  Matrix root;           ///< L^-1; none where it is not asked for
+  Matrix half;           ///< L^-1 S G^T X
+  double log_det = 0.0;  ///< of L L^T
+};
+
+WeighedBlock weighed_block(const RandomBlock& block, const Matrix& products, const Vector& scales,
+                           bool with_root) {
+  const Vector own = column_scales(block, scales);
+  if (own.size() == 0) return {};  // Eigen's products of no rows fail where they are wide
+  Matrix inner = own.asDiagonal() * block.gram * own.asDiagonal();
+  inner.diagonal().array() += 1.0;
+  const Eigen::LLT<Matrix> factor(inner);
+
+  const Matrix scaled = own.asDiagonal() * products;
+  if (!with_root) return {{}, factor.matrixL().solve(scaled), log_det(factor)};
+
+  WeighedBlock out{Matrix(own.size(), own.size()), {}, log_det(factor)};
+  invert_lower(factor.matrixLLT(), out.root);
+  out.half = out.root.triangularView<Eigen::Lower>() * scaled;
+  return out;
 }
 
 /// log det A of a factor of A, less that of what models share.
@@ -74,7 +98,7 @@ double log_det_of_own(const Eigen::LLT<Matrix>& factor, const Matrix& A,
   return log_det(factor) - log_det(Matrix(A(shared, shared)).llt());
 }
 
-/// X^T V^-1 X and log det V, with the blocks that they were made of.
+/// X^T V^-1 X and log det V, with the blocks that they were made of where these are asked for.
 struct WeighedBlocks {
   Matrix gram;
   double log_det = 0.0;
@@ -82,7 +106,7 @@ struct WeighedBlocks {
 };
 
 WeighedBlocks weighed_blocks(const RandomEffects& effects, const Products& products,
-                             const Vector& scales) {
+                             const Vector& scales, bool with_blocks) {
   WeighedBlocks out{products.gram, 0.0, {}};
   for (std::size_t c = 0; c < effects.misfits.size(); ++c) {
     const Misfit& own = effects.misfits[c];
@@ -91,11 +115,13 @@ WeighedBlocks weighed_blocks(const RandomEffects& effects, const Products& produ
     out.log_det += own.log_det(s);
   }
   for (std::size_t b = 0; b < effects.blocks.size(); ++b) {
-    out.blocks.push_back(weighed_block(effects.blocks[b], products.blocks[b], scales));
-    const Matrix half = out.blocks.back().inner.matrixL().solve(out.blocks.back().products);
-    out.gram.noalias() -= half.transpose() * half;
-    out.log_det += log_det(out.blocks.back().inner);
+    WeighedBlock own = weighed_block(effects.blocks[b], products.blocks[b], scales, with_blocks);
+    if (own.half.size() > 0)
+      out.gram.selfadjointView<Eigen::Lower>().rankUpdate(own.half.transpose(), -1.0);
+    out.log_det += own.log_det;
+    if (with_blocks) out.blocks.push_back(std::move(own));
   }
+  out.gram.triangularView<Eigen::StrictlyUpper>() = out.gram.transpose();
   return out;
 }
 
@@ -108,6 +134,7 @@ struct GroupSums {
 
 struct FixedPoint {
   double log_evidence = 0.0;
+  Vector mean;  ///< of u
   GroupSums sums;
 };
 
@@ -120,15 +147,16 @@ double squares_at(const Matrix& gram, double log_det, const Vector& b, const Mat
 /// Evidence of X = [r Y] and the sums, all of u marginalised.
 FixedPoint fixed_point(const RandomEffects& effects, const Products& products, const Vector& scales,
                        const Vector* at) {
-  const WeighedBlocks weighed = weighed_blocks(effects, products, scales);
+  const WeighedBlocks weighed = weighed_blocks(effects, products, scales, true);
   const Eigen::Index n = weighed.gram.cols() - 1;
   Matrix A = weighed.gram.bottomRightCorner(n, n);
   A.diagonal().array() += 1.0;
   const Vector b = weighed.gram.col(0).tail(n);
   const Eigen::LLT<Matrix> factor(A);
-  const Vector mean = at != nullptr ? *at : Vector(factor.solve(b));
 
   FixedPoint out;
+  out.mean = at != nullptr ? *at : Vector(factor.solve(b));
+  const Vector& mean = out.mean;
   out.log_evidence = -0.5 * (squares_at(weighed.gram, weighed.log_det, b, A, mean) +
                              log_det_of_own(factor, A, products.shared));
   out.sums = {Vector::Zero(effects.size()), Vector::Zero(effects.size()),
@@ -151,14 +179,13 @@ FixedPoint fixed_point(const RandomEffects& effects, const Products& products, c
   }
   for (std::size_t i = 0; i < effects.blocks.size(); ++i) {
     const WeighedBlock& own = weighed.blocks[i];
-    const Eigen::Index k = own.scales.size();
-    const Matrix P = own.inner.solve(own.products);
+    if (own.root.size() == 0) continue;
+    const Matrix P = own.root.transpose().triangularView<Eigen::Upper>() * own.half;
     const Vector w = P.col(0) - P.rightCols(n) * mean;
-    const Matrix root = own.inner.matrixL().solve(Matrix::Identity(k, k));
-    const Vector alone = root.colwise().squaredNorm();
+    const Vector alone = own.root.colwise().squaredNorm();
     const Matrix along = factor.matrixL().solve(P.rightCols(n).transpose());
     const Vector variance = alone + along.colwise().squaredNorm().transpose();
-    for (Eigen::Index j = 0; j < k; ++j) {
+    for (Eigen::Index j = 0; j < w.size(); ++j) {
       const int group = effects.blocks[i].group[j];
       out.sums.energy[group] += w[j] * w[j];
       out.sums.told[group] += std::max(0.0, 1.0 - variance[j]);
@@ -286,7 +313,7 @@ Products products_of(const RandomEffects& effects, const Matrix& X) {
 }
 
 Weighed weigh(const RandomEffects& effects, const Products& products, const Vector& scales) {
-  WeighedBlocks all = weighed_blocks(effects, products, scales);
+  WeighedBlocks all = weighed_blocks(effects, products, scales, false);
   return {std::move(all.gram), all.log_det};
 }
 
@@ -311,16 +338,21 @@ LinearEvidence linear_evidence(const RandomEffects& effects, const Products& pro
 
 ScaleEstimate estimated_scales(const RandomEffects& effects, const Products& products,
                                Vector scales, int steps, double spread, const Vector* at) {
-  if (effects.size() == 0) return {scales, 0.0};
-  ScaleEstimate best{scales, 0.0};
+  if (effects.size() == 0) {
+    LinearEvidence linear = linear_evidence(effects, products, scales, at);
+    return {scales, 0.0, linear.log_evidence, std::move(linear.mean)};
+  }
+  ScaleEstimate best;
   double most = -kInfinity;
   for (int step = 0; step <= steps; ++step) {
-    const FixedPoint point = fixed_point(effects, products, scales, at);
+    FixedPoint point = fixed_point(effects, products, scales, at);
     const Vector& told = point.sums.told;
     const double cost = -0.5 * (1.0 + 2.0 * spread * spread * told.array()).log().sum();
-    if (point.log_evidence + cost > most) {
-      most = point.log_evidence + cost;
-      best = {scales, cost};
+    // The first counts even where no number comes out, so that there is a mean.
+    const double reached = point.log_evidence + cost;
+    if (step == 0 || reached > most) {
+      most = std::isnan(reached) ? -kInfinity : reached;
+      best = {scales, cost, point.log_evidence, std::move(point.mean)};
     }
 
     const Vector squares = next_squares(effects, point.sums, scales);

@@ -127,8 +127,8 @@ Fit fit_from(const Problem& problem, const Whitening& whitening, const std::vect
       continue;
     }
     if (round >= options.rounds.value_or(settings.scale_rounds)) return fit;
-    const double gained = linear_evidence(random, products, fit.scales).log_evidence -
-                          linear_evidence(random, products, before).log_evidence;
+    const double gained =
+        estimate.log_evidence - linear_evidence(random, products, before).log_evidence;
     // Given slopes may lead nowhere: what they reached counts once those told there stay as well.
     const bool by_given = round == 0 && options.effect_slopes.cols() > 0;
     if (gained + fell < settings.scales_settled && !by_given) return fit;

@@ -100,7 +100,7 @@ struct Line {
     const Followed followed =
         followed_by(problem, random, first_moved(standing.model.products, across, own), base.scales,
                     problem.settings.screening_scale_steps);
-    const double evidence = followed.linear.log_evidence - 0.5 * u * u;
+    const double evidence = followed.log_evidence - 0.5 * u * u;
     const double energy = weigh(random, own, followed.scales).gram(0, 0);
     const double width = 0.5 * std::log1p(energy / (u * u));
     double gain = evidence - standing.log_evidence;
@@ -154,9 +154,8 @@ Followed followed_by(const Problem& problem, const RandomEffects& random, const 
                      const Vector& scales, int steps) {
   ScaleEstimate estimate =
       estimated_scales(random, products, scales, steps, problem.settings.scale_spread);
-  LinearEvidence linear = linear_evidence(random, products, estimate.scales);
-  linear.log_evidence += estimate.log_cost;
-  return {std::move(estimate.scales), std::move(linear)};
+  return {std::move(estimate.scales), estimate.log_evidence + estimate.log_cost,
+          std::move(estimate.mean)};
 }
 
 Standing standing_of(const Problem& problem, const Whitening& whitening, const Fit& base) {
@@ -165,7 +164,7 @@ Standing standing_of(const Problem& problem, const Whitening& whitening, const F
   model.products.shared = shared_columns(problem, random, base);
   const double evidence = followed_by(problem, random, model.products, base.scales,
                                       problem.settings.screening_scale_steps)
-                              .linear.log_evidence;
+                              .log_evidence;
   return {std::move(model), evidence};
 }
 

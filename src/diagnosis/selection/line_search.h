@@ -20,8 +20,9 @@ namespace jaculus::diagnosis {
 
 /// White columns X = [r Y] by deviations of the random effects that follow them.
 struct Followed {
-  Vector scales;          ///< the deviations
-  LinearEvidence linear;  ///< by them; its log evidence has what their choice costs
+  Vector scales;              ///< the deviations
+  double log_evidence = 0.0;  ///< by them, with what their choice costs
+  Vector mean;                ///< of u, likewise
 };
 /// At most `steps` from `scales`.
 Followed followed_by(const Problem& problem, const RandomEffects& random, const Products& products,

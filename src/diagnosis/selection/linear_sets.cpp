@@ -57,10 +57,10 @@ LinearSet evaluated(const Problem& problem, const Whitening& whitening, const Fi
       products.shared.push_back(parameters + static_cast<Eigen::Index>(k));
   const Followed followed = followed_by(problem, whitening.random, products, fit.scales,
                                         problem.settings.set_scale_steps);
-  set.mean = followed.linear.mean.head(parameters);
-  set.p = parameters_at(problem, fit, about, table, members, followed.linear.mean);
+  set.mean = followed.mean.head(parameters);
+  set.p = parameters_at(problem, fit, about, table, members, followed.mean);
   set.scales = followed.scales;
-  if (on_their_sides(problem, set)) set.log_evidence = followed.linear.log_evidence;
+  if (on_their_sides(problem, set)) set.log_evidence = followed.log_evidence;
   return set;
 }
 

@@ -165,11 +165,11 @@ LikelyPush best_along(const Problem& problem, const Problem& narrow, const Rando
     const Products own = with_pushes(products, weights_of(pushes, k, 1, narrow));
     const Followed with =
         followed_by(problem, random, own, without.scales, problem.settings.set_scale_steps);
-    const double gain = with.linear.log_evidence - without.linear.log_evidence;
+    const double gain = with.log_evidence - without.log_evidence;
     if (!(gain > best.gain)) continue;
     const ForceGroup& force = problem.hypotheses.forces[push.force];
     const double scale = problem.hypotheses.parameters[force.boxes.front()].scale;
-    const double peak = scale * with.linear.mean[with.linear.mean.size() - 1];
+    const double peak = scale * with.mean[with.mean.size() - 1];
     best = {force.name, push.start, push.length, peak, gain};
   }
   return best;

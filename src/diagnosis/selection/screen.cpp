@@ -85,20 +85,19 @@ struct Base {
 };
 
 /// The posterior of one more candidate's columns beside the base model's own, which come first.
-LinearEvidence with_columns(const Base& base, const Matrix& own) {
+Followed with_columns(const Base& base, const Matrix& own) {
   const RandomEffects& random = base.whitening.random;
   const Columns& model = base.standing.model;
   const Products products = side_by_side(model.products, products_between(random, model.X, own),
                                          products_of(random, own));
   return followed_by(base.problem, random, products, base.fit.scales,
-                     base.problem.settings.screening_scale_steps)
-      .linear;
+                     base.problem.settings.screening_scale_steps);
 }
 
 /// Raises the probe's score and estimate to what these columns reach; whether they do.
 bool raise_score(const Base& base, const Candidate& candidate, const Matrix& own, Probe& probe) {
-  LinearEvidence linear = with_columns(base, own);
-  Vector mean = linear.mean.tail(own.cols());
+  Followed followed = with_columns(base, own);
+  Vector mean = followed.mean.tail(own.cols());
   for (Eigen::Index k = 0; k < own.cols(); ++k) {
     const FreeParameter& p = base.problem.hypotheses.parameters[candidate.parameters[k]];
     const double value = base.fit.p[candidate.parameters[k]];
@@ -106,11 +105,11 @@ bool raise_score(const Base& base, const Candidate& candidate, const Matrix& own
     if (range.contains(mean[k])) continue;
     mean[k] = std::clamp(mean[k], range.lower, range.upper);
     // On the wrong side of a boundary the first parameter can do nothing for the residual.
-    if (k == 0 && mean[k] == 0.0) linear.log_evidence = base.standing.log_evidence - 1.0;
+    if (k == 0 && mean[k] == 0.0) followed.log_evidence = base.standing.log_evidence - 1.0;
   }
 
-  if (linear.log_evidence - base.standing.log_evidence <= probe.score) return false;
-  probe.score = linear.log_evidence - base.standing.log_evidence;
+  if (followed.log_evidence - base.standing.log_evidence <= probe.score) return false;
+  probe.score = followed.log_evidence - base.standing.log_evidence;
   probe.estimate = mean;
   return true;
 }
