@@ -170,13 +170,17 @@ BuiltProblem build_problem(const std::vector<trajectory::Dataset>& datasets,
 
 Prepared prepare(BuiltProblem built, const ProblemBuilder& rebuild) {
   Prepared out{std::move(built), {}, {}, {}, {}};
-  const Vector nominal = out.built.problem->hypotheses.nominal();
-  out.noise = estimate_noise(*out.built.problem, nominal);
+  // Of the problem as it stands then: one of fewer data may have other parameters.
+  const auto about_nominal = [&out](const std::vector<Alignment>& from) {
+    const Problem& problem = *out.built.problem;
+    out.noise = estimate_noise(problem, problem.hypotheses.nominal(), from);
+  };
+  about_nominal({});
   if (!out.noise.valid()) {
     Observations kept = until_breakdown(*out.built.problem, out.notes);
     if (!kept.datasets.empty()) {
       out.built = rebuild(std::move(kept));
-      out.noise = estimate_noise(*out.built.problem, nominal);
+      about_nominal({});
     }
   }
   if (!out.noise.valid()) {
@@ -205,8 +209,7 @@ Prepared prepare(BuiltProblem built, const ProblemBuilder& rebuild) {
     }
     const bool same = kept.datasets.size() == before;
     out.built = rebuild(std::move(kept));
-    out.noise = estimate_noise(*out.built.problem, nominal,
-                               same ? out.noise.alignments : std::vector<Alignment>{});
+    about_nominal(same ? std::vector<Alignment>(out.noise.alignments) : std::vector<Alignment>{});
   }
   note_late_stamps(*out.built.problem, out.noise, out.notes);
   return out;

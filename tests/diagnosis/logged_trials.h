@@ -11,10 +11,10 @@
 
 namespace jaculus::test {
 
-/// Trials of a shipped experiment, as logs whose torque drives the model.
-inline trajectory::Dataset logged(const std::string& experiment,
-                                  const std::vector<std::string>& files,
-                                  const std::vector<std::string>& effects, int trials, int seed) {
+/// Trials of a shipped experiment, under its plan.
+inline trajectory::Dataset planned(const std::string& experiment,
+                                   const std::vector<std::string>& files,
+                                   const std::vector<std::string>& effects, int trials, int seed) {
   simulation::Experiment played =
       simulation::read_experiment(source_folder() / "problems" / experiment);
   played.trials = trials;
@@ -23,8 +23,14 @@ inline trajectory::Dataset logged(const std::string& experiment,
   effects::EffectChoice choice;
   choice.effects = effects;
   choice.files = files;
-  trajectory::Dataset dataset =
-      simulate_trials(played, effects::choose_effects(choice, robot), robot).dataset;
+  return simulate_trials(played, effects::choose_effects(choice, robot), robot).dataset;
+}
+
+/// The same as logs whose torque drives the model.
+inline trajectory::Dataset logged(const std::string& experiment,
+                                  const std::vector<std::string>& files,
+                                  const std::vector<std::string>& effects, int trials, int seed) {
+  trajectory::Dataset dataset = planned(experiment, files, effects, trials, seed);
   dataset.script.reset();
   dataset.controller = {};
   dataset.controller.kind = trajectory::ControllerKind::measured;

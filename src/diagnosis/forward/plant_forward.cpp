@@ -115,22 +115,22 @@ void add_tolerances(Model& model) {
   }
 }
 
-/// Longest time that a segment of a dataset predicts [s].
-double longest(const ObservedDataset& observed) {
-  double longest = observed.measured_input ? 0.0 : observed.window_end;
-  if (observed.measured_input)
+/// How long forces that are missing are sought [s]: over the longest window of a logged input, for
+/// beside such windows no plan is granted any; where all is under plans, over the longest of these.
+double longest(const std::vector<ObservedDataset>& datasets) {
+  double window = 0.0, plan = 0.0;
+  for (const ObservedDataset& observed : datasets) {
     for (const Segment& segment : observed.segments)
-      longest = std::max(longest, segment.end() - segment.start);
-  return longest;
+      if (observed.measured_input) window = std::max(window, segment.end() - segment.start);
+    if (!observed.measured_input) plan = std::max(plan, observed.window_end);
+  }
+  return window > 0.0 ? window : plan;
 }
 
 void add_forces(Model& model) {
   Hypotheses& h = model.hypotheses;
-  double time = 0.0;
-  for (const ObservedDataset& observed : model.observations.datasets)
-    time = std::max(time, longest(observed));
-  const int boxes = std::max(1, static_cast<int>(std::ceil(time / model.settings.force_box)));
-
+  const double boxes_long = longest(model.observations.datasets) / model.settings.force_box;
+  const int boxes = std::max(1, static_cast<int>(std::ceil(boxes_long)));
   std::map<std::string, std::pair<double, std::string>> sizes;  // with units, of all robots
   for (const ObservedDataset& observed : model.observations.datasets)
     for (const auto& [name, scale] : force_scales(observed.model, model.settings.lever))
