@@ -14,12 +14,12 @@ namespace {
 Selection selected(const Prepared& prepared, const ProblemBuilder& rebuild,
                    const DiagnoseOptions& options, std::vector<ModelFit> known = {}) {
   const Problem& problem = *prepared.built.problem;
-  const int most = problem.settings.search_windows;
   Comparison comparison = first_comparison(problem, prepared.noise);
+  Observations some = with_windows(problem.observations, problem.settings.search_windows);
   // A second search pays where the first is on half of the windows at most.
   if (prepared.built.forward && in_windows(problem) &&
-      windows_of(problem.observations) >= 2 * most) {
-    const BuiltProblem part = rebuild(with_windows(problem.observations, most));
+      windows_of(problem.observations) >= 2 * windows_of(some)) {
+    const BuiltProblem part = rebuild(std::move(some));
     const Hypotheses& all = problem.hypotheses;
     const bool same = part.problem->hypotheses.parameters.size() == all.parameters.size();
     NoiseModel noise = estimate_noise(*part.problem, part.problem->hypotheses.nominal());

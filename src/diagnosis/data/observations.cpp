@@ -3,6 +3,8 @@
 #include "diagnosis/data/observations.h"
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
 namespace jaculus::diagnosis {
 
@@ -91,6 +93,23 @@ int windows_of(const Observations& observations) {
   return all;
 }
 
+namespace {
+
+/// Which of `own` windows `kept` are: one of each equal part, at places that spread evenly over the
+/// parts (golden ratio sequence: Schretter, Kobbelt and Dehaye 2012). At the same place of each they
+/// would all be of one moment of the motion where a trial has as many windows as a part.
+std::vector<int> spread_over(int own, int kept) {
+  std::vector<int> chosen;
+  for (int k = 0; k < kept; ++k) {
+    const int from = k * own / kept, to = (k + 1) * own / kept;
+    const double turns = (k + 0.5) * std::numbers::phi;
+    chosen.push_back(from + static_cast<int>((turns - std::floor(turns)) * (to - from)));
+  }
+  return chosen;
+}
+
+}  // namespace
+
 Observations with_windows(Observations observations, int most) {
   const int all = windows_of(observations);
   if (all <= most) return observations;
@@ -100,8 +119,7 @@ Observations with_windows(Observations observations, int most) {
     const int kept = std::min(own, std::max(2, own * most / all));
     if (!observed.measured_input || kept == own) continue;
     std::vector<Segment> spread;
-    for (int k = 0; k < kept; ++k)  // the middle of each of `kept` equal parts
-      spread.push_back(observed.segments[(2 * k + 1) * own / (2 * kept)]);
+    for (const int s : spread_over(own, kept)) spread.push_back(observed.segments[s]);
     observed.segments = std::move(spread);
   }
   return observations;
