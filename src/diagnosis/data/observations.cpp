@@ -96,7 +96,7 @@ int windows_of(const Observations& observations) {
 namespace {
 
 /// Which of `own` windows `kept` are: one of each equal part, at places that spread evenly over the
-/// parts (golden ratio sequence: Schretter, Kobbelt and Dehaye 2012). At the same place of each they
+/// parts (golden ratio sequence: Schretter, Kobbelt and Dehaye 2012). At one place of each they
 /// would all be of one moment of the motion where a trial has as many windows as a part.
 std::vector<int> spread_over(int own, int kept) {
   std::vector<int> chosen;
