@@ -60,8 +60,9 @@ struct Candidate {
   [[nodiscard]] bool beyond_effects() const { return is_event() || is_pattern(); }
 };
 
-/// The generalised force along one coordinate that the plant may lack: constant over boxes of a
-/// segment's time, settings.force_box each. A scale of 1 is a force that counts as large there.
+/// The generalised force along one coordinate that the plant may lack: constant over boxes of time
+/// from a segment's start on, settings.force_box each, as far as forces are sought (windows of a
+/// log; else plans). A scale of 1 is a force that counts as large there.
 struct ForceGroup {
   std::string name;        ///< "body x", "elbow"
   std::vector<int> boxes;  ///< indices of their parameters, in order of time
