@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <optional>
 
 #include "diagnosis/established_forces.h"
 #include "diagnosis/forward/prediction_memory.h"
@@ -11,26 +12,33 @@
 namespace jaculus::diagnosis {
 namespace {
 
+/// A search on a part of the windows; nothing where that is more than half of them, so that it
+/// doesn't pay, or where nothing can be fitted there.
+std::optional<SearchResult> searched_in_part(const Prepared& prepared,
+                                             const ProblemBuilder& rebuild,
+                                             const DiagnoseOptions& options) {
+  const Problem& problem = *prepared.built.problem;
+  if (!prepared.built.forward || !in_windows(problem)) return {};
+  Observations some = with_windows(problem.observations, problem.settings.search_windows);
+  if (windows_of(problem.observations) < 2 * windows_of(some)) return {};
+
+  const BuiltProblem part = rebuild(std::move(some));
+  const std::vector<FreeParameter>& parameters = part.problem->hypotheses.parameters;
+  if (parameters.size() != problem.hypotheses.parameters.size()) return {};
+  NoiseModel noise = estimate_noise(*part.problem, part.problem->hypotheses.nominal());
+  if (!noise.valid()) return {};
+  Selection found = select_models(*part.problem, first_comparison(*part.problem, std::move(noise)),
+                                  options.progress);
+  if (found.search.models.empty()) return {};
+  return std::move(found.search);
+}
+
 Selection selected(const Prepared& prepared, const ProblemBuilder& rebuild,
                    const DiagnoseOptions& options, std::vector<ModelFit> known = {}) {
   const Problem& problem = *prepared.built.problem;
   Comparison comparison = first_comparison(problem, prepared.noise);
-  Observations some = with_windows(problem.observations, problem.settings.search_windows);
-  // A second search pays where the first is on half of the windows at most.
-  if (prepared.built.forward && in_windows(problem) &&
-      windows_of(problem.observations) >= 2 * windows_of(some)) {
-    const BuiltProblem part = rebuild(std::move(some));
-    const Hypotheses& all = problem.hypotheses;
-    const bool same = part.problem->hypotheses.parameters.size() == all.parameters.size();
-    NoiseModel noise = estimate_noise(*part.problem, part.problem->hypotheses.nominal());
-    if (same && noise.valid()) {
-      Selection found = select_models(
-          *part.problem, first_comparison(*part.problem, std::move(noise)), options.progress);
-      if (!found.search.models.empty())
-        return select_models_from(problem, std::move(comparison), std::move(found.search),
-                                  options.progress);
-    }
-  }
+  if (auto part = searched_in_part(prepared, rebuild, options))
+    return select_models_from(problem, std::move(comparison), std::move(*part), options.progress);
   return select_models(problem, std::move(comparison), options.progress, std::move(known));
 }
 

@@ -7,6 +7,22 @@
 #include <numbers>
 
 namespace jaculus::diagnosis {
+namespace {
+
+/// Which of `own` windows `kept` are: one of each equal part, at places that spread evenly over the
+/// parts (golden ratio sequence: Schretter, Kobbelt and Dehaye 2012). At one place of each they
+/// would all be of one moment of the motion where a trial has as many windows as a part.
+std::vector<int> spread_over(int own, int kept) {
+  std::vector<int> chosen;
+  for (int k = 0; k < kept; ++k) {
+    const int from = k * own / kept, to = (k + 1) * own / kept;
+    const double turns = (k + 0.5) * std::numbers::phi;
+    chosen.push_back(from + static_cast<int>((turns - std::floor(turns)) * (to - from)));
+  }
+  return chosen;
+}
+
+}  // namespace
 
 double Segment::end() const {
   double last = start;
@@ -92,23 +108,6 @@ int windows_of(const Observations& observations) {
     if (observed.measured_input) all += count_of(observed.segments);
   return all;
 }
-
-namespace {
-
-/// Which of `own` windows `kept` are: one of each equal part, at places that spread evenly over the
-/// parts (golden ratio sequence: Schretter, Kobbelt and Dehaye 2012). At one place of each they
-/// would all be of one moment of the motion where a trial has as many windows as a part.
-std::vector<int> spread_over(int own, int kept) {
-  std::vector<int> chosen;
-  for (int k = 0; k < kept; ++k) {
-    const int from = k * own / kept, to = (k + 1) * own / kept;
-    const double turns = (k + 0.5) * std::numbers::phi;
-    chosen.push_back(from + static_cast<int>((turns - std::floor(turns)) * (to - from)));
-  }
-  return chosen;
-}
-
-}  // namespace
 
 Observations with_windows(Observations observations, int most) {
   const int all = windows_of(observations);

@@ -129,8 +129,8 @@ double longest(const std::vector<ObservedDataset>& datasets) {
 
 void add_forces(Model& model) {
   Hypotheses& h = model.hypotheses;
-  const double boxes_long = longest(model.observations.datasets) / model.settings.force_box;
-  const int boxes = std::max(1, static_cast<int>(std::ceil(boxes_long)));
+  const double count = longest(model.observations.datasets) / model.settings.force_box;
+  const int boxes = std::max(1, static_cast<int>(std::ceil(count)));
   std::map<std::string, std::pair<double, std::string>> sizes;  // with units, of all robots
   for (const ObservedDataset& observed : model.observations.datasets)
     for (const auto& [name, scale] : force_scales(observed.model, model.settings.lever))
