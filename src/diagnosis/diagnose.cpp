@@ -56,7 +56,7 @@ Diagnosis answered(const Prepared& prepared, const Selection& selection,
   out.rule = statement.rule;
   out.reasons = statement.reasons;
   out.effects = statement.effects;
-  out.events = statement.events;
+  for (const ToldPush& push : statement.pushes) out.events.push_back(push.event);
   out.ranking = statement.ranking;
   out.gap = statement.gap;
   out.lacking_probability = statement.lacking_probability;
@@ -134,8 +134,9 @@ Diagnosis run_pipeline(BuiltProblem built, const ProblemBuilder& rebuild,
   for (std::string& note : notes_of_own(problem, selection.search, out.effects))
     out.notes.push_back(std::move(note));
   out.remainder.places =
-      places_of(searched.patterns, statement.patterns,
-                share_taken(statement.gap, statement.gap_with, problem.settings));
+      places_of(searched.patterns,
+                {statement.patterns, statement.pushes, problem.observations.datasets.front().model},
+                share_taken(statement.gap_by_effects, statement.gap_with, problem.settings));
   tell(options, "agreement of the datasets");
   const FittedModel& account = names_effects(statement.verdict) ? statement.model : statement.none;
   out.agreement = agreement_of(problem, selection.comparison, selection.search.models.front().fit,
@@ -145,7 +146,7 @@ Diagnosis run_pipeline(BuiltProblem built, const ProblemBuilder& rebuild,
   tell(options, "where the gap lies");
   out.where = localise(
       problem, *prepared.built.forward, selection, statement.stated.p, statement.posterior,
-      names_effects(statement.verdict) || !statement.events.empty() || !statement.patterns.empty());
+      names_effects(statement.verdict) || !statement.pushes.empty() || !statement.patterns.empty());
   out.where->postures = postures_of(problem, *prepared.built.forward, *out.noise, out.stated.p,
                                     out.model.p, out.where->departure);
   if (out.rivals.size() == 2) {

@@ -10,6 +10,7 @@
 
 #include "diagnosis/pattern_scan.h"
 #include "diagnosis/remainder/pattern_file.h"
+#include "diagnosis/remainder/push_place.h"
 #include "diagnosis/validation/fold_interval.h"
 #include "diagnosis/validation/folds.h"
 #include "diagnosis/validation/shapley.h"
@@ -156,17 +157,30 @@ Dependence dependence_of(const PlacePattern& pattern, const Vector& found) {
   return own;
 }
 
-void add_to_places(const PlacePattern& pattern, Dependence dependence,
+void add_to_places(const std::string& place, const std::string& at, Dependence dependence,
                    std::vector<RemainderPlace>& places) {
-  const auto same = std::find_if(places.begin(), places.end(), [&](const RemainderPlace& place) {
-    return place.joint == pattern.at && place.place == pattern.place;
+  const auto same = std::find_if(places.begin(), places.end(), [&](const RemainderPlace& own) {
+    return own.joint == at && own.place == place;
   });
   RemainderPlace fresh;
-  fresh.joint = pattern.at;
-  fresh.place = pattern.place;
+  fresh.joint = at;
+  fresh.place = place;
   fresh.by_simulation = true;
   RemainderPlace& own = same == places.end() ? places.emplace_back(std::move(fresh)) : *same;
   own.follows.push_back(std::move(dependence));
+}
+
+/// Each one's part of all, patterns first: by what it explains, equal where that is not known.
+Vector parts_of(const ToldForces& found) {
+  std::vector<double> each;
+  const auto add = [&](const FoundEffect& own) {
+    each.push_back(own.share ? std::max(0.0, own.share->shapley) : kNaN);
+  };
+  for (const FoundEffect& pattern : found.patterns) add(pattern);
+  for (const ToldPush& push : found.pushes) add(push.found);
+  Vector parts = Eigen::Map<const Vector>(each.data(), std::ssize(each));
+  if (!parts.allFinite() || !(parts.sum() > 0.0)) parts.setOnes();
+  return parts / parts.sum();
 }
 
 /// What a diagnosis states.
@@ -181,31 +195,29 @@ Vector stated_parameters(const Diagnosis& found, const Hypotheses& hypotheses) {
   return carried_over(stated_model(found), hypotheses);
 }
 
-TakenShare share_taken(const HeldOut& by_effects, const HeldOut& with_patterns,
+TakenShare share_taken(const HeldOut& by_effects, const HeldOut& with_forces,
                        const Settings& settings) {
-  const bool judged = by_effects.valid && with_patterns.valid;
+  const bool judged = by_effects.valid && with_forces.valid;
   if (!judged || !(by_effects.after > settings.gap_of_fold)) return {};
   std::vector<double> by_fold;
   for (std::size_t f = 0; f < by_effects.by_fold.size(); ++f) {
-    const double before = by_effects.by_fold[f].after, after = with_patterns.by_fold[f].after;
+    const double before = by_effects.by_fold[f].after, after = with_forces.by_fold[f].after;
     if (before > settings.gap_of_fold) by_fold.push_back(1.0 - energy_left(before, after));
   }
-  const double value = 1.0 - energy_left(by_effects.after, with_patterns.after);
+  const double value = 1.0 - energy_left(by_effects.after, with_forces.after);
   return {value, fold_interval(by_fold, value)};
 }
 
 std::vector<RemainderPlace> places_of(const std::vector<PlacePattern>& candidates,
-                                      const std::vector<FoundEffect>& found,
-                                      const TakenShare& taken) {
-  // Each one's part of all: by what it explains, equal where that is not known.
-  Vector parts(count_of(found));
-  for (int k = 0; k < parts.size(); ++k)
-    parts[k] = found[k].share ? std::max(0.0, found[k].share->shapley) : kNaN;
-  if (!parts.allFinite() || !(parts.sum() > 0.0)) parts.setOnes();
-  parts /= parts.sum();
+                                      const ToldForces& found, const TakenShare& taken) {
+  const Vector parts = parts_of(found);
+  const auto give = [&](Eigen::Index n, Dependence& own) {
+    own.share = parts[n] * taken.value;
+    own.ci95 = {parts[n] * taken.ci95.lower, parts[n] * taken.ci95.upper};
+  };
   std::vector<RemainderPlace> places;
-  for (int n = 0; n < count_of(found); ++n) {
-    const FoundEffect& effect = found[n];
+  for (int n = 0; n < count_of(found.patterns); ++n) {
+    const FoundEffect& effect = found.patterns[n];
     const auto known =
         std::find_if(candidates.begin(), candidates.end(),
                      [&](const PlacePattern& own) { return own.name == effect.name; });
@@ -219,9 +231,15 @@ std::vector<RemainderPlace> places_of(const std::vector<PlacePattern>& candidate
     if (pattern.shape) pattern.shape->value = effect.parameters.back().value;
     Dependence own = dependence_of(pattern, sizes);
     own.selected = effect.probability;
-    own.share = parts[n] * taken.value;
-    own.ci95 = {parts[n] * taken.ci95.lower, parts[n] * taken.ci95.upper};
-    add_to_places(pattern, std::move(own), places);
+    give(n, own);
+    add_to_places(pattern.place, pattern.at, std::move(own), places);
+  }
+
+  for (int n = 0; n < count_of(found.pushes); ++n) {
+    RemainderPlace push = push_place(found.pushes[n].event, found.robot);
+    Dependence& own = push.follows.front();
+    give(count_of(found.patterns) + n, own);
+    add_to_places(push.place, push.joint, std::move(own), places);
   }
   return places;
 }
@@ -249,13 +267,14 @@ std::vector<RemainderPlace> patterns_of_motion(const Diagnosis& found) {
   Eigen::Index next = 0;
   for (int m = 0; m < count_of(members); ++m) {
     const Eigen::Index width = linear.columns[members[m]].cols();
-    Dependence dependence = dependence_of(own->patterns[members[m]], b.segment(next, width));
+    const PlacePattern& pattern = own->patterns[members[m]];
+    Dependence dependence = dependence_of(pattern, b.segment(next, width));
     next += width;
     dependence.share = shares.value[m];
     dependence.ci95 = shares.ci95[m];
     dependence.selected = 1.0;
     if (dependence.ci95.lower > 0.0 && dependence.share >= settings.least_followed)
-      add_to_places(own->patterns[members[m]], std::move(dependence), places);
+      add_to_places(pattern.place, pattern.at, std::move(dependence), places);
   }
   return places;
 }

@@ -14,6 +14,7 @@
 
 #include "diagnosis/forward/hypotheses.h"
 #include "diagnosis/remainder/place_patterns.h"
+#include "diagnosis/verdict/told_events.h"
 #include "jaculus/diagnosis/diagnosis.h"
 #include "jaculus/diagnosis/options.h"
 #include "jaculus/trajectory/dataset.h"
@@ -31,15 +32,21 @@ struct TakenShare {
 
 /// Of the held-out gap's energy that one model leaves, what another one leaves less of it; not
 /// known where that one leaves no gap (settings.gap_of_fold).
-TakenShare share_taken(const HeldOut& by_effects, const HeldOut& with_patterns,
+TakenShare share_taken(const HeldOut& by_effects, const HeldOut& with_forces,
                        const Settings& settings);
 
-/// Places of patterns that a diagnosis has as candidates, with what was found of them. `taken`:
-/// what they take of the gap that the effects beside them leave; by their shares of the whole gap
-/// it is each one's.
+/// What a statement tells beside effects.
+struct ToldForces {
+  const std::vector<FoundEffect>& patterns;
+  const std::vector<ToldPush>& pushes;
+  const model::PlanarModel& robot;
+};
+
+/// Places of patterns that a diagnosis has as candidates and of pushes, with what was found of
+/// them. `taken`: what they take of the gap that the effects beside them leave; by their shares of
+/// the whole gap it is each one's.
 std::vector<RemainderPlace> places_of(const std::vector<PlacePattern>& candidates,
-                                      const std::vector<FoundEffect>& found,
-                                      const TakenShare& taken);
+                                      const ToldForces& found, const TakenShare& taken);
 
 /// Parameters of the model that a diagnosis states, in a problem about other effects or windows of
 /// the same data.

@@ -90,7 +90,8 @@ std::string parting_sentence(const Diagnosis& d) {
 
 std::string gap_place(const Diagnosis& d) {
   if (d.verdict == Verdict::insufficient) return "These data can't say where a gap lies.";
-  if (d.verdict == Verdict::none && !push_phrases(d).empty())
+  const bool nothing_more = d.effects.empty() && d.gap.after < d.settings.plain_gap;
+  if (d.verdict == Verdict::unexplained && nothing_more && !push_phrases(d).empty())
     return "Something pushed the robot in every trial; beside that no gap is beyond what sensors "
            "and a builder's tolerances allow.";
   if (d.verdict == Verdict::none)

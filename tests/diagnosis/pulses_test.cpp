@@ -88,6 +88,42 @@ TEST(Pulses, ThatEveryTrialHasAreListedOnce) {
   EXPECT_NEAR(middle_of(boxes, found.front()), 6.0, 0.06);
 }
 
+TEST(Pulses, ThatEveryTrialHasAreFoundWhereNoTrialTellsThem) {
+  int found = 0, alone = 0;
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    ForceBoxes boxes = noise(100 + seed);
+    add_pulse(boxes, 1, 6.0, 0.15);
+    const std::vector<Pulse> of_one = unusual_pulses(boxes, 0.05);
+    alone += of_one.empty() ? 0 : 1;
+    for (const int trial : {0, 2, 3}) add_pulse(boxes, trial, 6.0, 0.15);
+    for (const Pulse& pulse : unusual_pulses(boxes, 0.05)) {
+      EXPECT_TRUE(pulse.every_trial);
+      EXPECT_NEAR(middle_of(boxes, pulse), 6.0, 0.1);
+      EXPECT_NEAR(pulse.peak, 0.15, 0.08);
+      ++found;
+    }
+  }
+  EXPECT_GE(found, 16);
+  EXPECT_LE(alone, 5);
+}
+
+TEST(Pulses, OfOneTrialAreNoneOfEveryTrial) {
+  ForceBoxes boxes = noise(4);
+  add_pulse(boxes, 1, 6.0, 1.5);
+  const std::vector<Pulse> found = unusual_pulses(boxes, 0.05);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_FALSE(found.front().every_trial);
+  EXPECT_EQ(boxes.trial[found.front().first], 1);
+}
+
+TEST(Pulses, AreNoneWhereTheModelIsWrongAlikeInEveryTrial) {
+  // A force that sways by the clock, 0.3 in every trial: the mean over trials holds all of it.
+  ForceBoxes boxes = noise(5);
+  for (Eigen::Index k = 0; k < boxes.time.size(); ++k)
+    boxes.force[k] += 0.3 * std::sin(4.0 * boxes.time[k]);
+  EXPECT_TRUE(unusual_pulses(boxes, 0.05).empty());
+}
+
 TEST(Pulses, AreSeldomMadeByNoise) {
   int alarms = 0;
   for (unsigned seed = 0; seed < 100; ++seed)

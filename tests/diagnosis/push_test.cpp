@@ -3,9 +3,12 @@
 #include <gtest/gtest.h>
 
 #include "diagnosis/effects_by_name.h"
+#include "diagnosis/forward/problem.h"
 #include "jaculus/core/installation.h"
 #include "jaculus/diagnosis/diagnose.h"
+#include "jaculus/diagnosis/summary.h"
 #include "jaculus/effects/effect.h"
+#include "jaculus/effects/user_effect.h"
 #include "jaculus/simulation/experiment.h"
 
 namespace jaculus::diagnosis {
@@ -57,11 +60,29 @@ void expect_told(const Diagnosis& found, double push) {
   EXPECT_NEAR(event.peak * (event.to - event.from), push * kLength, 0.06 * push * kLength);
 }
 
+/// What is left follows the time, at the push's place; its file is an effect the robot can have.
+void expect_left(const Diagnosis& found) {
+  ASSERT_EQ(found.remainder.places.size(), 1U);
+  const RemainderPlace& place = found.remainder.places.front();
+  EXPECT_EQ(place.place, "body");
+  EXPECT_EQ(place.joint, "x");
+  ASSERT_EQ(place.follows.size(), 1U);
+  EXPECT_EQ(place.follows.front().regressor, Regressor::time);
+  EXPECT_GT(place.follows.front().share, 0.5);
+  const model::PlanarModel& robot = found.problem->observations.datasets.front().model;
+  EXPECT_NO_THROW(
+      effects::parse_user_effect(place.follows.front().hypothesis, "push.yaml").require(robot));
+
+  EXPECT_TRUE(remainder_sentences(found).empty());  // it is told among the events
+  EXPECT_TRUE(leading_remainder(found).empty());
+}
+
 TEST(PushUnderAScript, IsAnEventAndNoEffect) {
   const Diagnosis found = diagnosed(10.0, 0.0);
-  EXPECT_EQ(found.verdict, Verdict::none) << to_text(found.verdict);
+  EXPECT_EQ(found.verdict, Verdict::unexplained) << to_text(found.verdict);
   EXPECT_TRUE(found.effects.empty());
   expect_told(found, 10.0);
+  expect_left(found);
   EXPECT_LT(found.gap.after, 1.3);
   EXPECT_GT(found.gap.before, 2.0 * found.gap.after);
   for (const Ranked& row : found.ranking) EXPECT_EQ(row.effect.find("push"), std::string::npos);

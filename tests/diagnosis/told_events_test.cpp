@@ -29,23 +29,23 @@ Proposal proposed(Naming naming, std::vector<Established> effects) {
   return {naming, std::move(effects), {}, {}};
 }
 
-TEST(ToldEvents, APushAloneLeavesNothingToName) {
+TEST(ToldEvents, APushThatEveryTrialHadIsBeyondTolerance) {
   const Candidates c;
   const PartedProposal told = parted(c.problem, proposed(Naming::sure, {{kPush, {}, 1.0}}));
   EXPECT_EQ(told.events.size(), 1U);
   EXPECT_TRUE(told.effects.empty());
-  EXPECT_EQ(about_effects(Verdict::effect, told), Verdict::none);
+  EXPECT_EQ(about_effects(Verdict::effect, told), Verdict::unexplained);
   EXPECT_EQ(about_effects(Verdict::partial, told), Verdict::unexplained);
   EXPECT_EQ(about_effects(Verdict::unexplained, told), Verdict::unexplained);
 }
 
-TEST(ToldEvents, AnEffectBesideAPushIsOneEffect) {
+TEST(ToldEvents, AnEffectBesideAPushIsPartOfTheAnswer) {
   const Candidates c;
   const PartedProposal told =
       parted(c.problem, proposed(Naming::sure, {{kPush, {}, 1.0}, {kFriction, {}, 0.9}}));
   ASSERT_EQ(told.effects.size(), 1U);
   EXPECT_EQ(told.effects.front().effect, kFriction);
-  EXPECT_EQ(about_effects(Verdict::several, told), Verdict::effect);
+  EXPECT_EQ(about_effects(Verdict::several, told), Verdict::partial);
   EXPECT_EQ(about_effects(Verdict::partial, told), Verdict::partial);
 }
 
@@ -81,12 +81,12 @@ TEST(ToldEvents, RankingPutsRowsTogetherThatDifferInPushesAlone) {
       {"unexplained", 0.0, kNaN, 0.1, {}, {}}};
   const std::vector<Ranked> about = ranked_by_effects(c.problem, ranking);
   ASSERT_EQ(about.size(), 3U);
-  EXPECT_EQ(about[0].effect, "none");
-  EXPECT_DOUBLE_EQ(about[0].probability, 0.7);
+  EXPECT_EQ(about[0].effect, "unexplained");
+  EXPECT_DOUBLE_EQ(about[0].probability, 0.6);
   EXPECT_DOUBLE_EQ(about[0].held_out_error, 0.9);
   EXPECT_TRUE(about[0].parameters.empty());
   EXPECT_EQ(about[1].effect, "friction");
-  EXPECT_EQ(about[2].effect, "unexplained");
+  EXPECT_EQ(about[2].effect, "none");
 }
 
 TEST(ToldPatterns, AloneAreNoEffectButWhatIsLeft) {

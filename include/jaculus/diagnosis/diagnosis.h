@@ -60,7 +60,8 @@ struct LackingForce {
   double boxes = 0.0;  ///< boxes of time, or values, of which the data tell it
 };
 
-/// A force that acted once under a logged input, beyond what the model usually lacks.
+/// A force that acted briefly: under a logged input beyond what the model usually lacks, in one
+/// trial or more; under a plan or script in every trial.
 struct ForceEvent {
   int dataset = 0;
   std::string trial;             ///< empty: in every one

@@ -43,6 +43,7 @@ struct Dependence {
   std::vector<double> coefficients;
   std::string hypothesis{};  ///< the file of an effect, where one was simulated to find it
   std::string form{};        ///< in words, where the regressor says only what it depends on
+  bool brief = false;        ///< a push that every trial had, told among the events as well
 };
 
 /// What is left along one coordinate, or at one place.

@@ -9,6 +9,7 @@
 #include <limits>
 #include <map>
 #include <numbers>
+#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -55,7 +56,13 @@ Matched match(const UsualForce& usual, int first, const Vector& shape) {
 }
 
 /// Matched filters by first box and count, over runs of boxes without a gap.
-using Filters = std::map<std::pair<int, int>, Matched>;
+struct Filters {
+  std::map<std::pair<int, int>, Matched> all;
+  std::map<int, double> usually;  ///< size of `alone`, by count
+
+  [[nodiscard]] const Matched& at(int first, int count) const { return all.at({first, count}); }
+  [[nodiscard]] bool has(int first, int count) const { return all.contains({first, count}); }
+};
 
 bool follow_one_another(const ForceBoxes& boxes, int first, int count) {
   const int last = first + count - 1;
@@ -65,35 +72,38 @@ bool follow_one_another(const ForceBoxes& boxes, int first, int count) {
   return std::abs(apart - (count - 1) * boxes.length) < kSameTime * boxes.length;
 }
 
+/// `least`: usual sizes are no less than these.
 Filters matched_filters(const ForceBoxes& boxes, const UsualForce& usual,
-                        const std::function<Vector(int)>& shape) {
-  Filters all;
+                        const std::function<Vector(int)>& shape, const Filters* least) {
+  Filters filters;
   for (int count = kLengths.front(); count <= kLengths.back() + 2; ++count) {
     std::vector<double> sizes;
     for (int first = 0; first < boxes.time.size(); ++first) {
       if (!follow_one_another(boxes, first, count)) continue;
       const Matched matched = match(usual, first, shape(count));
-      all[{first, count}] = matched;
+      filters.all[{first, count}] = matched;
       sizes.push_back(matched.alone);
     }
     if (sizes.empty()) continue;
-    const double usually = usual_size(std::move(sizes));
-    for (auto& [place, matched] : all)
+    double usually = usual_size(std::move(sizes));
+    if (least != nullptr && least->usually.contains(count))
+      usually = std::max(usually, least->usually.at(count));
+    filters.usually[count] = usually;
+    for (auto& [place, matched] : filters.all)
       if (place.second == count) matched.deviations = matched.alone / usually;
   }
-  return all;
+  return filters;
 }
 
 /// z of a pulse, or of the mean force over its boxes or these and one more at either side, where
 /// that is nearer to zero.
 double steady_deviations(const Filters& pulses, const Filters& means, int first, int count) {
-  const double own = pulses.at({first, count}).deviations;
+  const double own = pulses.at(first, count).deviations;
   double least = own;
   for (const auto& [before, more] :
        {std::pair(0, 0), std::pair(1, 1), std::pair(0, 1), std::pair(1, 2)}) {
-    const auto found = means.find({first - before, count + more});
-    if (found == means.end()) continue;
-    const double mean = found->second.deviations;
+    if (!means.has(first - before, count + more)) continue;
+    const double mean = means.at(first - before, count + more).deviations;
     if (mean * own <= 0.0) return 0.0;
     if (std::abs(mean) < std::abs(least)) least = mean;
   }
@@ -103,17 +113,17 @@ double steady_deviations(const Filters& pulses, const Filters& means, int first,
 /// The likeliest pulse of the same sign about the middle of one that was found.
 std::pair<int, int> likeliest(const Filters& filters, const ForceBoxes& boxes, int first,
                               int count) {
-  const double middle = first + 0.5 * (count - 1), sign = filters.at({first, count}).amplitude;
+  const double middle = first + 0.5 * (count - 1), sign = filters.at(first, count).amplitude;
   std::pair<int, int> best{first, count};
   double most = 0.0;
   for (const int length : kLengths) {
     for (int from = std::max(0, first - length); from <= first + count; ++from) {
-      const auto found = filters.find({from, length});
-      if (found == filters.end() || boxes.trial[from] != boxes.trial[first]) continue;
+      if (!filters.has(from, length) || boxes.trial[from] != boxes.trial[first]) continue;
+      const Matched& found = filters.at(from, length);
       const bool near = std::abs(from + 0.5 * (length - 1) - middle) <= kLeeway;
-      if (!near || found->second.amplitude * sign <= 0.0) continue;
-      if (std::abs(found->second.alone) <= most) continue;
-      most = std::abs(found->second.alone);
+      if (!near || found.amplitude * sign <= 0.0) continue;
+      if (std::abs(found.alone) <= most) continue;
+      most = std::abs(found.alone);
       best = {from, length};
     }
   }
@@ -129,18 +139,23 @@ std::optional<int> same_time(const ForceBoxes& boxes, int trial, int first, int 
   return std::nullopt;
 }
 
-/// Whether most other trials have a good part of a pulse at the same time.
-bool repeats(const ForceBoxes& boxes, const UsualForce& usual, int first, int count,
-             double amplitude) {
-  int others = 0, alike = 0;
+/// Of trials that have a pulse's boxes at the same time, how many, how many have a good part of it,
+/// and the first one's first box. `but`: not asked.
+struct Alike {
+  int trials = 0, alike = 0, first = -1;
+  [[nodiscard]] bool most() const { return trials > 0 && 2 * alike > trials; }
+};
+Alike alike_at(const ForceBoxes& boxes, const UsualForce& usual, int first, int count,
+               double amplitude, int but) {
+  Alike found;
   for (int trial = 0; trial <= *std::max_element(boxes.trial.begin(), boxes.trial.end()); ++trial) {
-    if (trial == boxes.trial[first]) continue;
+    if (trial == but) continue;
     const std::optional<int> there = same_time(boxes, trial, first, count);
     if (!there) continue;
-    ++others;
-    if (match(usual, *there, half_sine(count)).amplitude / amplitude >= kRepeats) ++alike;
+    if (found.trials++ == 0) found.first = *there;
+    if (match(usual, *there, half_sine(count)).amplitude / amplitude >= kRepeats) ++found.alike;
   }
-  return others > 0 && 2 * alike > others;
+  return found;
 }
 
 /// Whether two pulses are one: overlap in a trial, or in time where one is in every trial.
@@ -149,7 +164,76 @@ bool same_pulse(const ForceBoxes& boxes, const Pulse& a, const Pulse& b) {
   if (one_trial) return a.first <= b.last + 1 && b.first <= a.last + 1;
   const bool together = boxes.time[a.first] <= boxes.time[b.last] + boxes.length &&
                         boxes.time[b.first] <= boxes.time[a.last] + boxes.length;
-  return a.every_trial && together && a.peak * b.peak > 0.0;
+  return (a.every_trial || b.every_trial) && together && a.peak * b.peak > 0.0;
+}
+
+/// A series of boxes with how it is usually wrong and what pulses are in it.
+struct Series {
+  const ForceBoxes& boxes;
+  const UsualForce& usual;
+  Filters pulses, means;
+};
+Series series_of(const ForceBoxes& boxes, const UsualForce& usual, const Series* least) {
+  const auto level = [](int count) -> Vector { return Vector::Ones(count); };
+  return {boxes, usual,
+          matched_filters(boxes, usual, half_sine, least == nullptr ? nullptr : &least->pulses),
+          matched_filters(boxes, usual, level, least == nullptr ? nullptr : &least->means)};
+}
+
+/// The mean over trials at the same time, as a trial of its own.
+struct OverTrials {
+  ForceBoxes boxes;
+  UsualForce usual;
+  std::vector<int> box;  ///< one of those that each is the mean of
+};
+
+/// Of boxes that more than half of the trials have at the same time; none where trials don't share
+/// their times.
+OverTrials over_trials(const ForceBoxes& all, const UsualForce& usual) {
+  const int trials = *std::max_element(all.trial.begin(), all.trial.end()) + 1;
+  std::vector<int> order(all.trial.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](int a, int b) { return all.time[a] < all.time[b]; });
+
+  OverTrials mean;
+  std::vector<double> time, residual, variance;
+  for (auto from = order.begin(), to = from; from != order.end(); from = to) {
+    double told = 0.0, sum = 0.0;
+    for (; to != order.end() && all.time[*to] - all.time[*from] < kSameTime * all.length; ++to) {
+      told += 1.0 / usual.variance[*to];
+      sum += usual.residual[*to] / usual.variance[*to];
+    }
+    const auto alike = to - from;
+    if (alike < 2 || 2 * alike <= trials) continue;
+    mean.box.push_back(*from);
+    time.push_back(all.time[*from]);
+    residual.push_back(sum / told);
+    variance.push_back(1.0 / told);
+  }
+
+  const auto vector = [](const std::vector<double>& of) -> Vector {
+    return Eigen::Map<const Vector>(of.data(), std::ssize(of));
+  };
+  mean.boxes = {all.length, std::vector<int>(time.size(), 0), vector(time), vector(residual), {},
+                {}};
+  mean.usual = {vector(residual), vector(variance)};
+  return mean;
+}
+
+/// A place of a pulse in a series, and how unusual it is there.
+struct Tried {
+  int first, count;
+  double deviations;
+  bool over_trials;
+};
+void add_tried(const Series& series, bool over_trials, std::vector<Tried>& tried) {
+  for (const int count : kLengths)
+    for (int first = 0; first < series.boxes.time.size(); ++first)
+      if (series.pulses.has(first, count))
+        tried.push_back({first, count,
+                         std::abs(steady_deviations(series.pulses, series.means, first, count)),
+                         over_trials});
 }
 
 }  // namespace
@@ -185,19 +269,12 @@ std::vector<Pulse> unusual_pulses(const ForceBoxes& boxes, double level) {
   if (boxes.time.size() < kFewestBoxes || usual_size({boxes.force.begin(), boxes.force.end()}) <= 0)
     return {};
   const UsualForce usual = usual_force(boxes);
-  const Filters filters = matched_filters(boxes, usual, half_sine);
-  const Filters means =
-      matched_filters(boxes, usual, [](int count) -> Vector { return Vector::Ones(count); });
-
-  struct Tried {
-    int first, count;
-    double deviations;
-  };
+  const Series alone = series_of(boxes, usual, nullptr);
+  const OverTrials mean = over_trials(boxes, usual);
+  const Series together = series_of(mean.boxes, mean.usual, &alone);
   std::vector<Tried> tried;
-  for (const int count : kLengths)
-    for (int first = 0; first < boxes.time.size(); ++first)
-      if (filters.contains({first, count}))
-        tried.push_back({first, count, std::abs(steady_deviations(filters, means, first, count))});
+  add_tried(alone, false, tried);
+  add_tried(together, true, tried);
   if (tried.empty()) return {};
 
   const auto number = static_cast<double>(tried.size());
@@ -208,12 +285,19 @@ std::vector<Pulse> unusual_pulses(const ForceBoxes& boxes, double level) {
 
   std::vector<Pulse> found;
   for (const Tried& own : tried) {
-    const auto [first, count] = likeliest(filters, boxes, own.first, own.count);
-    const double peak = filters.at({first, count}).amplitude;
+    const Series& series = own.over_trials ? together : alone;
+    const auto [first, count] = likeliest(series.pulses, series.boxes, own.first, own.count);
+    const double peak = series.pulses.at(first, count).amplitude;
     const double chance = number * std::erfc(own.deviations / std::numbers::sqrt2);
-    const Pulse pulse{first, first + count - 1, peak, 1.0 - std::min(1.0, chance),
-                      repeats(boxes, usual, first, count, peak)};
-    const Pulse as_tried{own.first, own.first + own.count - 1, peak, 0.0, false};
+    const int place = own.over_trials ? mean.box[first] : first;
+    const int found_in = own.over_trials ? -1 : boxes.trial[first];
+    const Alike alike = alike_at(boxes, usual, place, count, peak, found_in);
+    if (own.over_trials && !alike.most()) continue;  // of one trial, and found there
+
+    const int begin = own.over_trials ? alike.first : first;
+    const Pulse pulse{begin, begin + count - 1, peak, 1.0 - std::min(1.0, chance), alike.most()};
+    const Pulse as_tried =
+        own.over_trials ? pulse : Pulse{own.first, own.first + own.count - 1, peak, 0.0, false};
     if (std::none_of(found.begin(), found.end(), [&](const Pulse& known) {
           return same_pulse(boxes, known, pulse) || same_pulse(boxes, known, as_tried);
         }))

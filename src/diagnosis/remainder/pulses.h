@@ -15,9 +15,12 @@
 // the usual size, a median of |.| over 0.6745, being what the colour of e makes of it. A rate that
 // was measured wrongly at one instant pushes the boxes on both sides of it against one another, so
 // a pulse counts by the nearest to zero of its z and those of the mean force over its boxes, and
-// over these and one more at either side. Limits of validity: a fault that comes and goes with the
-// motion and isn't in x or p (cogging, a compliance) makes large forces usual; one that acts rarely
-// looks like a pulse.
+// over these and one more at either side. What acts at the same time in every trial is told from
+// the mean over trials too, weighted by 1/m: independent errors are less there by the root of their
+// number; where the model is wrong alike in every trial, it is the mean's own usual size that
+// counts. What is found there is a pulse of every trial if most have half of it. Limits of
+// validity: a fault that comes and goes with the motion and isn't in x or p (cogging, a compliance)
+// makes large forces usual; one that acts rarely looks like a pulse.
 
 #include <vector>
 

@@ -76,8 +76,9 @@ const std::vector<Reliability>& reliabilities() {
       {Verdict::several, {}, 6, 13, 0.5, 0.1, 0.4, kCounted, 24, 30},
       {Verdict::partial, {}, 2, 6, 0.5, 0.1, 0.4, kCounted, 2, 8},
       {Verdict::ambiguous, {}, 11, 14, 0.5, 0.1, 0.4, kCounted},
-      {Verdict::none, {.event = true}, 11, 15, 0.4, 0.0, 0.6, kCounted},
       {Verdict::none, {}, 38, 62, 0.4, 0.0, 0.6, kCounted},
+      // Of those with a push, counted while the verdict beside it was `none`.
+      {Verdict::unexplained, {.event = true}, 11, 15, 0.0, 0.4, 0.6, kCounted},
       {Verdict::unexplained, {}, 6, 16, 0.0, 0.2, 0.8, kCounted}};
   return table;
 }

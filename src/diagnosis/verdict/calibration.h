@@ -21,7 +21,7 @@ namespace jaculus::diagnosis {
 
 /// What a verdict was given beside, by which its reliability differs.
 struct Circumstances {
-  bool event = false;    ///< a force that acted once, which may be something else that acts briefly
+  bool event = false;    ///< a push that every trial had, or something else that acts briefly
   bool doubted = false;  ///< something speaks against it: doubts()
 };
 
@@ -37,7 +37,7 @@ struct Reliability {
   int named_right = 0, named = 0;
 
   /// Whether the posterior's word counts where it claims more.
-  [[nodiscard]] bool by_posterior() const { return verdict == Verdict::none && !beside.event; }
+  [[nodiscard]] bool by_posterior() const { return verdict == Verdict::none; }
   /// Probability that is stated for it.
   [[nodiscard]] double stated() const { return (right + 1.0) / (cases + 2.0); }
   [[nodiscard]] double stated_of_each() const { return (named_right + 1.0) / (named + 2.0); }

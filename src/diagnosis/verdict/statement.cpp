@@ -134,12 +134,13 @@ void add_shares(HeldOutGaps& gaps, const ModelFit& chosen, std::vector<FoundEffe
   }
 }
 
-/// What a model's effects make of it without its patterns; none where it has no effects.
-const ModelFit& by_effects(HeldOutGaps& gaps, const ModelFit& chosen) {
-  std::vector<int> effects = chosen.candidates;
-  std::erase_if(effects,
-                [&](int c) { return gaps.problem().hypotheses.candidates[c].is_pattern(); });
-  return effects.empty() ? *gaps.posterior().find({}) : gaps.subset(chosen, effects);
+/// What a model leaves of trials that no fit saw without those of its members that `without` names.
+template <typename Without>
+HeldOut gap_without(HeldOutGaps& gaps, const ModelFit& chosen, const Without& without) {
+  std::vector<int> members = chosen.candidates;
+  std::erase_if(members, [&](int c) { return without(gaps.problem().hypotheses.candidates[c]); });
+  if (members.size() == chosen.candidates.size()) return gaps.of(chosen);
+  return gaps.of(members.empty() ? *gaps.posterior().find({}) : gaps.subset(chosen, members));
 }
 
 double most_probable(const std::vector<Established>& places) {
@@ -153,26 +154,31 @@ std::vector<std::string> rule_reasons(const Problem& problem, const VerdictRule&
                                       Verdict verdict, const PartedProposal& told,
                                       const ModelFit& chosen, const HeldOut& gap) {
   std::vector<std::string> reasons;
-  const bool events = names_effects(rule.verdict) && !told.events.empty();
-  const bool patterns = names_effects(rule.verdict) && !told.patterns.empty();
-  for (const Established& e : told.patterns)
-    if (patterns)
+  if (!names_effects(rule.verdict) || !told.beyond_effects()) {
+    reasons.emplace_back(rule.reason);
+    if (verdict == Verdict::unexplained && !chosen.candidates.empty())
       reasons.push_back(
-          fmt::format("a {} is clearly more probable than effects of the catalogue in "
-                      "its place",
-                      problem.hypotheses.candidates[e.effect].effect->caption));
-  if (events && verdict == Verdict::unexplained && !patterns)
-    reasons.emplace_back("forces remain that neither what acted once nor an effect explains");
+          nearest_text(joined(told_names(problem, chosen.candidates)), gap, problem.settings));
+    return reasons;
+  }
+
+  const auto more_probable = [&](const std::string& force) {
+    reasons.push_back(fmt::format(
+        "a {} is clearly more probable than effects of the catalogue in its place", force));
+  };
+  for (const Established& e : told.patterns)
+    more_probable(problem.hypotheses.candidates[e.effect].effect->caption);
+  for (const Established& e : told.events) {
+    const std::string& name = problem.hypotheses.candidates[e.effect].name;
+    more_probable(name + " in every trial");
+    if (!e.others.empty())
+      reasons.push_back(
+          fmt::format("{} can't be told from {}", name, joined(told_names(problem, e.others))));
+  }
+  if (told.effects.empty() && rule.verdict == Verdict::partial)
+    reasons.emplace_back("forces remain that neither these nor an effect explains");
   else
     reasons.emplace_back(rule.reason);
-  if (verdict == Verdict::unexplained && !events && !patterns && !chosen.candidates.empty())
-    reasons.push_back(
-        nearest_text(joined(told_names(problem, chosen.candidates)), gap, problem.settings));
-  for (const Established& e : told.events)
-    if (events && !e.others.empty())
-      reasons.push_back(fmt::format("{} can't be told from {}",
-                                    problem.hypotheses.candidates[e.effect].name,
-                                    joined(told_names(problem, e.others))));
   return reasons;
 }
 
@@ -199,18 +205,21 @@ struct Judged {
   }
 };
 
-std::vector<ForceEvent> found_events(const Judged& judged) {
-  std::vector<ForceEvent> events;
-  for (const Established& e : judged.told.events)
-    events.push_back(event_of(judged.problem, e.effect, judged.found(e.effect, {})));
-  return events;
+/// Pushes or patterns, with what each explains.
+std::vector<FoundEffect> found_forces(const Judged& judged, const std::vector<Established>& told) {
+  std::vector<FoundEffect> forces;
+  for (const Established& e : told) forces.push_back(judged.found(e.effect, {}));
+  add_shares(judged.gaps, judged.chosen(), forces);
+  return forces;
 }
 
-std::vector<FoundEffect> found_patterns(const Judged& judged) {
-  std::vector<FoundEffect> patterns;
-  for (const Established& e : judged.told.patterns) patterns.push_back(judged.found(e.effect, {}));
-  add_shares(judged.gaps, judged.chosen(), patterns);
-  return patterns;
+std::vector<ToldPush> found_pushes(const Judged& judged) {
+  std::vector<ToldPush> pushes;
+  for (FoundEffect& found : found_forces(judged, judged.told.events)) {
+    const ForceEvent event = event_of(judged.problem, found);
+    pushes.push_back({std::move(found), event});
+  }
+  return pushes;
 }
 
 /// Rivals have a row each.
@@ -273,7 +282,7 @@ Statement state_verdict(const Problem& problem, const Selection& selection, bool
 
   Statement out;
   out.posterior = posterior;
-  out.gap = out.gap_with = gaps.of(chosen);
+  out.gap = out.gap_by_effects = out.gap_with = gaps.of(chosen);
   out.lacking_probability = lacking_probability(chosen, settings);
   out.lacking = lacking_forces(problem, whitening, chosen.fit);
   const VerdictRule& rule =
@@ -285,11 +294,14 @@ Statement state_verdict(const Problem& problem, const Selection& selection, bool
   out.rule = rule.name;
   add_models(judged, rule, stated, none, out);
 
-  if (names_effects(rule.verdict)) out.events = found_events(judged);
-  if (names_effects(rule.verdict) && !told.patterns.empty()) {
-    out.gap = gaps.of(by_effects(gaps, chosen));
-    out.lacking_probability = std::max(out.lacking_probability, most_probable(told.patterns));
-    out.patterns = found_patterns(judged);
+  if (names_effects(rule.verdict) && told.beyond_effects()) {
+    out.gap = gap_without(gaps, chosen, [](const Candidate& c) { return c.is_pattern(); });
+    out.gap_by_effects =
+        gap_without(gaps, chosen, [](const Candidate& c) { return c.beyond_effects(); });
+    out.lacking_probability = std::max(
+        {out.lacking_probability, most_probable(told.patterns), most_probable(told.events)});
+    out.patterns = found_forces(judged, told.patterns);
+    out.pushes = found_pushes(judged);
   }
   std::vector<FoundEffect> effects;
   if (names_effects(out.verdict)) effects = found_effects(judged, out.verdict);
@@ -301,7 +313,7 @@ Statement state_verdict(const Problem& problem, const Selection& selection, bool
   const std::vector<std::string> against = doubts_of(judged, out, effects, ranking);
   append(against, out.reasons);
   Calibrated calibrated =
-      calibrate(out.verdict, {.event = !out.events.empty(), .doubted = !against.empty()},
+      calibrate(out.verdict, {.event = !out.pushes.empty(), .doubted = !against.empty()},
                 std::move(effects), std::move(ranking));
   out.effects = std::move(calibrated.effects);
   out.ranking = std::move(calibrated.ranking);

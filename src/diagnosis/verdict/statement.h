@@ -5,6 +5,7 @@
 
 #include "diagnosis/validation/held_out.h"
 #include "diagnosis/verdict/proposal.h"
+#include "diagnosis/verdict/told_events.h"
 #include "jaculus/diagnosis/diagnosis.h"
 
 namespace jaculus::diagnosis {
@@ -15,11 +16,12 @@ struct Statement {
   std::string rule;
   std::vector<std::string> reasons;
   std::vector<FoundEffect> effects;
-  std::vector<ForceEvent> events;     ///< of the effects proposed those that happened once
+  std::vector<ToldPush> pushes;       ///< of what is proposed those that every trial had
   std::vector<FoundEffect> patterns;  ///< and those that are forces of a stated form
   std::vector<Ranked> ranking;
-  HeldOut gap;                       ///< by effects and events
-  HeldOut gap_with;                  ///< by these and the patterns
+  HeldOut gap;                       ///< by effects and pushes
+  HeldOut gap_by_effects;            ///< by effects alone
+  HeldOut gap_with;                  ///< by effects, pushes and patterns
   double lacking_probability = 0.0;  ///< that `model` lacks forces, given that it is at work
   std::vector<LackingForce> lacking;
   std::vector<FittedModel> rivals;

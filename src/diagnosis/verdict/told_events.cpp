@@ -37,11 +37,8 @@ PartedProposal parted(const Problem& problem, const Proposal& proposal) {
 
 Verdict about_effects(Verdict verdict, const PartedProposal& proposal) {
   if (!names_effects(verdict) || !proposal.beyond_effects()) return verdict;
-  const bool more = verdict == Verdict::partial || !proposal.patterns.empty();
-  if (proposal.effects.empty()) return more ? Verdict::unexplained : Verdict::none;
-  if (proposal.naming == Naming::rivals) return Verdict::ambiguous;
-  if (more) return Verdict::partial;
-  return verdict == Verdict::several && proposal.effects.size() == 1 ? Verdict::effect : verdict;
+  if (proposal.effects.empty()) return Verdict::unexplained;
+  return proposal.naming == Naming::rivals ? Verdict::ambiguous : Verdict::partial;
 }
 
 std::vector<Ranked> ranked_by_effects(const Problem& problem, const std::vector<Ranked>& ranking) {
@@ -49,16 +46,12 @@ std::vector<Ranked> ranked_by_effects(const Problem& problem, const std::vector<
   std::vector<Ranked> out;
   for (Ranked row : ranking) {
     const std::size_t before = row.members.size();
-    bool more = false;
     std::erase_if(row.members, [&](const std::string& name) {
-      const Candidate& own = hypotheses.candidates[hypotheses.candidate(name)];
-      more = more || own.is_pattern();
-      return own.beyond_effects();
+      return hypotheses.candidates[hypotheses.candidate(name)].beyond_effects();
     });
     if (row.members.size() != before)
-      row.effect = !row.members.empty() ? fmt::format("{}", fmt::join(row.members, " + "))
-                   : more               ? to_text(Verdict::unexplained)
-                                        : "none";
+      row.effect = row.members.empty() ? to_text(Verdict::unexplained)
+                                       : fmt::format("{}", fmt::join(row.members, " + "));
     std::erase_if(row.parameters, [&](const FoundParameter& value) {
       const int c = hypotheses.candidate(value.name.substr(0, value.name.rfind('.')));
       return c >= 0 && hypotheses.candidates[c].beyond_effects();
@@ -76,9 +69,8 @@ std::vector<Ranked> ranked_by_effects(const Problem& problem, const std::vector<
   return out;
 }
 
-ForceEvent event_of(const Problem& problem, int candidate, const FoundEffect& found) {
-  const std::string& name = problem.hypotheses.candidates[candidate].name;
-  const std::string place = name.substr(name.find('@') + 1);
+ForceEvent event_of(const Problem& problem, const FoundEffect& found) {
+  const std::string place = found.name.substr(found.name.find('@') + 1);
   const bool of_body = problem.observations.datasets.front().model.body_of_joint(place) < 0;
   const FoundParameter &peak = found.parameters[0], &middle = found.parameters[1],
                        &length = found.parameters[2];
