@@ -4,24 +4,13 @@
 
 #include "diagnosis/build_problem.h"
 #include "diagnosis/motion_patterns.h"
+#include "diagnosis/pushed_windows.h"
 #include "diagnosis/remainder/box_states.h"
 #include "diagnosis/remainder/events.h"
 #include "diagnosis/remainder/remainder.h"
 
 namespace jaculus::diagnosis {
 namespace {
-
-constexpr int kAllWindows = 1'000'000;  // of a trial
-
-/// The problem over boxes that follow one another over all of every trial; without a forward model
-/// where it can't be had.
-BuiltProblem in_boxes(const std::vector<trajectory::Dataset>& datasets, DiagnoseOptions options,
-                      double box) {
-  options.settings.windows = kAllWindows;
-  options.settings.window_length = box;
-  options.settings.window_start_half_width = 0.5 * box;
-  return build_problem(datasets, options);
-}
 
 /// Whether a trial logs the torque of every motor.
 bool logs_torques(const trajectory::Trial& trial, const model::PlanarModel& robot) {

@@ -7,6 +7,7 @@
 #include "diagnosis/established_forces.h"
 #include "diagnosis/forward/prediction_memory.h"
 #include "diagnosis/pattern_scan.h"
+#include "diagnosis/pushed_windows.h"
 #include "diagnosis/selection/push_scan.h"
 
 namespace jaculus::diagnosis {
@@ -33,13 +34,49 @@ std::optional<SearchResult> searched_in_part(const Prepared& prepared,
   return std::move(found.search);
 }
 
-Selection selected(const Prepared& prepared, const ProblemBuilder& rebuild,
-                   const DiagnoseOptions& options, std::vector<ModelFit> known = {}) {
+Selection selected(const Prepared& prepared, const DiagnoseOptions& options,
+                   std::vector<ModelFit> known = {}) {
   const Problem& problem = *prepared.built.problem;
-  Comparison comparison = first_comparison(problem, prepared.noise);
-  if (auto part = searched_in_part(prepared, rebuild, options))
-    return select_models_from(problem, std::move(comparison), std::move(*part), options.progress);
-  return select_models(problem, std::move(comparison), options.progress, std::move(known));
+  return select_models(problem, first_comparison(problem, prepared.noise), options.progress,
+                       std::move(known));
+}
+
+/// A search on a part of the windows where there are enough, else on all data.
+struct FirstSearch {
+  std::optional<SearchResult> part{};
+  Selection whole{};  ///< no models where a part was searched
+
+  [[nodiscard]] const SearchResult& found() const { return part ? *part : whole.search; }
+};
+FirstSearch first_search(const Prepared& prepared, const ProblemBuilder& rebuild,
+                         const DiagnoseOptions& options) {
+  if (auto part = searched_in_part(prepared, rebuild, options)) return {std::move(part), {}};
+  return {{}, selected(prepared, options)};
+}
+
+/// The search among effects alone. Where it tells of pushes that one trial had, it is made again
+/// beside these.
+Searched search_among_effects(Prepared prepared, const ProblemBuilder& rebuild,
+                              const DiagnoseOptions& options) {
+  FirstSearch first = first_search(prepared, rebuild, options);
+  const Problem& problem = *prepared.built.problem;
+  if (prepared.built.forward && in_windows(problem) && !first.found().models.empty()) {
+    if (options.progress) options.progress("pushes in the windows");
+    if (auto beside = beside_pushes(problem, leading(first.found()), options)) {
+      Prepared again = prepare(rebuild(std::move(beside->observations)), rebuild);
+      if (again.reasons.empty()) {
+        again.notes.insert(again.notes.end(), beside->notes.begin(), beside->notes.end());
+        prepared = std::move(again);
+        first = first_search(prepared, rebuild, options);
+      }
+    }
+  }
+  if (!first.part) return {std::move(prepared), std::move(first.whole), {}};
+
+  const Problem& all = *prepared.built.problem;
+  Selection found = select_models_from(all, first_comparison(all, prepared.noise),
+                                       std::move(*first.part), options.progress);
+  return {std::move(prepared), std::move(found), {}};
 }
 
 /// Whether the leading model leaves more, or needs several effects: one force that no effect is may
@@ -192,8 +229,10 @@ std::vector<ModelFit> known_models(const Problem& problem, const SearchResult& s
 Searched search_with_forces(Prepared prepared, const ProblemBuilder& rebuild,
                             const DiagnoseOptions& options) {
   if (!prepared.reasons.empty()) return {std::move(prepared), {}, {}};
-  Selection alone = selected(prepared, rebuild, options);
-  if (!forces_sought(prepared, alone)) return {std::move(prepared), std::move(alone), {}};
+  Searched effects = search_among_effects(std::move(prepared), rebuild, options);
+  if (!forces_sought(effects.prepared, effects.selection)) return effects;
+  prepared = std::move(effects.prepared);
+  Selection alone = std::move(effects.selection);
 
   if (options.progress) options.progress("pushes and forces of other forms");
   const Problem& problem = *prepared.built.problem;
@@ -207,7 +246,7 @@ Searched search_with_forces(Prepared prepared, const ProblemBuilder& rebuild,
   for (const PlacePattern& pattern : likely.patterns) all.push_back(pattern_effect(pattern));
   Prepared with = with_effects(prepared, std::move(all));
   const Problem& among = *with.built.problem;
-  Selection found = selected(with, rebuild, options, known_models(problem, alone.search, among));
+  Selection found = selected(with, options, known_models(problem, alone.search, among));
   if (found.search.models.empty()) return {std::move(prepared), std::move(alone), {}};
 
   leave_out_unfounded(among, likely.tried, found);

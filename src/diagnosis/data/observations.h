@@ -106,6 +106,16 @@ int windows_of(const Observations& observations);
 /// of each dataset at least.
 Observations with_windows(Observations observations, int most);
 
+/// A stretch of a trial, by indices of dataset and trial.
+struct TrialSpan {
+  int dataset = 0, trial = 0;
+  double from = 0.0, to = 0.0;  ///< data's time [s]
+};
+/// The same observations with windows of logged inputs cut anew beside these stretches, as many as
+/// before where a trial has room for them. Without datasets that then have no row.
+Observations with_windows_beside(Observations observations, const std::vector<TrialSpan>& left_out,
+                                 const Settings& settings);
+
 /// Where the rows of one channel of one segment stand in the vector of all rows of a dataset.
 struct RowSpan {
   int segment = 0, channel = 0;

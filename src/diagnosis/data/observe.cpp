@@ -183,8 +183,22 @@ double together_until(const std::vector<Sides>& sides, double from, double to,
   return found->from;
 }
 
+/// Where windows may begin, one after the other, beside what is left out of a trial [s].
+std::vector<double> window_starts(int possible, double length, int trial,
+                                  const std::vector<TrialSpan>& left_out) {
+  std::vector<double> starts;
+  for (int k = 0; k < possible; ++k) {
+    const double from = k * length, to = from + length;
+    const bool overlaps = std::any_of(left_out.begin(), left_out.end(), [&](const TrialSpan& s) {
+      return s.trial == trial && s.from < to && from < s.to;
+    });
+    if (!overlaps) starts.push_back(from);
+  }
+  return starts;
+}
+
 void cut_windows(ObservedDataset& observed, int trial_index, const Settings& settings,
-                 std::vector<Parting>& partings) {
+                 const std::vector<TrialSpan>& left_out, std::vector<Parting>& partings) {
   const Trial& trial = observed.dataset.trials[trial_index];
   const double known = start_known(observed, trial, settings);
   const std::vector<Sides> sides = sides_of(observed, trial, settings);
@@ -193,10 +207,12 @@ void cut_windows(ObservedDataset& observed, int trial_index, const Settings& set
   for (const Stream& stream : trial.streams)
     if (stream.time.size() > 0) end = std::max(end, stream.time[stream.time.size() - 1]);
   const int possible = std::max(1, static_cast<int>(std::floor(end / settings.window_length)));
-  const int count = std::min(possible, settings.windows);
+  const std::vector<double> starts =
+      window_starts(possible, settings.window_length, trial_index, left_out);
+  const int free = count_of(starts), count = std::min(free, settings.windows);
   for (int w = 0; w < count; ++w) {
     const double grid =
-        settings.window_length * std::floor(static_cast<double>(w) * possible / count);
+        starts[static_cast<std::size_t>(std::floor(static_cast<double>(w) * free / count))];
     const double from = std::max(grid, known), to = std::min(end, grid + settings.window_length);
     if (from >= to) continue;
     Segment segment;
@@ -285,6 +301,12 @@ void set_spacing(ObservedDataset& observed) {
   }
 }
 
+int trials_with_data(const ObservedDataset& observed) {
+  std::set<int> trials;
+  for (const Segment& segment : observed.segments) trials.insert(segment.trial);
+  return count_of(trials);
+}
+
 ObservedDataset cut_dataset(const Dataset& dataset, const PlanarModel& model,
                             const Settings& settings, Observations& out) {
   ObservedDataset observed;
@@ -300,7 +322,7 @@ ObservedDataset cut_dataset(const Dataset& dataset, const PlanarModel& model,
   std::vector<Parting> partings;
   if (!observed.measured_input) cut_trials(observed, settings, partings);
   for (int t = 0; observed.measured_input && t < count_of(dataset.trials); ++t)
-    cut_windows(observed, t, settings, partings);
+    cut_windows(observed, t, settings, {}, partings);
   const std::string plane =
       out_of_plane(dataset, label, observed.window_start, observed.window_end);
   if (!plane.empty()) out.notes.push_back(plane);
@@ -311,9 +333,7 @@ ObservedDataset cut_dataset(const Dataset& dataset, const PlanarModel& model,
   drop_dead_channels(observed, label, out.notes);
   std::erase_if(observed.segments, [](const Segment& segment) { return !has_data(segment); });
   set_spacing(observed);
-  std::set<int> trials;
-  for (const Segment& segment : observed.segments) trials.insert(segment.trial);
-  observed.trials = count_of(trials);
+  observed.trials = trials_with_data(observed);
   if (observed.segments.empty()) {
     out.insufficient.push_back(fmt::format(
         "{}: no channel has {} or more samples between {:.3g} s and {:.3g} s that the plant "
@@ -339,6 +359,27 @@ Observations observe(const std::vector<Dataset>& datasets, const std::vector<Pla
     if (!observed.segments.empty()) out.datasets.push_back(std::move(observed));
   }
   return out;
+}
+
+Observations with_windows_beside(Observations observations, const std::vector<TrialSpan>& left_out,
+                                 const Settings& settings) {
+  for (int d = 0; d < count_of(observations.datasets); ++d) {
+    ObservedDataset& observed = observations.datasets[d];
+    std::vector<TrialSpan> own;
+    for (const TrialSpan& span : left_out)
+      if (span.dataset == d) own.push_back(span);
+    if (!observed.measured_input || own.empty()) continue;
+
+    std::vector<Parting> known;  // told when all windows were cut
+    observed.segments.clear();
+    for (int t = 0; t < count_of(observed.dataset.trials); ++t)
+      cut_windows(observed, t, settings, own, known);
+    std::erase_if(observed.segments, [](const Segment& segment) { return !has_data(segment); });
+    set_spacing(observed);
+    observed.trials = trials_with_data(observed);
+  }
+  std::erase_if(observations.datasets, [](const ObservedDataset& d) { return d.segments.empty(); });
+  return observations;
 }
 
 }  // namespace jaculus::diagnosis
