@@ -79,8 +79,9 @@ void describe_remainder(const std::vector<trajectory::Dataset>& datasets,
   std::vector<RemainderPlace>& places = found.remainder.places;
   // What the search told of simulated forces, boxes would find again.
   if (places.empty()) places = places_in_boxes(datasets, options, found);
-  const bool followed = std::any_of(places.begin(), places.end(),
-                                    [](const RemainderPlace& p) { return !p.follows.empty(); });
+  const bool followed = std::any_of(places.begin(), places.end(), [](const RemainderPlace& p) {
+    return !p.follows.empty() && !p.is_push();
+  });
   if (followed) return;
   for (RemainderPlace& place : patterns_of_motion(found)) places.push_back(std::move(place));
 }

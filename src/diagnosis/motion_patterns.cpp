@@ -157,17 +157,24 @@ Dependence dependence_of(const PlacePattern& pattern, const Vector& found) {
   return own;
 }
 
-void add_to_places(const std::string& place, const std::string& at, Dependence dependence,
-                   std::vector<RemainderPlace>& places) {
+/// A place with what it follows, to what is known of the same place.
+void add_to_places(RemainderPlace fresh, std::vector<RemainderPlace>& places) {
   const auto same = std::find_if(places.begin(), places.end(), [&](const RemainderPlace& own) {
-    return own.joint == at && own.place == place;
+    return own.joint == fresh.joint && own.place == fresh.place;
   });
-  RemainderPlace fresh;
-  fresh.joint = at;
-  fresh.place = place;
-  fresh.by_simulation = true;
-  RemainderPlace& own = same == places.end() ? places.emplace_back(std::move(fresh)) : *same;
-  own.follows.push_back(std::move(dependence));
+  if (same == places.end())
+    places.push_back(std::move(fresh));
+  else
+    for (Dependence& own : fresh.follows) same->follows.push_back(std::move(own));
+}
+
+RemainderPlace place_with(const PlacePattern& pattern, Dependence dependence) {
+  RemainderPlace place;
+  place.joint = pattern.at;
+  place.place = pattern.place;
+  place.by_simulation = true;
+  place.follows = {std::move(dependence)};
+  return place;
 }
 
 /// Each one's part of all, patterns first: by what it explains, equal where that is not known.
@@ -232,14 +239,13 @@ std::vector<RemainderPlace> places_of(const std::vector<PlacePattern>& candidate
     Dependence own = dependence_of(pattern, sizes);
     own.selected = effect.probability;
     give(n, own);
-    add_to_places(pattern.place, pattern.at, std::move(own), places);
+    add_to_places(place_with(pattern, std::move(own)), places);
   }
 
   for (int n = 0; n < count_of(found.pushes); ++n) {
     RemainderPlace push = push_place(found.pushes[n].event, found.robot);
-    Dependence& own = push.follows.front();
-    give(count_of(found.patterns) + n, own);
-    add_to_places(push.place, push.joint, std::move(own), places);
+    give(count_of(found.patterns) + n, push.follows.front());
+    add_to_places(std::move(push), places);
   }
   return places;
 }
@@ -274,7 +280,7 @@ std::vector<RemainderPlace> patterns_of_motion(const Diagnosis& found) {
     dependence.ci95 = shares.ci95[m];
     dependence.selected = 1.0;
     if (dependence.ci95.lower > 0.0 && dependence.share >= settings.least_followed)
-      add_to_places(pattern.place, pattern.at, std::move(dependence), places);
+      add_to_places(place_with(pattern, std::move(dependence)), places);
   }
   return places;
 }

@@ -13,26 +13,24 @@ namespace {
 
 constexpr int kAllWindows = 1'000'000;  // of a trial
 
-/// Pushes of one trial alone that some window of it holds a part of.
-std::vector<ForceEvent> pushes_in_windows(const Problem& problem, std::vector<ForceEvent> events) {
-  std::erase_if(events, [&](const ForceEvent& event) {
-    if (event.every_trial) return true;
-    const ObservedDataset& observed = problem.observations.datasets[event.dataset];
-    return std::none_of(observed.segments.begin(), observed.segments.end(),
-                        [&](const Segment& window) {
-                          return observed.dataset.trials[window.trial].name == event.trial &&
-                                 event.from < window.end() && window.start < event.to;
-                        });
-  });
-  return events;
+/// Whether some window of its trial holds a part of a push.
+bool in_a_window(const ForceEvent& push, const Observations& observations) {
+  const ObservedDataset& observed = observations.datasets[push.dataset];
+  return std::any_of(observed.segments.begin(), observed.segments.end(),
+                     [&](const Segment& window) {
+                       return observed.dataset.trials[window.trial].name == push.trial &&
+                              push.from < window.end() && window.start < push.to;
+                     });
 }
 
-TrialSpan span_of(const ForceEvent& event, const ObservedDataset& observed) {
+/// A push with `margin` before and after [s]: its length is told in boxes.
+TrialSpan span_of(const ForceEvent& event, const ObservedDataset& observed, double margin) {
   const std::vector<trajectory::Trial>& trials = observed.dataset.trials;
   const auto own = std::find_if(trials.begin(), trials.end(), [&](const trajectory::Trial& trial) {
     return trial.name == event.trial;
   });
-  return {event.dataset, static_cast<int>(own - trials.begin()), event.from, event.to};
+  return {event.dataset, static_cast<int>(own - trials.begin()), event.from - margin,
+          event.to + margin};
 }
 
 }  // namespace
@@ -55,21 +53,27 @@ std::optional<BesidePushes> beside_pushes(const Problem& problem, const ModelFit
       all.problem->observations.datasets.size() != problem.observations.datasets.size())
     return {};
   const Vector p = carried_over({&problem, about.candidates, about.fit.p}, all.problem->hypotheses);
-  const std::vector<ForceEvent> pushes = pushes_in_windows(
-      problem, force_events(*all.problem, motion_boxes(*all.problem, *all.forward, p)));
+  std::vector<ForceEvent> pushes =
+      force_events(*all.problem, motion_boxes(*all.problem, *all.forward, p));
+  std::erase_if(pushes, [&](const ForceEvent& push) {
+    return push.every_trial || !in_a_window(push, problem.observations);
+  });
   if (pushes.empty()) return {};
 
   std::vector<TrialSpan> left_out;
-  std::vector<std::string> notes;
-  for (const ForceEvent& push : pushes) {
-    const ObservedDataset& observed = problem.observations.datasets[push.dataset];
-    left_out.push_back(span_of(push, observed));
-    notes.push_back(fmt::format(
-        "{}: something acted once at {} from {:.2f} to {:.2f} s: effects are sought beside it",
-        push.trial, push.joint, push.from, push.to));
-  }
-  return BesidePushes{with_windows_beside(problem.observations, left_out, problem.settings),
-                      std::move(notes)};
+  for (const ForceEvent& push : pushes)
+    left_out.push_back(
+        span_of(push, problem.observations.datasets[push.dataset], options.settings.force_box));
+  BesidePushes beside{with_windows_beside(problem.observations, left_out, problem.settings), {}};
+  for (const ForceEvent& push : pushes)
+    if (!in_a_window(push, beside.observations))
+      beside.notes.push_back(
+          fmt::format("{}: something seems to act once at {} from {:.2f} to {:.2f} s, about what a "
+                      "first search "
+                      "found: effects are sought beside it",
+                      push.trial, push.joint, push.from, push.to));
+  if (beside.notes.empty()) return {};
+  return beside;
 }
 
 }  // namespace jaculus::diagnosis

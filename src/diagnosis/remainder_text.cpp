@@ -96,13 +96,6 @@ std::string sentence_of(const RemainderPlace& place) {
   return place.by_simulation ? simulated_sentence(place) : box_sentence(place);
 }
 
-/// What sentences and tables tell as an event.
-bool is_push(const RemainderPlace& place) {
-  return std::all_of(place.follows.begin(), place.follows.end(),
-                     [](const Dependence& d) { return d.brief; }) &&
-         !place.follows.empty();
-}
-
 bool remains(const Diagnosis& diagnosis) {
   return diagnosis.verdict == Verdict::partial || diagnosis.verdict == Verdict::unexplained;
 }
@@ -112,7 +105,7 @@ bool remains(const Diagnosis& diagnosis) {
 std::string leading_remainder(const Diagnosis& diagnosis) {
   const std::vector<RemainderPlace>& places = diagnosis.remainder.places;
   const auto first = std::find_if(places.begin(), places.end(), [](const RemainderPlace& p) {
-    return !p.follows.empty() && !is_push(p);
+    return !p.follows.empty() && !p.is_push();
   });
   return remains(diagnosis) && first != places.end() ? sentence_of(*first) : "";
 }
@@ -121,7 +114,7 @@ std::vector<std::string> remainder_sentences(const Diagnosis& diagnosis) {
   std::vector<std::string> sentences;
   for (const RemainderPlace& place : diagnosis.remainder.places) {
     const bool silent = place.follows.empty() && !remains(diagnosis);
-    if (is_push(place)) continue;
+    if (place.is_push()) continue;
     if (place.by_simulation || (std::isfinite(place.rms) && !silent))
       sentences.push_back(sentence_of(place));
   }

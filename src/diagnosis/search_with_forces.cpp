@@ -54,6 +54,12 @@ FirstSearch first_search(const Prepared& prepared, const ProblemBuilder& rebuild
   return {{}, selected(prepared, options)};
 }
 
+/// Adds notes that are not there yet.
+void add_new(std::vector<std::string> more, std::vector<std::string>& notes) {
+  for (std::string& note : more)
+    if (index_of(notes, note) < 0) notes.push_back(std::move(note));
+}
+
 /// The search among effects alone. Where it tells of pushes that one trial had, it is made again
 /// beside these.
 Searched search_among_effects(Prepared prepared, const ProblemBuilder& rebuild,
@@ -64,10 +70,14 @@ Searched search_among_effects(Prepared prepared, const ProblemBuilder& rebuild,
     if (options.progress) options.progress("pushes in the windows");
     if (auto beside = beside_pushes(problem, leading(first.found()), options)) {
       Prepared again = prepare(rebuild(std::move(beside->observations)), rebuild);
-      if (again.reasons.empty()) {
-        again.notes.insert(again.notes.end(), beside->notes.begin(), beside->notes.end());
+      FirstSearch anew;
+      if (again.reasons.empty()) anew = first_search(again, rebuild, options);
+      if (!anew.found().models.empty()) {
+        add_new(std::move(again.notes), prepared.notes);
+        add_new(std::move(beside->notes), prepared.notes);
+        again.notes = std::move(prepared.notes);
         prepared = std::move(again);
-        first = first_search(prepared, rebuild, options);
+        first = std::move(anew);
       }
     }
   }

@@ -8,6 +8,7 @@
 
 #include "diagnosis/data/partings.h"
 #include "diagnosis/forward/problem.h"
+#include "diagnosis/verdict/rules.h"
 
 namespace jaculus::diagnosis {
 namespace {
@@ -88,10 +89,19 @@ std::string parting_sentence(const Diagnosis& d) {
       first->most / shown.size, shown.unit);
 }
 
+/// Whether anything is left beside pushes that every trial had.
+bool more_left(const Diagnosis& d) {
+  if (!leading_remainder(d).empty()) return true;
+  const std::vector<VerdictRule>& rules = verdict_rules();
+  return std::none_of(rules.begin(), rules.end(), [&](const VerdictRule& rule) {
+    return rule.name == d.rule && names_effects(rule.verdict) && rule.verdict != Verdict::partial;
+  });
+}
+
 std::string gap_place(const Diagnosis& d) {
   if (d.verdict == Verdict::insufficient) return "These data can't say where a gap lies.";
-  const bool nothing_more = d.effects.empty() && d.gap.after < d.settings.plain_gap;
-  if (d.verdict == Verdict::unexplained && nothing_more && !push_phrases(d).empty())
+  const bool nothing_more = d.effects.empty() && d.verdict == Verdict::unexplained && !more_left(d);
+  if (nothing_more && !push_phrases(d).empty())
     return "Something pushed the robot in every trial; beside that no gap is beyond what sensors "
            "and a builder's tolerances allow.";
   if (d.verdict == Verdict::none)

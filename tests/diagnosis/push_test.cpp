@@ -66,6 +66,7 @@ void expect_left(const Diagnosis& found) {
   const RemainderPlace& place = found.remainder.places.front();
   EXPECT_EQ(place.place, "body");
   EXPECT_EQ(place.joint, "x");
+  EXPECT_EQ(place.unit, "N");
   ASSERT_EQ(place.follows.size(), 1U);
   EXPECT_EQ(place.follows.front().regressor, Regressor::time);
   EXPECT_GT(place.follows.front().share, 0.5);

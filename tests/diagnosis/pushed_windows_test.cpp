@@ -54,7 +54,7 @@ TEST(PushedWindows, LieBesideWhatActedOnce) {
   const std::optional<BesidePushes> beside = beside_pushes(*built.problem, none, options);
   ASSERT_TRUE(beside.has_value());
   ASSERT_EQ(beside->notes.size(), 2U) << beside->notes.front();
-  EXPECT_EQ(beside->notes[0].find("trial_01: something acted once at pendulum"), 0U);
+  EXPECT_EQ(beside->notes[0].find("trial_01: something seems to act once at pendulum"), 0U);
 
   const ObservedDataset& before = built.problem->observations.datasets.front();
   const ObservedDataset& after = beside->observations.datasets.front();
@@ -62,13 +62,29 @@ TEST(PushedWindows, LieBesideWhatActedOnce) {
   EXPECT_LT(after.segments.size(), before.segments.size());
   for (const Segment& window : after.segments) {
     const double from = window.trial == 0 ? 0.6 : window.trial == 1 ? 1.4 : kInfinity;
-    EXPECT_FALSE(window.start < from + 0.25 && from + 0.05 < window.end()) << window.start;
+    EXPECT_FALSE(window.start < from + kPushLength && from < window.end()) << window.start;
   }
   const auto in_trial = [](const ObservedDataset& observed, int trial) {
     return std::count_if(observed.segments.begin(), observed.segments.end(),
                          [&](const Segment& window) { return window.trial == trial; });
   };
   EXPECT_EQ(in_trial(after, 5), in_trial(before, 5));
+}
+
+TEST(PushedWindows, StayInATrialThatHasNoRoomBesideThem) {
+  const BuiltProblem built = build_problem({pushed({})}, test::among({"joint_coulomb_friction"}));
+  const Observations& before = built.problem->observations;
+  const Settings& settings = built.problem->settings;
+  const ObservedDataset& all = before.datasets.front();
+  const ObservedDataset same =
+      with_windows_beside(before, {{0, 2, 0.0, 3.0}}, settings).datasets.front();
+  ASSERT_EQ(same.segments.size(), all.segments.size());
+  for (std::size_t k = 0; k < all.segments.size(); ++k)
+    EXPECT_EQ(same.segments[k].start, all.segments[k].start);
+  // Of the last second nothing is left, and the windows before it stay where they are.
+  const ObservedDataset shorter =
+      with_windows_beside(before, {{0, 2, 2.0, 3.0}}, settings).datasets.front();
+  EXPECT_EQ(shorter.segments.size(), all.segments.size() - 2);
 }
 
 TEST(PushedWindows, AreAllWhereNothingPushed) {

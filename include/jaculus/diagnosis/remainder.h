@@ -1,6 +1,7 @@
 #pragma once
 // What the judged model leaves, described: at which joint, how large, what it follows.
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -58,6 +59,12 @@ struct RemainderPlace {
   /// Found by simulation of the whole motion: shares are of the gap's energy that the model leaves,
   /// and no force is known box by box.
   bool by_simulation = false;
+
+  /// Whether a push is all that it follows, which is told among the events.
+  [[nodiscard]] bool is_push() const {
+    return !follows.empty() &&
+           std::all_of(follows.begin(), follows.end(), [](const Dependence& d) { return d.brief; });
+  }
 };
 
 struct Remainder {

@@ -112,7 +112,8 @@ struct TrialSpan {
   double from = 0.0, to = 0.0;  ///< data's time [s]
 };
 /// The same observations with windows of logged inputs cut anew beside these stretches, as many as
-/// before where a trial has room for them. Without datasets that then have no row.
+/// before where a trial has room for them. A trial without room for one keeps its windows, and so
+/// does a dataset of which a trial would have no data left.
 Observations with_windows_beside(Observations observations, const std::vector<TrialSpan>& left_out,
                                  const Settings& settings);
 

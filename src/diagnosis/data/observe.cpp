@@ -183,17 +183,21 @@ double together_until(const std::vector<Sides>& sides, double from, double to,
   return found->from;
 }
 
-/// Where windows may begin, one after the other, beside what is left out of a trial [s].
-std::vector<double> window_starts(int possible, double length, int trial,
+/// Where windows may begin, one after the other, beside what is left out of a trial; where that
+/// leaves no room for one, as if nothing were [s].
+std::vector<double> window_starts(int possible, double length,
                                   const std::vector<TrialSpan>& left_out) {
   std::vector<double> starts;
-  for (int k = 0; k < possible; ++k) {
-    const double from = k * length, to = from + length;
-    const bool overlaps = std::any_of(left_out.begin(), left_out.end(), [&](const TrialSpan& s) {
-      return s.trial == trial && s.from < to && from < s.to;
+  const double last = (possible - 1) * length;
+  for (double from = 0.0; !left_out.empty() && from <= last;) {
+    const auto taken = std::find_if(left_out.begin(), left_out.end(), [&](const TrialSpan& s) {
+      return s.from < from + length && from < s.to;
     });
-    if (!overlaps) starts.push_back(from);
+    if (taken == left_out.end()) starts.push_back(from);
+    from = taken == left_out.end() ? from + length : taken->to;
   }
+  if (starts.empty())
+    for (int k = 0; k < possible; ++k) starts.push_back(k * length);
   return starts;
 }
 
@@ -207,8 +211,7 @@ void cut_windows(ObservedDataset& observed, int trial_index, const Settings& set
   for (const Stream& stream : trial.streams)
     if (stream.time.size() > 0) end = std::max(end, stream.time[stream.time.size() - 1]);
   const int possible = std::max(1, static_cast<int>(std::floor(end / settings.window_length)));
-  const std::vector<double> starts =
-      window_starts(possible, settings.window_length, trial_index, left_out);
+  const std::vector<double> starts = window_starts(possible, settings.window_length, left_out);
   const int free = count_of(starts), count = std::min(free, settings.windows);
   for (int w = 0; w < count; ++w) {
     const double grid =
@@ -371,14 +374,19 @@ Observations with_windows_beside(Observations observations, const std::vector<Tr
     if (!observed.measured_input || own.empty()) continue;
 
     std::vector<Parting> known;  // told when all windows were cut
-    observed.segments.clear();
-    for (int t = 0; t < count_of(observed.dataset.trials); ++t)
-      cut_windows(observed, t, settings, own, known);
-    std::erase_if(observed.segments, [](const Segment& segment) { return !has_data(segment); });
-    set_spacing(observed);
-    observed.trials = trials_with_data(observed);
+    ObservedDataset anew = observed;
+    anew.segments.clear();
+    for (int t = 0; t < count_of(observed.dataset.trials); ++t) {
+      std::vector<TrialSpan> of_trial;
+      for (const TrialSpan& span : own)
+        if (span.trial == t) of_trial.push_back(span);
+      cut_windows(anew, t, settings, of_trial, known);
+    }
+    std::erase_if(anew.segments, [](const Segment& segment) { return !has_data(segment); });
+    set_spacing(anew);
+    anew.trials = trials_with_data(anew);
+    if (anew.trials == observed.trials) observed = std::move(anew);
   }
-  std::erase_if(observations.datasets, [](const ObservedDataset& d) { return d.segments.empty(); });
   return observations;
 }
 

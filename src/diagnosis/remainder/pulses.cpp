@@ -140,7 +140,7 @@ std::optional<int> same_time(const ForceBoxes& boxes, int trial, int first, int 
 }
 
 /// Of trials that have a pulse's boxes at the same time, how many, how many have a good part of it,
-/// and the first one's first box. `but`: not asked.
+/// and the first such one's first box. `but`: not asked.
 struct Alike {
   int trials = 0, alike = 0, first = -1;
   [[nodiscard]] bool most() const { return trials > 0 && 2 * alike > trials; }
@@ -152,8 +152,9 @@ Alike alike_at(const ForceBoxes& boxes, const UsualForce& usual, int first, int 
     if (trial == but) continue;
     const std::optional<int> there = same_time(boxes, trial, first, count);
     if (!there) continue;
-    if (found.trials++ == 0) found.first = *there;
-    if (match(usual, *there, half_sine(count)).amplitude / amplitude >= kRepeats) ++found.alike;
+    ++found.trials;
+    if (match(usual, *there, half_sine(count)).amplitude / amplitude < kRepeats) continue;
+    if (found.alike++ == 0) found.first = *there;
   }
   return found;
 }
