@@ -169,7 +169,7 @@ double log_evidence(const PatternProblem& own, const LinearPatterns& linear,
   if (!members.empty())
     all = side_by_side(all, products_between(random, linear.model.X, more.X), more.products);
   return followed_by(problem, random, all, first_scales(random), problem.settings.scale_steps)
-      .log_evidence;
+      .evidence();
 }
 
 PatternScan likely_patterns(const KnownModel& about, const std::vector<Alignment>& alignments) {

@@ -155,6 +155,9 @@ struct ScaleEstimate {
   double log_cost = 0.0;      ///< to be added to a log evidence by these scales; not positive
   double log_evidence = 0.0;  ///< by these scales, without what their choice costs
   Vector mean;                ///< of u, likewise
+
+  /// Log evidence with what the choice of the scales costs.
+  [[nodiscard]] double evidence() const { return log_evidence + log_cost; }
 };
 /// Of X = [r Y], from `scales` on: s^2 <- |w|^2/told, MacKay's fixed point, and of a misfit
 /// s^2 N <- E - N with E expected over u; of at most `steps` the best by the evidence, in which

@@ -155,8 +155,7 @@ double expected_log_weight_of_none(const SignatureSpace& space, const Vector& si
     const double v = misfit.variance(0.0), n = misfit.of.values;
     least_misfits += n / v + n * std::log(v) - n;
   }
-  const double lacking =
-      estimate.log_evidence + estimate.log_cost + 0.5 * (of_forces + noise + least_misfits);
+  const double lacking = estimate.evidence() + 0.5 * (of_forces + noise + least_misfits);
   return log_of_sum(complete, std::log(settings.prior_lacking) + lacking);
 }
 

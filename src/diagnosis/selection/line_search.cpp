@@ -97,10 +97,10 @@ struct Line {
   [[nodiscard]] Point scored(double u, const Vector& moved, const Across& across) const {
     const RandomEffects& random = whitening.random;
     const Products own = products_of(random, moved);
-    const Followed followed =
+    const ScaleEstimate followed =
         followed_by(problem, random, first_moved(standing.model.products, across, own), base.scales,
                     problem.settings.screening_scale_steps);
-    const double evidence = followed.log_evidence - 0.5 * u * u;
+    const double evidence = followed.evidence() - 0.5 * u * u;
     const double energy = weigh(random, own, followed.scales).gram(0, 0);
     const double width = 0.5 * std::log1p(energy / (u * u));
     double gain = evidence - standing.log_evidence;
@@ -150,12 +150,9 @@ Point past_threshold(const Line& line, Point near, Point far, long& predictions)
 
 }  // namespace
 
-Followed followed_by(const Problem& problem, const RandomEffects& random, const Products& products,
-                     const Vector& scales, int steps) {
-  ScaleEstimate estimate =
-      estimated_scales(random, products, scales, steps, problem.settings.scale_spread);
-  return {std::move(estimate.scales), estimate.log_evidence + estimate.log_cost,
-          std::move(estimate.mean)};
+ScaleEstimate followed_by(const Problem& problem, const RandomEffects& random,
+                          const Products& products, const Vector& scales, int steps) {
+  return estimated_scales(random, products, scales, steps, problem.settings.scale_spread);
 }
 
 Standing standing_of(const Problem& problem, const Whitening& whitening, const Fit& base) {
@@ -164,7 +161,7 @@ Standing standing_of(const Problem& problem, const Whitening& whitening, const F
   model.products.shared = shared_columns(problem, random, base);
   const double evidence = followed_by(problem, random, model.products, base.scales,
                                       problem.settings.screening_scale_steps)
-                              .log_evidence;
+                              .evidence();
   return {std::move(model), evidence};
 }
 

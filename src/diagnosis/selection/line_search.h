@@ -18,15 +18,10 @@
 
 namespace jaculus::diagnosis {
 
-/// White columns X = [r Y] by deviations of the random effects that follow them.
-struct Followed {
-  Vector scales;              ///< the deviations
-  double log_evidence = 0.0;  ///< by them, with what their choice costs
-  Vector mean;                ///< of u, likewise
-};
-/// At most `steps` from `scales`.
-Followed followed_by(const Problem& problem, const RandomEffects& random, const Products& products,
-                     const Vector& scales, int steps);
+/// White columns X = [r Y] by deviations of the random effects that follow them, at most `steps`
+/// from `scales`.
+ScaleEstimate followed_by(const Problem& problem, const RandomEffects& random,
+                          const Products& products, const Vector& scales, int steps);
 
 /// A base model as screening sees it: [r0 -J], and its log evidence by such deviations.
 struct Standing {

@@ -55,12 +55,12 @@ LinearSet evaluated(const Problem& problem, const Whitening& whitening, const Fi
   if (whitening.random.blocks.empty())
     for (std::size_t k = 0; k < table.nuisances.size(); ++k)
       products.shared.push_back(parameters + static_cast<Eigen::Index>(k));
-  const Followed followed = followed_by(problem, whitening.random, products, fit.scales,
-                                        problem.settings.set_scale_steps);
+  const ScaleEstimate followed = followed_by(problem, whitening.random, products, fit.scales,
+                                             problem.settings.set_scale_steps);
   set.mean = followed.mean.head(parameters);
   set.p = parameters_at(problem, fit, about, table, members, followed.mean);
   set.scales = followed.scales;
-  if (on_their_sides(problem, set)) set.log_evidence = followed.log_evidence;
+  if (on_their_sides(problem, set)) set.log_evidence = followed.evidence();
   return set;
 }
 

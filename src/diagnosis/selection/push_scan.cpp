@@ -156,16 +156,16 @@ void set_gains(const RandomEffects& random, const ScanProducts& products, const 
 
 /// The best of a coordinate's pushes by deviations that follow.
 LikelyPush best_along(const Problem& problem, const Problem& narrow, const RandomEffects& random,
-                      const ScanProducts& products, const Followed& without,
+                      const ScanProducts& products, const ScaleEstimate& without,
                       const std::vector<ScannedPush>& pushes) {
   LikelyPush best;
   best.gain = -kInfinity;
   for (std::size_t k = 0; k < pushes.size(); ++k) {
     const ScannedPush& push = pushes[k];
     const Products own = with_pushes(products, weights_of(pushes, k, 1, narrow));
-    const Followed with =
+    const ScaleEstimate with =
         followed_by(problem, random, own, without.scales, problem.settings.set_scale_steps);
-    const double gain = with.log_evidence - without.log_evidence;
+    const double gain = with.evidence() - without.evidence();
     if (!(gain > best.gain)) continue;
     const ForceGroup& force = problem.hypotheses.forces[push.force];
     const double scale = problem.hypotheses.parameters[force.boxes.front()].scale;
@@ -193,7 +193,7 @@ std::vector<LikelyPush> likely_pushes(const Problem& problem, const Problem& nar
   set_gains(random, products, about.scales, narrow, pushes);
   std::stable_sort(pushes.begin(), pushes.end(),
                    [](const ScannedPush& a, const ScannedPush& b) { return a.gain > b.gain; });
-  const Followed without =
+  const ScaleEstimate without =
       followed_by(problem, random, with_pushes(products, weights_of(pushes, 0, 0, narrow)),
                   about.scales, problem.settings.set_scale_steps);
 

@@ -85,7 +85,7 @@ struct Base {
 };
 
 /// The posterior of one more candidate's columns beside the base model's own, which come first.
-Followed with_columns(const Base& base, const Matrix& own) {
+ScaleEstimate with_columns(const Base& base, const Matrix& own) {
   const RandomEffects& random = base.whitening.random;
   const Columns& model = base.standing.model;
   const Products products = side_by_side(model.products, products_between(random, model.X, own),
@@ -96,7 +96,8 @@ Followed with_columns(const Base& base, const Matrix& own) {
 
 /// Raises the probe's score and estimate to what these columns reach; whether they do.
 bool raise_score(const Base& base, const Candidate& candidate, const Matrix& own, Probe& probe) {
-  Followed followed = with_columns(base, own);
+  const ScaleEstimate followed = with_columns(base, own);
+  double gain = followed.evidence() - base.standing.log_evidence;
   Vector mean = followed.mean.tail(own.cols());
   for (Eigen::Index k = 0; k < own.cols(); ++k) {
     const FreeParameter& p = base.problem.hypotheses.parameters[candidate.parameters[k]];
@@ -105,11 +106,11 @@ bool raise_score(const Base& base, const Candidate& candidate, const Matrix& own
     if (range.contains(mean[k])) continue;
     mean[k] = std::clamp(mean[k], range.lower, range.upper);
     // On the wrong side of a boundary the first parameter can do nothing for the residual.
-    if (k == 0 && mean[k] == 0.0) followed.log_evidence = base.standing.log_evidence - 1.0;
+    if (k == 0 && mean[k] == 0.0) gain = -1.0;
   }
 
-  if (followed.log_evidence - base.standing.log_evidence <= probe.score) return false;
-  probe.score = followed.log_evidence - base.standing.log_evidence;
+  if (gain <= probe.score) return false;
+  probe.score = gain;
   probe.estimate = mean;
   return true;
 }

@@ -253,9 +253,9 @@ Selection select_models_from(const Problem& problem, Comparison comparison, Sear
   ToldAnew told = told_anew(problem, comparison, none, leader ? &*leader : nullptr, 1);
   comparison = std::move(told.comparison);
   leave_out_led_models(problem.settings, part);
-  // Where a larger set leads, what stands in for its members is sought about that one.
-  constexpr int kRounds = 2;
-  SearchOptions options{problem.settings.largest_set, &part, false, kRounds, {}, {}, progress};
+  const Settings& settings = problem.settings;
+  SearchOptions options{
+      settings.largest_set, &part, false, settings.rounds_after_part, {}, {}, progress};
   if (told.about_none) options.none = told.about_none->fit.p;
   SearchResult search = search_models(problem, comparison, options);
   search.predictions += part.predictions;

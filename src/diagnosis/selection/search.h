@@ -58,7 +58,7 @@ Selection select_models(const Problem& problem, Comparison comparison,
                         std::vector<ModelFit> known = {});
 /// The same from what a search on a part of the data found (data/observations.h, with_windows): its
 /// leading models are fitted to all data; about what leads then, all candidates are screened and
-/// the search moves twice more at most.
+/// the search moves settings.rounds_after_part times more at most.
 Selection select_models_from(const Problem& problem, Comparison comparison, SearchResult part,
                              const std::function<void(const std::string&)>& progress);
 
