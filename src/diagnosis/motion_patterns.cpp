@@ -162,10 +162,12 @@ void add_to_places(RemainderPlace fresh, std::vector<RemainderPlace>& places) {
   const auto same = std::find_if(places.begin(), places.end(), [&](const RemainderPlace& own) {
     return own.joint == fresh.joint && own.place == fresh.place;
   });
-  if (same == places.end())
+  if (same == places.end()) {
     places.push_back(std::move(fresh));
-  else
-    for (Dependence& own : fresh.follows) same->follows.push_back(std::move(own));
+    return;
+  }
+  if (same->unit.empty()) same->unit = fresh.unit;
+  for (Dependence& own : fresh.follows) same->follows.push_back(std::move(own));
 }
 
 RemainderPlace place_with(const PlacePattern& pattern, Dependence dependence) {

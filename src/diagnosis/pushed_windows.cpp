@@ -55,22 +55,25 @@ std::optional<BesidePushes> beside_pushes(const Problem& problem, const ModelFit
   const Vector p = carried_over({&problem, about.candidates, about.fit.p}, all.problem->hypotheses);
   std::vector<ForceEvent> pushes =
       force_events(*all.problem, motion_boxes(*all.problem, *all.forward, p));
-  std::erase_if(pushes, [&](const ForceEvent& push) {
-    return push.every_trial || !in_a_window(push, problem.observations);
-  });
-  if (pushes.empty()) return {};
+  std::erase_if(pushes, [](const ForceEvent& push) { return push.every_trial; });
+  const auto held = [&](const ForceEvent& push) { return in_a_window(push, problem.observations); };
 
+  // Windows of a trial that holds one move, and shall not come to lie on another of its pushes.
   std::vector<TrialSpan> left_out;
   for (const ForceEvent& push : pushes)
-    left_out.push_back(
-        span_of(push, problem.observations.datasets[push.dataset], options.settings.force_box));
+    if (std::any_of(pushes.begin(), pushes.end(), [&](const ForceEvent& other) {
+          return held(other) && other.dataset == push.dataset && other.trial == push.trial;
+        }))
+      left_out.push_back(
+          span_of(push, problem.observations.datasets[push.dataset], options.settings.force_box));
+  if (left_out.empty()) return {};
+
   BesidePushes beside{with_windows_beside(problem.observations, left_out, problem.settings), {}};
   for (const ForceEvent& push : pushes)
-    if (!in_a_window(push, beside.observations))
+    if (held(push) && !in_a_window(push, beside.observations))
       beside.notes.push_back(
           fmt::format("{}: something seems to act once at {} from {:.2f} to {:.2f} s, about what a "
-                      "first search "
-                      "found: effects are sought beside it",
+                      "first search found: effects are sought beside it",
                       push.trial, push.joint, push.from, push.to));
   if (beside.notes.empty()) return {};
   return beside;

@@ -100,7 +100,8 @@ bool more_left(const Diagnosis& d) {
 
 std::string gap_place(const Diagnosis& d) {
   if (d.verdict == Verdict::insufficient) return "These data can't say where a gap lies.";
-  const bool nothing_more = d.effects.empty() && d.verdict == Verdict::unexplained && !more_left(d);
+  const bool nothing_more = d.effects.empty() && d.verdict == Verdict::unexplained && d.gap.valid &&
+                            d.gap.after < d.settings.plain_gap && !more_left(d);
   if (nothing_more && !push_phrases(d).empty())
     return "Something pushed the robot in every trial; beside that no gap is beyond what sensors "
            "and a builder's tolerances allow.";

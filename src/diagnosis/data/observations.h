@@ -112,8 +112,7 @@ struct TrialSpan {
   double from = 0.0, to = 0.0;  ///< data's time [s]
 };
 /// The same observations with windows of logged inputs cut anew beside these stretches, as many as
-/// before where a trial has room for them. A trial without room for one keeps its windows, and so
-/// does a dataset of which a trial would have no data left.
+/// before where a trial has room for them. A trial without room for one keeps its windows.
 Observations with_windows_beside(Observations observations, const std::vector<TrialSpan>& left_out,
                                  const Settings& settings);
 

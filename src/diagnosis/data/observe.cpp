@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <iterator>
 #include <optional>
 #include <set>
 #include <utility>
@@ -183,26 +184,33 @@ double together_until(const std::vector<Sides>& sides, double from, double to,
   return found->from;
 }
 
+void add(std::vector<Segment> more, std::vector<Segment>& segments) {
+  std::move(more.begin(), more.end(), std::back_inserter(segments));
+}
+
 /// Where windows may begin, one after the other, beside what is left out of a trial; where that
 /// leaves no room for one, as if nothing were [s].
-std::vector<double> window_starts(int possible, double length,
+std::vector<double> window_starts(double end, double length,
                                   const std::vector<TrialSpan>& left_out) {
   std::vector<double> starts;
-  const double last = (possible - 1) * length;
-  for (double from = 0.0; !left_out.empty() && from <= last;) {
+  for (double from = 0.0; !left_out.empty() && from + length <= end;) {
     const auto taken = std::find_if(left_out.begin(), left_out.end(), [&](const TrialSpan& s) {
       return s.from < from + length && from < s.to;
     });
     if (taken == left_out.end()) starts.push_back(from);
     from = taken == left_out.end() ? from + length : taken->to;
   }
+
+  const int possible = std::max(1, static_cast<int>(std::floor(end / length)));
   if (starts.empty())
     for (int k = 0; k < possible; ++k) starts.push_back(k * length);
   return starts;
 }
 
-void cut_windows(ObservedDataset& observed, int trial_index, const Settings& settings,
-                 const std::vector<TrialSpan>& left_out, std::vector<Parting>& partings) {
+/// Windows of a trial beside what is left out of it.
+std::vector<Segment> cut_windows(const ObservedDataset& observed, int trial_index,
+                                 const Settings& settings, const std::vector<TrialSpan>& left_out,
+                                 std::vector<Parting>& partings) {
   const Trial& trial = observed.dataset.trials[trial_index];
   const double known = start_known(observed, trial, settings);
   const std::vector<Sides> sides = sides_of(observed, trial, settings);
@@ -210,8 +218,9 @@ void cut_windows(ObservedDataset& observed, int trial_index, const Settings& set
   double end = 0.0;
   for (const Stream& stream : trial.streams)
     if (stream.time.size() > 0) end = std::max(end, stream.time[stream.time.size() - 1]);
-  const int possible = std::max(1, static_cast<int>(std::floor(end / settings.window_length)));
-  const std::vector<double> starts = window_starts(possible, settings.window_length, left_out);
+
+  std::vector<Segment> windows;
+  const std::vector<double> starts = window_starts(end, settings.window_length, left_out);
   const int free = count_of(starts), count = std::min(free, settings.windows);
   for (int w = 0; w < count; ++w) {
     const double grid =
@@ -224,9 +233,10 @@ void cut_windows(ObservedDataset& observed, int trial_index, const Settings& set
     if (!measured_start(observed, trial, from, settings, segment)) continue;
     add_channels(observed, trial, from, together_until(sides, from, to, of_windows), settings,
                  segment);
-    observed.segments.push_back(std::move(segment));
+    windows.push_back(std::move(segment));
   }
   if (const auto one = as_one(of_windows)) partings.push_back(*one);
+  return windows;
 }
 
 /// Trials that a plan or a script drove, whole until their sides part.
@@ -304,12 +314,6 @@ void set_spacing(ObservedDataset& observed) {
   }
 }
 
-int trials_with_data(const ObservedDataset& observed) {
-  std::set<int> trials;
-  for (const Segment& segment : observed.segments) trials.insert(segment.trial);
-  return count_of(trials);
-}
-
 ObservedDataset cut_dataset(const Dataset& dataset, const PlanarModel& model,
                             const Settings& settings, Observations& out) {
   ObservedDataset observed;
@@ -325,7 +329,7 @@ ObservedDataset cut_dataset(const Dataset& dataset, const PlanarModel& model,
   std::vector<Parting> partings;
   if (!observed.measured_input) cut_trials(observed, settings, partings);
   for (int t = 0; observed.measured_input && t < count_of(dataset.trials); ++t)
-    cut_windows(observed, t, settings, {}, partings);
+    add(cut_windows(observed, t, settings, {}, partings), observed.segments);
   const std::string plane =
       out_of_plane(dataset, label, observed.window_start, observed.window_end);
   if (!plane.empty()) out.notes.push_back(plane);
@@ -336,7 +340,9 @@ ObservedDataset cut_dataset(const Dataset& dataset, const PlanarModel& model,
   drop_dead_channels(observed, label, out.notes);
   std::erase_if(observed.segments, [](const Segment& segment) { return !has_data(segment); });
   set_spacing(observed);
-  observed.trials = trials_with_data(observed);
+  std::set<int> trials;
+  for (const Segment& segment : observed.segments) trials.insert(segment.trial);
+  observed.trials = count_of(trials);
   if (observed.segments.empty()) {
     out.insufficient.push_back(fmt::format(
         "{}: no channel has {} or more samples between {:.3g} s and {:.3g} s that the plant "
@@ -368,24 +374,22 @@ Observations with_windows_beside(Observations observations, const std::vector<Tr
                                  const Settings& settings) {
   for (int d = 0; d < count_of(observations.datasets); ++d) {
     ObservedDataset& observed = observations.datasets[d];
-    std::vector<TrialSpan> own;
-    for (const TrialSpan& span : left_out)
-      if (span.dataset == d) own.push_back(span);
-    if (!observed.measured_input || own.empty()) continue;
-
-    std::vector<Parting> known;  // told when all windows were cut
-    ObservedDataset anew = observed;
-    anew.segments.clear();
+    if (!observed.measured_input) continue;
+    std::vector<Segment> windows;
     for (int t = 0; t < count_of(observed.dataset.trials); ++t) {
       std::vector<TrialSpan> of_trial;
-      for (const TrialSpan& span : own)
-        if (span.trial == t) of_trial.push_back(span);
-      cut_windows(anew, t, settings, of_trial, known);
+      for (const TrialSpan& span : left_out)
+        if (span.dataset == d && span.trial == t) of_trial.push_back(span);
+      std::vector<Parting> known;  // told when all windows were cut
+      std::vector<Segment> anew = cut_windows(observed, t, settings, of_trial, known);
+      std::erase_if(anew, [](const Segment& segment) { return !has_data(segment); });
+      if (anew.empty())
+        std::copy_if(observed.segments.begin(), observed.segments.end(), std::back_inserter(anew),
+                     [&](const Segment& segment) { return segment.trial == t; });
+      add(std::move(anew), windows);
     }
-    std::erase_if(anew.segments, [](const Segment& segment) { return !has_data(segment); });
-    set_spacing(anew);
-    anew.trials = trials_with_data(anew);
-    if (anew.trials == observed.trials) observed = std::move(anew);
+    observed.segments = std::move(windows);
+    set_spacing(observed);
   }
   return observations;
 }

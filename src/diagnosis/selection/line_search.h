@@ -19,7 +19,7 @@
 namespace jaculus::diagnosis {
 
 /// White columns X = [r Y] by deviations of the random effects that follow them, at most `steps`
-/// from `scales`.
+/// from `scales`: to be compared by evidence().
 ScaleEstimate followed_by(const Problem& problem, const RandomEffects& random,
                           const Products& products, const Vector& scales, int steps);
 
