@@ -41,7 +41,6 @@ struct Prepared {
   std::vector<OneOff> disturbances;
   std::vector<std::string> notes;    ///< what was left out
   std::vector<std::string> reasons;  ///< why the data can't go on; empty where they can
-  std::vector<ForceEvent> pushes{};  ///< of one trial, beside which windows are cut
 };
 Prepared prepare(BuiltProblem built, const ProblemBuilder& rebuild);
 

@@ -61,21 +61,6 @@ std::vector<RemainderPlace> places_in_boxes(const std::vector<trajectory::Datase
   return described_places(*fine.problem, boxes_about(found, fine));
 }
 
-/// Events about the stated model, and those of `known` that are none of them: what windows were cut
-/// beside is told, though the model that is stated may not show it.
-std::vector<ForceEvent> with_known(std::vector<ForceEvent> events,
-                                   const std::vector<ForceEvent>& known) {
-  const std::vector<ForceEvent> about_stated = events;
-  for (const ForceEvent& own : known)
-    if (std::none_of(about_stated.begin(), about_stated.end(), [&](const ForceEvent& other) {
-          return other.dataset == own.dataset && other.trial == own.trial &&
-                 other.joint == own.joint && own.from < other.to && other.from < own.to;
-        }))
-      events.push_back(own);
-  sort_by_time(events);
-  return events;
-}
-
 }  // namespace
 
 void describe_remainder(const std::vector<trajectory::Dataset>& datasets,
@@ -86,7 +71,8 @@ void describe_remainder(const std::vector<trajectory::Dataset>& datasets,
     if (options.progress) options.progress("events");
     const BuiltProblem all = in_boxes(datasets, options, options.settings.force_box);
     if (!all.forward) return;
-    found.events = with_known(force_events(*all.problem, boxes_about(found, all)), found.events);
+    for (ForceEvent& event : force_events(*all.problem, boxes_about(found, all)))
+      found.events.push_back(event);
   }
 
   if (options.progress) options.progress("what is left");

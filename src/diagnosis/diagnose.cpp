@@ -56,7 +56,6 @@ Diagnosis answered(const Prepared& prepared, const Selection& selection,
   out.rule = statement.rule;
   out.reasons = statement.reasons;
   out.effects = statement.effects;
-  out.events = prepared.pushes;
   for (const ToldPush& push : statement.pushes) out.events.push_back(push.event);
   out.ranking = statement.ranking;
   out.gap = statement.gap;

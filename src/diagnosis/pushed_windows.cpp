@@ -68,17 +68,14 @@ std::optional<BesidePushes> beside_pushes(const Problem& problem, const ModelFit
           span_of(push, problem.observations.datasets[push.dataset], options.settings.force_box));
   if (left_out.empty()) return {};
 
-  BesidePushes beside{
-      with_windows_beside(problem.observations, left_out, problem.settings), {}, {}};
-  for (const ForceEvent& push : pushes) {
-    if (!held(push) || in_a_window(push, beside.observations)) continue;
-    beside.pushes.push_back(push);
-    beside.notes.push_back(
-        fmt::format("{}: something seems to act once at {} from {:.2f} to {:.2f} s, about what a "
-                    "first search found: effects are sought beside it",
-                    push.trial, push.joint, push.from, push.to));
-  }
-  if (beside.pushes.empty()) return {};
+  BesidePushes beside{with_windows_beside(problem.observations, left_out, problem.settings), {}};
+  for (const ForceEvent& push : pushes)
+    if (held(push) && !in_a_window(push, beside.observations))
+      beside.notes.push_back(
+          fmt::format("{}: something seems to act once at {} from {:.2f} to {:.2f} s, about what a "
+                      "first search found: effects are sought beside it",
+                      push.trial, push.joint, push.from, push.to));
+  if (beside.notes.empty()) return {};
   return beside;
 }
 

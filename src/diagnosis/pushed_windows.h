@@ -23,7 +23,6 @@ BuiltProblem in_boxes(const std::vector<trajectory::Dataset>& datasets, Diagnose
 
 struct BesidePushes {
   Observations observations;       ///< windows cut beside pushes
-  std::vector<ForceEvent> pushes;  ///< those that windows held and hold no longer
   std::vector<std::string> notes;  ///< a sentence a push
 };
 /// Nothing where no window of the problem holds a push of one trial. `about`: the model that led,

@@ -76,7 +76,6 @@ Searched search_among_effects(Prepared prepared, const ProblemBuilder& rebuild,
         add_new(std::move(again.notes), prepared.notes);
         add_new(std::move(beside->notes), prepared.notes);
         again.notes = std::move(prepared.notes);
-        again.pushes = std::move(beside->pushes);
         prepared = std::move(again);
         first = std::move(anew);
       }

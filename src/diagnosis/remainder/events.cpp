@@ -68,14 +68,10 @@ std::vector<ForceEvent> force_events(const Problem& all,
     }
   }
 
-  sort_by_time(events);
-  return events;
-}
-
-void sort_by_time(std::vector<ForceEvent>& events) {
   std::stable_sort(events.begin(), events.end(), [](const ForceEvent& a, const ForceEvent& b) {
     return std::tie(a.dataset, a.trial, a.from) < std::tie(b.dataset, b.trial, b.from);
   });
+  return events;
 }
 
 }  // namespace jaculus::diagnosis

@@ -16,7 +16,4 @@ namespace jaculus::diagnosis {
 std::vector<ForceEvent> force_events(const Problem& all,
                                      const std::vector<std::vector<MotionBox>>& boxes);
 
-/// By dataset, trial and time.
-void sort_by_time(std::vector<ForceEvent>& events);
-
 }  // namespace jaculus::diagnosis
