@@ -6,29 +6,17 @@
 #include <cctype>
 #include <cmath>
 
+#include "diagnosis/remainder/pattern_file.h"
+
 namespace jaculus::diagnosis {
 namespace {
 
 constexpr std::size_t kMost = 3;
-constexpr double kWide = 10.0;          ///< sizes found, that a parameter may reach
 constexpr double kPeriodSpread = 0.02;  ///< prior deviation of a period, of it
 constexpr double kPeriodRange = 0.2;    ///< either way
 constexpr double kPlaceSpread = 0.3;  ///< prior deviation of where a spring rests [rad], or tenths
                                       ///< of that where it slides [m]
-
-/// A line of `parameters`.
-std::string parameter(const std::string& name, const std::string& unit, double nominal,
-                      const Bounds& bounds, double scale) {
-  return fmt::format(
-      "  {}: {{unit: {}, nominal: {:.4g}, bounds: [{:.4g}, {:.4g}], scale: {:.4g}}}\n", name, unit,
-      nominal, bounds.lower, bounds.upper, scale);
-}
-
-/// Of a size found: nothing at nominal, either sign.
-std::string size(const std::string& name, const std::string& unit, double found) {
-  const double scale = std::max(std::abs(found), 1e-12);
-  return parameter(name, unit, 0.0, {-kWide * scale, kWide * scale}, scale);
-}
+constexpr double kPlaceReach = 10.0;  ///< of that deviation, either way
 
 /// What a file says beside its name and place.
 struct Body {
@@ -53,10 +41,11 @@ Body periodic(const Dependence& d, const Units& units) {
   const double amplitude = std::hypot(d.coefficients[0], d.coefficients[1]);
   Body body{"periodic", "repeats with the joint's position", "", "",
             "sine*sin(2*pi*q/period) + cosine*cos(2*pi*q/period)"};
-  body.parameters = size("sine", units.force, amplitude) + size("cosine", units.force, amplitude) +
-                    parameter("period", units.position, d.period,
-                              {(1.0 - kPeriodRange) * d.period, (1.0 + kPeriodRange) * d.period},
-                              kPeriodSpread * d.period);
+  body.parameters =
+      size_line("sine", units.force, amplitude) + size_line("cosine", units.force, amplitude) +
+      parameter_line("period", units.position, d.period,
+                     {(1.0 - kPeriodRange) * d.period, (1.0 + kPeriodRange) * d.period},
+                     kPeriodSpread * d.period);
   return body;
 }
 
@@ -65,16 +54,17 @@ Body spring(const Dependence& d, const Units& units, bool angular) {
   const double spread = angular ? kPlaceSpread : 0.1 * kPlaceSpread;
   Body body{"spring", "grows with the distance from where a spring rests", "", "",
             "-stiffness*(q - straight)"};
-  body.parameters = size("stiffness", units.per(units.position), stiffness) +
-                    parameter("straight", units.position, straight,
-                              {straight - kWide * spread, straight + kWide * spread}, spread);
+  body.parameters =
+      size_line("stiffness", units.per(units.position), stiffness) +
+      parameter_line("straight", units.position, straight,
+                     {straight - kPlaceReach * spread, straight + kPlaceReach * spread}, spread);
   return body;
 }
 
 Body drift(const Dependence& d, const Units& units) {
   Body body{"drift", "grows with time since the start", "", "", "rate*t + offset"};
-  body.parameters = size("rate", units.per("s"), d.coefficients[0]) +
-                    size("offset", units.force, d.coefficients[1]);
+  body.parameters = size_line("rate", units.per("s"), d.coefficients[0]) +
+                    size_line("offset", units.force, d.coefficients[1]);
   return body;
 }
 
@@ -86,25 +76,26 @@ Body body_of(const Dependence& d, const RemainderPlace& place, const Units& unit
 
   switch (d.regressor) {
     case Regressor::constant:
-      return {"offset", "is always there", size("offset", units.force, first), "", "offset"};
+      return {"offset", "is always there", size_line("offset", units.force, first), "", "offset"};
     case Regressor::sign_of_speed:
-      return {"dry_friction", "acts against the motion", size("level", units.force, first),
+      return {"dry_friction", "acts against the motion", size_line("level", units.force, first),
               friction, "-level*tanh(qd/rest)"};
     case Regressor::speed:
-      return {"damping", "grows with the speed", size("damping", units.per(rate), first), "",
+      return {"damping", "grows with the speed", size_line("damping", units.per(rate), first), "",
               "-damping*qd"};
     case Regressor::speed_squared:
       return {"drag", "grows with the square of the speed",
-              size("drag", units.per(fmt::format("{0}^2/s^2", units.position)), first), "",
+              size_line("drag", units.per(fmt::format("{0}^2/s^2", units.position)), first), "",
               "-drag*abs(qd)*qd"};
     case Regressor::motor_torque:
-      return {"scale", "is a share of the motor's", size("share", "\"-\"", first), "", "share*tau"};
+      return {"scale", "is a share of the motor's", size_line("share", "\"-\"", first), "",
+              "share*tau"};
     case Regressor::torque_friction:
       return {"load_friction", "is a share of the motor's, against the motion",
-              size("share", "\"-\"", first), friction, "-share*abs(tau)*tanh(qd/rest)"};
+              size_line("share", "\"-\"", first), friction, "-share*abs(tau)*tanh(qd/rest)"};
     case Regressor::weight_friction:
       return {"weight_friction", "is a share of the load, against the motion",
-              size("share", "\"-\"", first), friction, "-share*abs(load)*tanh(qd/rest)"};
+              size_line("share", "\"-\"", first), friction, "-share*abs(load)*tanh(qd/rest)"};
     case Regressor::position:
       return spring(d, units, units.position == "rad");
     case Regressor::periodic:
@@ -113,7 +104,7 @@ Body body_of(const Dependence& d, const RemainderPlace& place, const Units& unit
       return drift(d, units);
     case Regressor::other_speed:
       return {"coupling", "grows with the speed of " + d.of,
-              size("coupling", units.per(rate), first), "", "coupling*" + other};
+              size_line("coupling", units.per(rate), first), "", "coupling*" + other};
     default:
       return {};
   }

@@ -8,14 +8,14 @@
 namespace jaculus::diagnosis {
 namespace {
 
-constexpr double kReach = 10.0;  ///< of a size that is usual, where a fit may take it [chosen]
+constexpr double kReach =
+    10.0;  ///< of a size that is usual or found, where a fit may take it [chosen]
 
-std::string parameter_line(const PatternParameter& own, double found) {
+std::string line_of(const PatternParameter& own, double found) {
   const double scale = std::min(found, std::max(own.upper, -own.lower));
   const double most = kReach * scale;
-  return fmt::format("  {}: {{unit: {}, nominal: 0, bounds: [{:.4g}, {:.4g}], scale: {:.4g}}}\n",
-                     own.name, own.unit, std::max(own.lower, -most), std::min(own.upper, most),
-                     scale);
+  return parameter_line(own.name, own.unit, 0.0,
+                        {std::max(own.lower, -most), std::min(own.upper, most)}, scale);
 }
 
 }  // namespace
@@ -24,17 +24,28 @@ std::string constant_line(const std::string& name, const std::string& unit, doub
   return fmt::format("  {}: {{unit: {}, value: {:.6g}}}\n", name, unit, value);
 }
 
+std::string parameter_line(const std::string& name, const std::string& unit, double nominal,
+                           const Bounds& bounds, double scale) {
+  return fmt::format(
+      "  {}: {{unit: {}, nominal: {:.4g}, bounds: [{:.4g}, {:.4g}], scale: {:.4g}}}\n", name, unit,
+      nominal, bounds.lower, bounds.upper, scale);
+}
+
+std::string size_line(const std::string& name, const std::string& unit, double found) {
+  const double scale = std::max(std::abs(found), 1e-12);
+  return parameter_line(name, unit, 0.0, {-kReach * scale, kReach * scale}, scale);
+}
+
 std::string pattern_file(const PlacePattern& pattern, const std::vector<double>& scales,
                          bool free_shape) {
   std::string parameters, constants;
   for (std::size_t k = 0; k < pattern.parameters.size(); ++k)
-    parameters += parameter_line(pattern.parameters[k], scales[k]);
+    parameters += line_of(pattern.parameters[k], scales[k]);
   for (const std::string& line : pattern.constants) constants += line;
   if (const auto& shape = pattern.shape) {
     if (free_shape)
-      parameters += fmt::format(
-          "  {}: {{unit: {}, nominal: {:.4g}, bounds: [{:.4g}, {:.4g}], scale: {:.4g}}}\n",
-          shape->name, shape->unit, shape->value, shape->lower, shape->upper, shape->scale);
+      parameters += parameter_line(shape->name, shape->unit, shape->value,
+                                   {shape->lower, shape->upper}, shape->scale);
     else
       constants += constant_line(shape->name, shape->unit, shape->value);
   }

@@ -96,13 +96,10 @@ void add_joints(const PlanarModel& robot, const UsualMotion& usual, const Patter
 void add_body(const PlanarModel& robot, const UsualMotion& usual, const PatternSizes& sizes,
               std::vector<PlacePattern>& all) {
   const double weight = robot.total_mass() * robot.gravity;
-  const model::PlanarBody& base = robot.bodies.front();
   for (const std::string axis : {"x", "z", "pitch"}) {
     const int c = robot.coordinate_index(axis);
     if (c < 0) continue;
-    PatternPlace place{"body", axis,
-                       fmt::format("{{body: {}, point: [{:.6g}, {:.6g}]}}", base.name, base.com.x(),
-                                   base.com.y())};
+    PatternPlace place{"body", axis, base_place(robot)};
     const bool turns = axis == "pitch";
     place.force = turns ? "N m" : "N";
     place.metre = turns ? "rad" : "m";
@@ -138,6 +135,12 @@ void add_feet(const PlanarModel& robot, const UsualMotion& usual, const PatternS
 }
 
 }  // namespace
+
+std::string base_place(const PlanarModel& robot) {
+  const model::PlanarBody& base = robot.bodies.front();
+  return fmt::format("{{body: {}, point: [{:.6g}, {:.6g}]}}", base.name, base.com.x(),
+                     base.com.y());
+}
 
 PatternShape period_shape(const std::string& unit, double period) {
   return {"period",

@@ -82,6 +82,9 @@ struct PatternSizes {
   double rest_speed = 0.02;  ///< of the usual speed, below which its sign counts in part [-]
 };
 
+/// Value of `at:` of a force on the base, at its centre of mass.
+std::string base_place(const model::PlanarModel& robot);
+
 /// Those of a robot.
 std::vector<PlacePattern> place_patterns(const model::PlanarModel& robot, const UsualMotion& usual,
                                          const PatternSizes& sizes);

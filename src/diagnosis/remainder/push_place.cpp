@@ -2,37 +2,24 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-
+#include "diagnosis/remainder/pattern_file.h"
 #include "diagnosis/remainder/pattern_maker.h"
 #include "jaculus/diagnosis/summary.h"
 
 namespace jaculus::diagnosis {
 namespace {
 
-constexpr double kPeakReach = 10.0;   ///< of the peak found, where a fit may take it [chosen]
 constexpr double kTimeSpread = 0.25;  ///< deviation of start and length, of the length [chosen]
 constexpr double kTimeReach = 4.0;    ///< of a length, either way [chosen]
-
-std::string free_line(const std::string& name, const std::string& unit, double nominal,
-                      const Bounds& bounds, double scale) {
-  return fmt::format(
-      "  {}: {{unit: {}, nominal: {:.4g}, bounds: [{:.4g}, {:.4g}], scale: {:.4g}}}\n", name, unit,
-      nominal, bounds.lower, bounds.upper, scale);
-}
 
 std::string push_file(const ForceEvent& push, const model::PlanarModel& robot) {
   const bool of_body = !push.along.empty(), moment = push.along == "pitch";
   const std::string what = moment    ? "moment on the body"
                            : of_body ? "force on the body along " + push.along
                                      : "push at " + in_words(push.joint);
-  const model::PlanarBody& base = robot.bodies.front();
-  const std::string at = of_body ? fmt::format("{{body: {}, point: [{:.6g}, {:.6g}]}}", base.name,
-                                               base.com.x(), base.com.y())
-                                 : fmt::format("{{joint: {}}}", push.joint);
+  const std::string at = of_body ? base_place(robot) : fmt::format("{{joint: {}}}", push.joint);
 
-  const double length = push.to - push.from, peak = std::abs(push.peak);
+  const double length = push.to - push.from;
   const std::string half_sine = "peak*sin(pi*max(0, min(1, (t - start)/length)))";
   const std::string key = moment ? "moment" : push.unit == "N m" ? "torque" : "force";
   std::string formula = fmt::format("{}: \"{}\"\n", key, half_sine);
@@ -41,10 +28,10 @@ std::string push_file(const ForceEvent& push, const model::PlanarModel& robot) {
   return fmt::format(
       "format: jaculus-effect/1\nname: found_push\ncaption: {} for a while in every trial\nat: {}\n"
       "parameters:\n{}{}{}{}",
-      what, at, free_line("peak", push.unit, 0.0, {-kPeakReach * peak, kPeakReach * peak}, peak),
-      free_line("start", "s", push.from, {push.from - length, push.to}, kTimeSpread * length),
-      free_line("length", "s", length, {length / kTimeReach, kTimeReach * length},
-                kTimeSpread * length),
+      what, at, size_line("peak", push.unit, push.peak),
+      parameter_line("start", "s", push.from, {push.from - length, push.to}, kTimeSpread * length),
+      parameter_line("length", "s", length, {length / kTimeReach, kTimeReach * length},
+                     kTimeSpread * length),
       formula);
 }
 
