@@ -14,6 +14,8 @@
 namespace jaculus::diagnosis {
 namespace {
 
+constexpr int kAllWindows = 1'000'000;  // of a trial
+
 using effects::Effect;
 
 /// Channels without any scatter: they were computed, not measured, or a sensor froze.
@@ -166,6 +168,14 @@ BuiltProblem build_problem(const std::vector<trajectory::Dataset>& datasets,
   return {std::make_shared<const Problem>(
               Problem{std::move(observations), {}, {}, options.settings, {}}),
           {}};
+}
+
+BuiltProblem in_boxes(const std::vector<trajectory::Dataset>& datasets, DiagnoseOptions options,
+                      double box) {
+  options.settings.windows = kAllWindows;
+  options.settings.window_length = box;
+  options.settings.window_start_half_width = 0.5 * box;
+  return build_problem(datasets, options);
 }
 
 Prepared prepare(BuiltProblem built, const ProblemBuilder& rebuild) {

@@ -26,6 +26,11 @@ struct BuiltProblem {
 BuiltProblem build_problem(const std::vector<trajectory::Dataset>& datasets,
                            const DiagnoseOptions& options);
 
+/// The problem over boxes of time that follow one another over all of every trial; without a
+/// forward model where it can't be had. `box` [s].
+BuiltProblem in_boxes(const std::vector<trajectory::Dataset>& datasets, DiagnoseOptions options,
+                      double box);
+
 /// Makes a problem of observations: a plant's forward model depends on them.
 using ProblemBuilder = std::function<BuiltProblem(Observations)>;
 ProblemBuilder builder_of(const DiagnoseOptions& options);

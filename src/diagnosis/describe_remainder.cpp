@@ -4,7 +4,6 @@
 
 #include "diagnosis/build_problem.h"
 #include "diagnosis/motion_patterns.h"
-#include "diagnosis/pushed_windows.h"
 #include "diagnosis/remainder/box_states.h"
 #include "diagnosis/remainder/events.h"
 #include "diagnosis/remainder/remainder.h"

@@ -11,8 +11,6 @@
 namespace jaculus::diagnosis {
 namespace {
 
-constexpr int kAllWindows = 1'000'000;  // of a trial
-
 /// Whether some window of its trial holds a part of a push.
 bool in_a_window(const ForceEvent& push, const Observations& observations) {
   const ObservedDataset& observed = observations.datasets[push.dataset];
@@ -34,14 +32,6 @@ TrialSpan span_of(const ForceEvent& event, const ObservedDataset& observed, doub
 }
 
 }  // namespace
-
-BuiltProblem in_boxes(const std::vector<trajectory::Dataset>& datasets, DiagnoseOptions options,
-                      double box) {
-  options.settings.windows = kAllWindows;
-  options.settings.window_length = box;
-  options.settings.window_start_half_width = 0.5 * box;
-  return build_problem(datasets, options);
-}
 
 std::optional<BesidePushes> beside_pushes(const Problem& problem, const ModelFit& about,
                                           const DiagnoseOptions& options) {

@@ -16,11 +16,6 @@
 
 namespace jaculus::diagnosis {
 
-/// The problem over boxes of time that follow one another over all of every trial; without a
-/// forward model where it can't be had. `box` [s].
-BuiltProblem in_boxes(const std::vector<trajectory::Dataset>& datasets, DiagnoseOptions options,
-                      double box);
-
 struct BesidePushes {
   Observations observations;       ///< windows cut beside pushes
   std::vector<std::string> notes;  ///< a sentence a push

@@ -60,33 +60,48 @@ void add_new(std::vector<std::string> more, std::vector<std::string>& notes) {
     if (index_of(notes, note) < 0) notes.push_back(std::move(note));
 }
 
+/// Data with a first search of them.
+struct FirstSearched {
+  Prepared prepared;
+  FirstSearch first;
+};
+/// The same beside pushes of one trial that a first search of windows tells of; nothing where it
+/// tells of none, or nothing can be fitted beside them.
+std::optional<FirstSearched> beside_pushes_of(const FirstSearched& known,
+                                              const ProblemBuilder& rebuild,
+                                              const DiagnoseOptions& options) {
+  const Problem& problem = *known.prepared.built.problem;
+  const SearchResult& found = known.first.found();
+  if (!known.prepared.built.forward || !in_windows(problem) || found.models.empty()) return {};
+  if (options.progress) options.progress("pushes in the windows");
+  auto beside = beside_pushes(problem, leading(found), options);
+  if (!beside) return {};
+
+  FirstSearched again{prepare(rebuild(std::move(beside->observations)), rebuild), {}};
+  if (!again.prepared.reasons.empty()) return {};
+  again.first = first_search(again.prepared, rebuild, options);
+  if (again.first.found().models.empty()) return {};
+  std::vector<std::string> notes = known.prepared.notes;
+  add_new(std::move(again.prepared.notes), notes);
+  add_new(std::move(beside->notes), notes);
+  again.prepared.notes = std::move(notes);
+  return again;
+}
+
 /// The search among effects alone. Where it tells of pushes that one trial had, it is made again
 /// beside these.
 Searched search_among_effects(Prepared prepared, const ProblemBuilder& rebuild,
                               const DiagnoseOptions& options) {
-  FirstSearch first = first_search(prepared, rebuild, options);
-  const Problem& problem = *prepared.built.problem;
-  if (prepared.built.forward && in_windows(problem) && !first.found().models.empty()) {
-    if (options.progress) options.progress("pushes in the windows");
-    if (auto beside = beside_pushes(problem, leading(first.found()), options)) {
-      Prepared again = prepare(rebuild(std::move(beside->observations)), rebuild);
-      FirstSearch anew;
-      if (again.reasons.empty()) anew = first_search(again, rebuild, options);
-      if (!anew.found().models.empty()) {
-        add_new(std::move(again.notes), prepared.notes);
-        add_new(std::move(beside->notes), prepared.notes);
-        again.notes = std::move(prepared.notes);
-        prepared = std::move(again);
-        first = std::move(anew);
-      }
-    }
-  }
-  if (!first.part) return {std::move(prepared), std::move(first.whole), {}};
+  FirstSearched searched{std::move(prepared), {}};
+  searched.first = first_search(searched.prepared, rebuild, options);
+  if (auto again = beside_pushes_of(searched, rebuild, options)) searched = std::move(*again);
+  auto& [data, first] = searched;
+  if (!first.part) return {std::move(data), std::move(first.whole), {}};
 
-  const Problem& all = *prepared.built.problem;
-  Selection found = select_models_from(all, first_comparison(all, prepared.noise),
+  const Problem& all = *data.built.problem;
+  Selection found = select_models_from(all, first_comparison(all, data.noise),
                                        std::move(*first.part), options.progress);
-  return {std::move(prepared), std::move(found), {}};
+  return {std::move(data), std::move(found), {}};
 }
 
 /// Whether the leading model leaves more, or needs several effects: one force that no effect is may

@@ -134,11 +134,10 @@ void add_shares(HeldOutGaps& gaps, const ModelFit& chosen, std::vector<FoundEffe
   }
 }
 
-/// What a model leaves of trials that no fit saw without those of its members that `without` names.
-template <typename Without>
-HeldOut gap_without(HeldOutGaps& gaps, const ModelFit& chosen, const Without& without) {
+/// What a model leaves of trials that no fit saw without its members of a kind.
+HeldOut gap_without(HeldOutGaps& gaps, const ModelFit& chosen, bool (Candidate::*kind)() const) {
   std::vector<int> members = chosen.candidates;
-  std::erase_if(members, [&](int c) { return without(gaps.problem().hypotheses.candidates[c]); });
+  std::erase_if(members, [&](int c) { return (gaps.problem().hypotheses.candidates[c].*kind)(); });
   if (members.size() == chosen.candidates.size()) return gaps.of(chosen);
   return gaps.of(members.empty() ? *gaps.posterior().find({}) : gaps.subset(chosen, members));
 }
@@ -295,9 +294,8 @@ Statement state_verdict(const Problem& problem, const Selection& selection, bool
   add_models(judged, rule, stated, none, out);
 
   if (names_effects(rule.verdict) && told.beyond_effects()) {
-    out.gap = gap_without(gaps, chosen, [](const Candidate& c) { return c.is_pattern(); });
-    out.gap_by_effects =
-        gap_without(gaps, chosen, [](const Candidate& c) { return c.beyond_effects(); });
+    out.gap = gap_without(gaps, chosen, &Candidate::is_pattern);
+    out.gap_by_effects = gap_without(gaps, chosen, &Candidate::beyond_effects);
     out.lacking_probability = std::max(
         {out.lacking_probability, most_probable(told.patterns), most_probable(told.events)});
     out.patterns = found_forces(judged, told.patterns);
