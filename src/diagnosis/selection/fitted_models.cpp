@@ -135,7 +135,9 @@ void FittedModels::extend(const ModelFit& base, const std::vector<Probe>& probes
   const double worth = std::max(asked, settings.worth_fitting * best);
   const double by_slopes = base.candidates.empty() ? 0.0 : settings.member_gain;
   const double least = in_windows(problem_) ? worth : by_slopes;
-  std::erase_if(order, [&](int c) { return !probes[c].valid || probes[c].score <= least; });
+  std::erase_if(order, [&](int c) {
+    return !probes[c].valid || probes[c].score <= least || !to_fit(with_member(base.candidates, c));
+  });
   if (count_of(order) > count) order.resize(count);
   extend(base, probes, order);
 }

@@ -15,6 +15,8 @@
 namespace jaculus::diagnosis {
 namespace {
 
+constexpr std::size_t kForemostRoots = 2;  ///< singles about which sets of two more are sought too
+
 /// Backwards from the best set, and one for one: each member dropped, what is left fitted, and
 /// extended anew where it was not.
 void exchange(FittedModels& models, const ModelFit& best, const std::set<Members>& extended,
@@ -73,11 +75,18 @@ void search_about_leaders(const Problem& problem, const Whitening& whitening,
     if (!worth_enlarging(problem, models, size)) return;
     if (options.progress) options.progress(size == 2 ? "pairs of effects" : "triples of effects");
 
-    // What one effect stands in for, a second one may tell apart.
+    // What one effect stands in for, a second one may tell apart; and two that are there may each
+    // stand behind a third that does a part of both.
     const ModelFit from = *models.best(size - 1);
     std::set<Members> extended;
     for (const ModelFit& root : models.close_to(from, size == 2 ? settings.search_roots : 1)) {
+      const bool foremost = extended.size() < kForemostRoots;
+      if (!foremost && models.value(root) < models.value(from) - settings.clear_lead) break;
       const Surroundings near{problem, whitening, root, models.probe(root)};
+      if (!foremost) {
+        models.extend(root, near.probes, settings.kept_rivals);
+        continue;
+      }
       const std::vector<LinearSet> two = two_at_once(near, options.largest, models);
       models.extend(root, near.probes, settings.kept_pairs);
       models.fit_sets(root, two, near.probes);

@@ -5,7 +5,7 @@
 // 1. Screen all candidates on the residual of `none`; fit the best by score and whatever these data
 //    can't tell from the best fit.
 // 2. Unless none is best, or the best needs no force that the plant lacks (noise/random_effects.h):
-//    screen again on the best single (and on the next best) and fit pairs, and sets of two more
+//    screen again on the best singles and fit pairs, about the first two also sets of two more
 //    that lead every pair by linear algebra (a centre of mass and a delay, of which neither helps
 //    alone); exchange each member of the best pair one for one; where the pair gains, the same for
 //    triples; drop members backwards.
