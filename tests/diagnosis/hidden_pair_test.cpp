@@ -59,9 +59,9 @@ std::shared_ptr<Problem> hidden_problem() {
 }
 
 /// The effects of the most probable model, pairs being sought from so many singles.
-std::vector<int> leading_set(int search_roots) {
+std::vector<int> leading_set(int pair_roots) {
   const auto problem = hidden_problem();
-  problem->settings.search_roots = search_roots;
+  problem->settings.pair_roots = pair_roots;
   NoiseModel noise = estimate_noise(*problem, problem->hypotheses.nominal());
   const Comparison comparison =
       comparison_about(*problem, with_random_effects(*problem, std::move(noise)));
@@ -70,7 +70,7 @@ std::vector<int> leading_set(int search_roots) {
 }
 
 TEST(HiddenPair, IsSoughtFromSinglesThatNothingLeadsClearly) {
-  EXPECT_EQ(leading_set(Settings().search_roots), (std::vector<int>{0, 1}));
+  EXPECT_EQ(leading_set(Settings().pair_roots), (std::vector<int>{0, 1}));
   EXPECT_EQ(leading_set(2), (std::vector<int>{2}));
 }
 

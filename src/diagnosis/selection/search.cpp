@@ -15,8 +15,6 @@
 namespace jaculus::diagnosis {
 namespace {
 
-constexpr std::size_t kForemostRoots = 2;  ///< singles about which sets of two more are sought too
-
 /// Backwards from the best set, and one for one: each member dropped, what is left fitted, and
 /// extended anew where it was not.
 void exchange(FittedModels& models, const ModelFit& best, const std::set<Members>& extended,
@@ -79,8 +77,8 @@ void search_about_leaders(const Problem& problem, const Whitening& whitening,
     // stand behind a third that does a part of both.
     const ModelFit from = *models.best(size - 1);
     std::set<Members> extended;
-    for (const ModelFit& root : models.close_to(from, size == 2 ? settings.search_roots : 1)) {
-      const bool foremost = extended.size() < kForemostRoots;
+    for (const ModelFit& root : models.close_to(from, size == 2 ? settings.pair_roots : 1)) {
+      const bool foremost = std::ssize(extended) < settings.search_roots;
       if (!foremost && models.value(root) < models.value(from) - settings.clear_lead) break;
       const Surroundings near{problem, whitening, root, models.probe(root)};
       if (!foremost) {
