@@ -1,13 +1,15 @@
 // Tolerances that every model fits: evidence against an integral, an effect beside a tolerance of
-// the same quantity, slopes that follow secants.
+// the same quantity, slopes that follow secants or are told along strong directions.
 
 #include <gtest/gtest.h>
 
+#include <Eigen/SVD>
 #include <cmath>
 #include <numbers>
 
 #include "diagnosis/selection/comparison.h"
 #include "diagnosis/selection/fit.h"
+#include "diagnosis/selection/strong_directions.h"
 #include "diagnosis/toy.h"
 
 namespace jaculus::diagnosis {
@@ -165,6 +167,94 @@ TEST(FittedTolerances, SlopesThatFollowSecantsKeepWhatIsLinear) {
   const Vector mean = 0.5 * (first.col(1) + renewed.col(1));
   EXPECT_LT((followed.col(1) - mean).norm(), 0.02 * mean.norm());
   EXPECT_GT((first.col(1) - mean).norm(), 0.05 * mean.norm());
+}
+
+TEST(FittedTolerances, StrongDirectionsLeaveNothingStrongBeside) {
+  // Three columns: two alike, one nearly weak.
+  Matrix slopes = Matrix::Zero(50, 3);
+  slopes.col(0).setConstant(1.0);
+  slopes.col(1).setConstant(2.0);
+  slopes(0, 1) += 0.1;
+  slopes(1, 2) = 0.5;
+  const StrongDirections strong = strong_directions(slopes, 1.0, 0.0);
+  ASSERT_EQ(strong.along.cols(), 1);
+  EXPECT_NEAR(strong.sizes[0], (slopes * strong.along).norm(), 1e-12 * strong.sizes[0]);
+  EXPECT_NEAR(strong.along.col(0).norm(), 1.0, 1e-12);
+  const Matrix beside = slopes - slopes * strong.along * strong.along.transpose();
+  EXPECT_LT(beside.jacobiSvd().singularValues()[0], 1.0);
+  EXPECT_EQ(strong_directions(slopes, 0.4, 0.0).along.cols(), 2);
+  EXPECT_EQ(strong_directions(slopes, 100.0, 0.0).along.cols(), 0);
+  EXPECT_EQ(strong_directions(Matrix(50, 0), 1.0, 0.1).along.cols(), 0);
+  // The first two cancel within a tenth of a deviation, and within more if each changes.
+  EXPECT_EQ(strong_directions(slopes, 1.0, 0.2).along.cols(), 2);
+}
+
+/// The oscillation's phase moved by three tolerances alike, bent by the way.
+std::shared_ptr<Problem> problem_of_alike() {
+  auto problem = oscillating_problem();
+  for (const char* name : {"two", "three"}) {
+    problem->hypotheses.tolerances.push_back(count_of(problem->hypotheses.parameters));
+    problem->hypotheses.parameters.push_back(
+        {"tolerance", name, "deviations", 0.0, 1.0, {-2.0, 2.0}});
+  }
+  problem->forward = forward_of([](int channel, double t, const Vector& p) {
+    Vector all = p.head(5);
+    all[4] = p[4] + 0.5 * p[5] - 0.8 * p[6];
+    return oscillation(channel, t, all);
+  });
+  return problem;
+}
+
+TEST(FittedTolerances, AreToldAnewAlongTheDirectionsThatDataSee) {
+  const auto problem = problem_of_alike();
+  const Vector nominal = problem->hypotheses.nominal();
+  const Comparison comparison = comparison_at(*problem, nominal);
+  const std::vector<int> free = problem->hypotheses.freed_by({});
+  Residual residual(*problem, comparison.whitening, free, nominal);
+  residual.keep_rows();
+
+  Vector u = residual.reduced(nominal), r;
+  ASSERT_TRUE(residual.value(u, r));
+  const Matrix first = *residual.slopes(u);
+  EXPECT_EQ(residual.predictions(), 4);
+  u << 0.3, 0.2, -0.4;
+  ASSERT_TRUE(residual.value(u, r));
+  const long before = residual.predictions();
+  const Matrix renewed = *residual.renewed_slopes(u);
+  EXPECT_EQ(residual.predictions(), before + 1);  // one direction, not three tolerances
+
+  Residual anew(*problem, comparison.whitening, free, nominal);
+  ASSERT_TRUE(anew.value(u, r));
+  const Matrix exact = *anew.slopes(u);
+  EXPECT_GT((first - exact).norm(), 0.1 * exact.norm());
+  EXPECT_LT((renewed - exact).norm(), 1e-2 * exact.norm());
+  EXPECT_LT((comparison.whitening.slopes(residual.nuisance_rows()) - exact).norm(),
+            1e-2 * exact.norm());
+}
+
+TEST(FittedTolerances, EffectsFollowASecantUntilTheyAreTold) {
+  const auto problem = oscillating_problem();
+  const Vector nominal = problem->hypotheses.nominal();
+  const Comparison comparison = comparison_at(*problem, nominal);
+  const std::vector<int> free = problem->hypotheses.freed_by({0});
+  Residual residual(*problem, comparison.whitening, free, nominal);
+  Vector u = residual.reduced(nominal), r0, r;
+  ASSERT_TRUE(residual.value(u, r0));
+  const Matrix first = *residual.slopes(u);
+
+  const Vector step{{0.3, 0.4}};
+  u += step;
+  ASSERT_TRUE(residual.value(u, r));
+  const long before = residual.predictions();
+  ASSERT_TRUE(residual.follow(u));
+  EXPECT_EQ(residual.predictions(), before);
+  EXPECT_FALSE(residual.effects_told_at(u));
+  EXPECT_LT((residual.told() * step - (r - r0)).norm(), 1e-9 * (r - r0).norm());
+
+  const Matrix told = *residual.slopes(u);  // the effect's slope again
+  EXPECT_EQ(residual.predictions(), before + 1);
+  EXPECT_TRUE(residual.effects_told_at(u));
+  EXPECT_LT((told.col(0) - first.col(0)).norm(), 1e-3 * first.col(0).norm());
 }
 
 /// The same oscillation moved by an unknown gain, and a tolerance that is linear.

@@ -81,7 +81,7 @@ TEST(Minimise, ReachesTheNormalEquationsOfALinearProblem) {
   Matrix J;
   ASSERT_TRUE(residual.value(u, r0));
   J = *residual.slopes(u);
-  const auto moved = minimise(residual, random, toy.scales, Misfits::held, 20, u);
+  const auto moved = minimise(residual, random, toy.scales, Misfits::held, {20}, u);
   ASSERT_TRUE(moved && moved->settled);
 
   const Matrix W = weights.stacked(J), root = weights.stacked(r0);
@@ -100,14 +100,14 @@ TEST(Minimise, MovesTheOthersToTheirBestWhereOneIsAtItsBound) {
   Residual residual = toy.residual();
   const RandomEffects& random = toy.comparison.whitening.random;
   Vector u = Vector::Zero(2);
-  ASSERT_TRUE(minimise(residual, random, toy.scales, Misfits::held, 20, u));
+  ASSERT_TRUE(minimise(residual, random, toy.scales, Misfits::held, {20}, u));
   EXPECT_DOUBLE_EQ(u[0], 2.0);
 
   // A point, its slopes, and the same again where the step ends: no more where it is linear.
   EXPECT_LE(residual.predictions(), 6);
   Residual other(*toy.problem, toy.comparison.whitening, {1}, residual.full(u));
   Vector best = Vector::Zero(1);
-  ASSERT_TRUE(minimise(other, random, toy.scales, Misfits::held, 20, best));
+  ASSERT_TRUE(minimise(other, random, toy.scales, Misfits::held, {20}, best));
   EXPECT_NEAR(u[1], best[0], 1e-3);
 }
 
@@ -117,7 +117,7 @@ TEST(Minimise, StaysWhereTheStartCannotBeSimulated) {
   Residual residual = toy.residual();
   Vector u = Vector::Zero(2);
   EXPECT_FALSE(
-      minimise(residual, toy.comparison.whitening.random, toy.scales, Misfits::held, 20, u));
+      minimise(residual, toy.comparison.whitening.random, toy.scales, Misfits::held, {20}, u));
 }
 
 /// A curved valley (Rosenbrock) behind a place where nothing can be simulated.
@@ -138,7 +138,7 @@ TEST(Minimise, FollowsACurvedValleyAroundAHole) {
   Residual residual = toy.residual();
   Vector u{{6.0, -9.0}};
   ASSERT_TRUE(
-      minimise(residual, toy.comparison.whitening.random, toy.scales, Misfits::held, 40, u));
+      minimise(residual, toy.comparison.whitening.random, toy.scales, Misfits::held, {40}, u));
   EXPECT_NEAR(u[0], 3.0, 0.05);
   EXPECT_NEAR(u[1], 1.0, 0.1);
 }
@@ -161,7 +161,7 @@ TEST(Minimise, EndsUnsettledBySlopesThatSayNothingAndAFitTellsThemAnew) {
   Residual residual(*problem, about.whitening, {0, 1}, Vector::Zero(4), wrong);
   const RandomEffects& random = about.whitening.random;
   Vector u = Vector::Constant(2, 0.5);
-  const auto moved = minimise(residual, random, first_scales(random), Misfits::held, 20, u);
+  const auto moved = minimise(residual, random, first_scales(random), Misfits::held, {20}, u);
   ASSERT_TRUE(moved);
   EXPECT_FALSE(moved->settled);
 

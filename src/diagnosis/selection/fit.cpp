@@ -65,6 +65,11 @@ bool without_forces(const FitOptions& options, const RandomEffects& random) {
   return !options.hold_scales && (!options.with_forces || random.blocks.empty());
 }
 
+/// Where a fit of the search, tolerances by their slopes, stays sooner than one that is stated.
+double least_fall(const Residual& residual) {
+  return residual.first_linear() < residual.size() ? residual.settings().search_settled : 0.0;
+}
+
 Misfits misfits_of(const FitOptions& options) {
   return options.hold_scales ? Misfits::held : Misfits::follow;
 }
@@ -89,7 +94,7 @@ Fit fit_from(const Problem& problem, const Whitening& whitening, const std::vect
     std::optional<Minimised> moved = Minimised{kInfinity, false};
     if (!free.empty() && (round > 0 || !squares || !random.misfits.empty()))
       moved = minimise(residual, random, fit.scales, misfits_of(options),
-                       iterations_of(problem, options, round), u);
+                       {iterations_of(problem, options, round), least_fall(residual)}, u);
     if (!moved) return before_round;  // what stands; not valid in the first round
     const auto [fell, settled] = *moved;
     // Misfits have followed already.
@@ -197,9 +202,10 @@ std::vector<Vector> lowest_by_known(const Problem& problem, const Whitening& whi
   for (const Vector& start : starts) {
     Residual residual = residual_of(problem, whitening, free, start, options);
     Vector u = residual.reduced(start), r;
-    const bool ended = minimise(residual, whitening.random, scales, misfits_of(options),
-                                iterations_of(problem, options, 0), u) &&
-                       residual.value(u, r);
+    const bool ended =
+        minimise(residual, whitening.random, scales, misfits_of(options),
+                 {iterations_of(problem, options, 0), problem.settings.search_settled}, u) &&
+        residual.value(u, r);
     predictions += residual.predictions();
     if (!ended || reached(reduced, u, problem.settings)) continue;
     reduced.push_back(u);
@@ -279,7 +285,7 @@ Fit fit_model(const Problem& problem, const Whitening& whitening, const std::vec
     if (!without_forces(options, whitening.random)) {
       fit = fit_from(problem, whitening, free, options, residual, u);
     } else if (minimise(residual, whitening.random, no_forces, Misfits::held,
-                        iterations_of(problem, options, 0), u) &&
+                        {iterations_of(problem, options, 0), least_fall(residual)}, u) &&
                !reached(ends, u, problem.settings)) {
       // Forces that are granted at once may take what a parameter has to explain.
       ends.push_back(u);

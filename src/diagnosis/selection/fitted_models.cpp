@@ -44,8 +44,9 @@ FittedModels::FittedModels(const Problem& problem, const Comparison& comparison,
       comparison_(comparison),
       earlier_(earlier),
       same_space_(earlier != nullptr && same_space) {
-  linear_ = linear_nuisances(problem, comparison.whitening, comparison.noise.p);
-  if (linear_.slopes.cols() > 0) predictions_ += linear_.slopes.cols() + 1;
+  const RowSlopes near = earlier != nullptr ? earlier->nuisance_rows : RowSlopes{};
+  linear_ = linear_nuisances(problem, comparison.whitening, comparison.noise.p, near);
+  predictions_ += linear_.predictions;
   if (same_space_) {
     models_ = earlier_->models;
     return;

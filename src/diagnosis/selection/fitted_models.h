@@ -28,6 +28,8 @@ class FittedModels {
   [[nodiscard]] const std::vector<ModelFit>& all() const { return models_; }
   [[nodiscard]] const ModelFit& none() const { return models_.front(); }
   [[nodiscard]] long predictions() const { return predictions_; }
+  /// Slopes of the nuisances' rows where the noise was told; none in windows.
+  [[nodiscard]] const RowSlopes& nuisance_rows() const { return linear_.rows; }
 
   /// log prior x evidence.
   [[nodiscard]] double value(const ModelFit& model) const;

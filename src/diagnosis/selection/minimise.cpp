@@ -20,6 +20,9 @@ constexpr double kWorthIt = 1e-3, kPoor = 0.25, kGood = 0.75, kWider = 2.0;
 constexpr double kLeastShare = 0.1, kMostShare = 0.5;
 // MINPACK: failures one after the other until slopes are doubted.
 constexpr int kFailures = 2;
+// Slopes that foretell a fall within this share of it are good enough to go on by a secant: what a
+// step that is trusted more has at least.
+constexpr double kForetold = 1.0 - kGood;
 // Of what is trusted; what is closer is at its end, but for rounding. Chosen.
 constexpr double kWithin = 0.99;
 
@@ -39,7 +42,8 @@ class WeighedSlopes {
   WeighedSlopes(const RandomWeights& weights, std::vector<Part> parts)
       : weights_(weights), parts_(std::move(parts)), grams_(parts_.size()) {}
 
-  void follow(Residual& residual) {
+  /// `told`: whether the effects' slopes, which come first, were told anew.
+  void follow(Residual& residual, bool told) {
     const Eigen::Index before = residual.first_followed();
     const std::vector<Residual::Secant>& secants = residual.secants();
     if (W_.size() == 0 || renewed_ != residual.times_renewed()) {
@@ -47,8 +51,8 @@ class WeighedSlopes {
       added_.clear();
       for (std::size_t k = 0; k < parts_.size(); ++k) grams_[k] = gram_of(parts_[k]);
     } else {
-      for (; followed_ < secants.size(); ++followed_) add(secants[followed_], before);
-      if (before > 0) renew(residual.told_before());
+      for (; followed_ < secants.size(); ++followed_) add(secants[followed_]);
+      if (before > 0 && told) renew(residual.told_before());
     }
     renewed_ = residual.times_renewed();
     followed_ = secants.size();
@@ -100,17 +104,17 @@ class WeighedSlopes {
     const Eigen::Index before = J.cols();
     const Matrix first = weights_.stacked(J);
     W_.leftCols(before) = first;
+    for (Added& added : added_) added.along.head(before).setZero();
     for (std::size_t k = 0; k < parts_.size(); ++k) {
       grams_[k].leftCols(before) = along_part(parts_[k], first);
       grams_[k].topRows(before) = grams_[k].leftCols(before).transpose();
     }
   }
 
-  /// Of the columns that follow; those before are made anew.
-  void add(const Residual::Secant& secant, Eigen::Index before) {
+  void add(const Residual::Secant& secant) {
     const Vector w = weights_.stacked(secant.missed);
     Vector s = Vector::Zero(W_.cols());
-    s.segment(before, secant.along.size()) = secant.along;
+    s.head(secant.along.size()) = secant.along;
     for (std::size_t k = 0; k < parts_.size(); ++k) {
       const Vector v = along_part(parts_[k], w);
       double square = 0.0;
@@ -166,11 +170,12 @@ class Cost {
   /// Of the residual.
   [[nodiscard]] Eigen::Index rows() const { return r_.size(); }
 
-  /// g and H at the point of the last `at`. False where a simulation fails.
-  bool model(const Vector& u, Vector& g, Matrix& H) {
-    if (!residual_.tell(u)) return false;
+  /// g and H at the point of the last `at`, by slopes that are told there or moved there by a
+  /// secant. False where a simulation fails.
+  bool model(const Vector& u, bool told, Vector& g, Matrix& H) {
+    if (!(told ? residual_.tell(u) : residual_.follow(u))) return false;
     if (!slopes_) slopes_.emplace(weights_, parts_of(random_, follow_, weights_, r_.size()));
-    slopes_->follow(residual_);
+    slopes_->follow(residual_, residual_.effects_told_at(u));
     const Vector shares = shares_now();
     H = slopes_->gram(shares);
     H.diagonal().array() += 1.0;
@@ -245,7 +250,7 @@ double cost_of(const RandomEffects& random, const Vector& scales, Misfits misfit
 }
 
 std::optional<Minimised> minimise(Residual& residual, const RandomEffects& random,
-                                  const Vector& scales, Misfits misfits, int iterations,
+                                  const Vector& scales, Misfits misfits, const Ending& ending,
                                   Vector& u) {
   const Settings& settings = residual.settings();
   for (Eigen::Index i = 0; i < u.size(); ++i)
@@ -256,25 +261,45 @@ std::optional<Minimised> minimise(Residual& residual, const RandomEffects& rando
   const double first = now;
   Vector g;
   Matrix H;
-  if (!std::isfinite(first) || !cost.model(u, g, H)) return {};
+  if (!std::isfinite(first) || !cost.model(u, true, g, H)) return {};
   // Noise alone leaves half a nat a row; where much more is left, no more of it counts.
   const double least_fall =
       settings.fit_cost_tolerance * std::min(std::abs(now), static_cast<double>(cost.rows()));
   const Vector sizes = H.diagonal().cwiseSqrt();
   double trusted = kInfinity;
   int failed = 0;  // one after the other
-  for (int step = 0; step < iterations; ++step) {
+  // Where effects' slopes were told last: without them a fit is none.
+  Vector told_point = u;
+  double told_cost = now;
+  for (int step = 0; step < ending.iterations; ++step) {
     const Box box = box_about(residual, u, sizes, trusted);
     const Vector d = box_step(H, g, box.lower, box.upper);
     const double slope = g.dot(d), promised = -slope - 0.5 * d.dot(H * d);
     const double size =
         d.cwiseProduct(sizes).head(residual.first_linear()).lpNorm<Eigen::Infinity>();
     const bool still = d.norm() <= settings.fit_parameter_tolerance * (1.0 + u.norm());
-    if (still || promised <= least_fall)
-      return Minimised{first - now, size < kWithin * trusted || residual.told_at(u)};
+    const bool free = size < kWithin * trusted;  // of what is trusted
+    const bool ends =
+        still || promised <= (free ? std::max(least_fall, ending.least_fall) : least_fall);
+    const bool told_here = residual.effects_told_at(u);
+    if (ends && told_here) return Minimised{first - now, free || residual.told_at(u)};
 
-    const double next = cost.at(u + d), kept = (now - next) / promised;
-    if (!(kept > kWorthIt && cost.model(u + d, g, H))) {
+    const double next = ends ? kInfinity : cost.at(u + d);
+    const double kept = ends ? -kInfinity : (now - next) / promised;
+    const bool foretold = std::abs(kept - 1.0) < kForetold;
+    if (!(kept > kWorthIt && cost.model(u + d, !foretold, g, H))) {
+      // Slopes of effects that were followed are told before anything is made of them, in a turn
+      // that is no step.
+      if (!told_here) {
+        if (!std::isfinite(cost.at(u)) || !cost.model(u, true, g, H)) {
+          u = told_point;
+          return Minimised{first - told_cost, false};
+        }
+        told_point = u;
+        told_cost = now;
+        --step;
+        continue;
+      }
       ++failed;
       const bool told = residual.told_at(u);
       // Nothing could be trusted less, or it is no use to: by slopes from elsewhere, or for little.
@@ -286,6 +311,10 @@ std::optional<Minimised> minimise(Residual& residual, const RandomEffects& rando
     failed = 0;
     u += d;
     now = next;
+    if (!foretold) {
+      told_point = u;
+      told_cost = now;
+    }
     if (kept < kPoor) trusted = kMostShare * size;
     if (kept > kGood) trusted = std::max(trusted, kWider * size);
   }

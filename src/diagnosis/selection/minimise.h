@@ -11,6 +11,8 @@
 // their slopes): to these no trust applies, and whatever an effect's one or two parameters do they
 // take their best values within bounds at once. A step without bounds that is cut to them, as
 // general solvers for least squares take it, needed thirty simulations an effect in place of five.
+// Where a step keeps what its slopes promised these go on by a secant, effects' too, and are told
+// by differences where one doesn't, and at the end: half of the simulations.
 // Where slopes follow secants and steps fail twice in a row they say nothing any more (MINPACK):
 // it ends unsettled, and a fit tells them anew.
 //
@@ -36,8 +38,16 @@ struct Minimised {
   /// else steps ran out, or slopes said nothing any more.
   bool settled = false;
 };
+/// Where it stays.
+struct Ending {
+  int iterations = 1;  ///< at most
+  /// Fall of the cost below which it stays if a step that trust does not limit promises no more; at
+  /// least what settings.fit_cost_tolerance says [nats]
+  double least_fall = 0.0;
+};
 /// From u on, which is left at the best point met. Nothing where no point could be evaluated.
 std::optional<Minimised> minimise(Residual& residual, const RandomEffects& random,
-                                  const Vector& scales, Misfits misfits, int iterations, Vector& u);
+                                  const Vector& scales, Misfits misfits, const Ending& ending,
+                                  Vector& u);
 
 }  // namespace jaculus::diagnosis

@@ -62,6 +62,8 @@ struct SearchResult {
   /// A candidate each: those that its fitted signature can't be told from, itself first; empty
   /// where it was not fitted alone.
   std::vector<std::vector<int>> indistinguishable;
+  /// Of the nuisances where the noise was told, under a plan: those nearby follow from them.
+  RowSlopes nuisance_rows{};
   long predictions = 0;
 };
 

@@ -125,8 +125,9 @@ std::optional<Relinearised> relinearise_about_none(const Problem& problem, Compa
 }
 
 ToldAnew told_anew(const Problem& problem, const Comparison& comparison, const Fit& none,
-                   const ModelFit* leader, int rounds) {
-  const FitOptions options = in_windows(problem) ? short_fit() : FitOptions{};
+                   const ModelFit* leader, int rounds, const RowSlopes& near) {
+  FitOptions options = in_windows(problem) ? short_fit() : FitOptions{};
+  options.known_rows = near;
   const auto about_none = [&] { return relinearise(problem, comparison, none, rounds, options); };
   if (leader == nullptr) {
     Relinearised about = about_none();

@@ -33,9 +33,10 @@ struct ToldAnew {
 };
 /// The space about a leading effect; about none where there is no such effect, or where it leaves
 /// forces and the data, with what each model's parameters strain, are less probable by it than by
-/// none with its tolerances fitted. Singles are judged by slopes at the files' values: a strong
+/// none with its tolerances fitted. `near`: slopes of the nuisances' rows to set out with, or none.
+/// Singles are judged by slopes at the files' values: a strong
 /// effect is told there, but what tolerances do beyond slopes may be taken for one.
 ToldAnew told_anew(const Problem& problem, const Comparison& comparison, const Fit& none,
-                   const ModelFit* leader, int rounds);
+                   const ModelFit* leader, int rounds, const RowSlopes& near = {});
 
 }  // namespace jaculus::diagnosis

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "diagnosis/forward/sensitivities.h"
+#include "diagnosis/selection/strong_directions.h"
 
 namespace jaculus::diagnosis {
 namespace {
@@ -17,6 +18,20 @@ constexpr double kForcesTake = 10.0;
 
 /// A step of what follows below which a secant says nothing [prior scales].
 constexpr double kLeastSecant = 1e-6;
+
+/// Slopes of rows as whitened ones are told anew along directions, a column each.
+void turn(const std::vector<Eigen::Index>& columns, const Matrix& along,
+          const std::vector<std::vector<Vector>>& told, RowSlopes& slopes) {
+  const auto known = [&](Eigen::Index i) { return !slopes.columns[i].empty(); };
+  if (!std::all_of(columns.begin(), columns.end(), known)) return;
+  for (std::size_t d = 0; d < told.front().size(); ++d) {
+    Matrix T(told.front()[d].size(), columns.size()), D(T.rows(), told.size());
+    for (int i = 0; i < count_of(columns); ++i) T.col(i) = slopes.columns[columns[i]][d];
+    for (int k = 0; k < count_of(told); ++k) D.col(k) = told[k][d];
+    T += (D - T * along) * along.transpose();
+    for (int i = 0; i < count_of(columns); ++i) slopes.columns[columns[i]][d] = T.col(i);
+  }
+}
 
 /// How many of some free parameters come before the first of those listed.
 Eigen::Index count_before(const std::vector<int>& listed, const std::vector<int>& free) {
@@ -127,23 +142,72 @@ std::optional<Matrix> Residual::differenced(const Vector& u,
   return J;
 }
 
-/// One more secant, of the step to u at which the effects' slopes are `effects`; before these are
-/// taken.
-void Residual::follow(const Vector& u, const Matrix& effects) {
+/// Along the strong directions of the slopes of some tolerances; nothing where a simulation fails.
+std::optional<Residual::Turned> Residual::turned(const Vector& u, const Matrix& slopes,
+                                                 const std::vector<Eigen::Index>& columns,
+                                                 double least) {
+  const StrongDirections strong = strong_directions(slopes, least, problem_.settings.slope_changed);
+  Turned out{strong.along, Matrix(whitening_.rows, strong.along.cols()), {}};
+  const auto count = static_cast<int>(strong.along.cols());
+  if (count == 0) return out;
+  const Vector p = simulated(u);
+  out.rows.resize(count);
+  tbb::parallel_for(0, count, [&](int k) {
+    const double step = difference_step(strong.sizes[k], problem_.settings);
+    Vector move = Vector::Zero(p.size());
+    for (int i = 0; i < count_of(columns); ++i) {
+      const int own = free_[columns[i]];
+      move[own] = step * strong.along(i, k) * problem_.hypotheses.parameters[own].scale;
+    }
+    auto moved = difference_along(problem_, whitening_.alignments, p, rows_, move);
+    if (!moved) return;
+    for (Vector& rows : moved->rows) rows *= 1.0 / (step * moved->step);
+    out.rows[k] = std::move(moved->rows);
+  });
+  predictions_ += count;
+  if (std::any_of(out.rows.begin(), out.rows.end(), [](const auto& own) { return own.empty(); }))
+    return {};
+  out.white = -whitening_.columns(out.rows);
+  return out;
+}
+
+/// Slopes of some nuisances less what secants by effects' moves made of them: in prior scales these
+/// are the ones that move, and what effects bend lands on weak ones too.
+Matrix Residual::unbent(const std::vector<Eigen::Index>& columns) const {
+  Matrix slopes = slopes_(Eigen::all, columns);
+  for (const Secant& secant : secants_)
+    if (secant.by_effects) slopes -= secant.missed * secant.along(columns).transpose();
+  return slopes;
+}
+
+/// One more secant, of the step to u: with the effects' slopes there, before these are taken, or of
+/// all that follows.
+void Residual::add_secant(const Vector& u, const Matrix* effects) {
   const Eigen::Index n = first_followed_;
-  const Vector du = u - slopes_at_, dn = du.segment(n, followed());
-  if (dn.size() == 0 || dn.norm() < kLeastSecant) return;
+  const Vector du = u - slopes_at_;
+  Vector along = du.head(n + followed());
+  if (effects != nullptr) along.head(n).setZero();
+  if (along.size() == 0 || along.norm() < kLeastSecant) return;
   Vector missed = residual_ - slopes_residual_ - expected_over(du);
-  missed -= 0.5 * (effects - slopes_.leftCols(n)) * du.head(n);
-  secants_.push_back({std::move(missed), dn / dn.squaredNorm()});
+  if (effects != nullptr) missed -= 0.5 * (*effects - slopes_.leftCols(n)) * du.head(n);
+  const bool by_effects = !along.head(nuisances_).isZero(0.0);
+  secants_.push_back({std::move(missed), along / along.squaredNorm(), by_effects});
+}
+
+/// What secants that wait say of effects.
+void Residual::add_to_effects() {
+  for (std::size_t k = added_; k < secants_.size(); ++k) {
+    auto own = secants_[k].along.head(first_followed_);
+    if (!own.isZero(0.0)) slopes_.leftCols(first_followed_) += secants_[k].missed * own.transpose();
+    own.setZero();
+  }
 }
 
 /// A secant is a pass over all slopes, so that it waits until they are asked for as a whole.
 void Residual::add_secants() {
   for (; added_ < secants_.size(); ++added_) {
     const Secant& own = secants_[added_];
-    slopes_.middleCols(first_followed_, own.along.size()).noalias() +=
-        own.missed * own.along.transpose();
+    slopes_.leftCols(own.along.size()).noalias() += own.missed * own.along.transpose();
   }
 }
 
@@ -152,28 +216,38 @@ Vector Residual::expected_over(const Vector& du) const {
   Vector expected = slopes_ * du;
   for (std::size_t k = added_; k < secants_.size(); ++k) {
     const Secant& own = secants_[k];
-    expected += own.missed * own.along.dot(du.segment(first_followed_, own.along.size()));
+    expected += own.missed * own.along.dot(du.head(own.along.size()));
   }
   return expected;
 }
 
-void Residual::keep(const Vector& u, bool told) {
+void Residual::keep(const Vector& u, bool effects, bool all) {
   slopes_at_ = u;
   slopes_residual_ = residual_;
-  new_ = told;
+  effects_told_ = effects;
+  new_ = all;
 }
 
 bool Residual::tell(const Vector& u) {
   if (slopes_.size() == 0) return renewed_slopes(u) != nullptr;
-  if (slopes_at_.size() == u.size() && slopes_at_ == u) return true;
+  if (stand_at(u) && effects_told_at(u)) return true;
   std::vector<Eigen::Index> effects(first_followed_);
   std::iota(effects.begin(), effects.end(), Eigen::Index{0});
   const std::optional<Matrix> told = differenced(u, effects);
   if (!told) return false;
 
-  if (slopes_at_.size() == u.size()) follow(u, *told);
+  add_to_effects();
+  if (slopes_at_.size() == u.size()) add_secant(u, &*told);
   slopes_.leftCols(first_followed_) = *told;
-  keep(u, false);
+  keep(u, true, false);
+  return true;
+}
+
+bool Residual::follow(const Vector& u) {
+  if (slopes_at_.size() != u.size()) return tell(u);
+  if (stand_at(u)) return true;
+  add_secant(u, nullptr);
+  keep(u, false, false);
   return true;
 }
 
@@ -185,42 +259,58 @@ const Matrix* Residual::renewed_slopes(const Vector& u) {
   add_secants();
 
   const double least = problem_.settings.slope_renewed * (in_windows(problem_) ? kForcesTake : 1.0);
-  std::vector<Eigen::Index> columns;
-  for (Eigen::Index i = 0; i < (anew ? size() : first_followed_ + followed()); ++i) {
-    // Effects' anew too: their steps are told by now.
-    const bool strong = anew || i < tolerances_ || slopes_.col(i).norm() > least;
-    if (strong) columns.push_back(i);
+  // Together move those that may go both ways: friction at none goes one.
+  std::vector<Eigen::Index> columns, followed_ones, together;
+  const Eigen::Index end = anew ? size() : first_followed_ + followed();
+  for (Eigen::Index i = 0; i < end; ++i) {
+    const bool tolerance = !anew && i >= tolerances_;
+    if (!anew && i >= nuisances_) followed_ones.push_back(i);
+    if (tolerance && !problem_.hypotheses.parameters[free_[i]].one_sided())
+      together.push_back(i);
+    else if (!tolerance || slopes_.col(i).norm() > least)
+      // Effects' anew too: their steps are told by now.
+      columns.push_back(i);
   }
+  const Matrix others = anew ? Matrix() : unbent(followed_ones);
+  const Matrix T = anew ? Matrix() : unbent(together);
   const std::optional<Matrix> told = differenced(u, columns);
-  if (!told) return nullptr;
+  const std::optional<Turned> along = told ? turned(u, T, together, least) : std::nullopt;
+  if (!along) return nullptr;
 
-  if (anew) slopes_.resize(whitening_.rows, size());
-  // What effects bend by secants lands on weak nuisances too, in prior scales the ones that move.
-  if (first_followed_ < nuisances_ && !anew)
-    for (Eigen::Index i = nuisances_; i < first_followed_ + followed(); ++i)
-      for (const Secant& secant : secants_)
-        slopes_.col(i) -= secant.missed * secant.along[i - first_followed_];
+  if (anew)
+    slopes_.resize(whitening_.rows, size());
+  else
+    slopes_(Eigen::all, followed_ones) = others;
   slopes_(Eigen::all, columns) = *told;
-  keep(u, true);
+  if (!together.empty())
+    slopes_(Eigen::all, together) =
+        T + (along->white - T * along->along) * along->along.transpose();
+  if (!row_slopes_.columns.empty() && !along->rows.empty())
+    turn(together, along->along, along->rows, row_slopes_);
+  keep(u, true, true);
   secants_.clear();
   added_ = 0;
   ++times_renewed_;
   return &slopes_;
 }
 
-LinearNuisances linear_nuisances(const Problem& problem, const Whitening& whitening, Vector p) {
-  LinearNuisances out{std::move(p), {}};
+LinearNuisances linear_nuisances(const Problem& problem, const Whitening& whitening, Vector p,
+                                 const RowSlopes& near) {
+  LinearNuisances out{.p = std::move(p)};
   const std::vector<int> nuisances = problem.hypotheses.nuisances();
   if (nuisances.empty()) return out;
-  Residual residual(problem, whitening, nuisances, out.p);
+  const bool known = !near.columns.empty();
+  Residual residual(problem, whitening, nuisances, out.p,
+                    known ? whitening.slopes(near) : Matrix());
   // Under a plan other spaces follow from them.
-  if (!in_windows(problem)) residual.keep_rows();
+  if (!in_windows(problem)) residual.keep_rows(near);
   const Vector u = residual.reduced(out.p);
   Vector r;
-  const Matrix* slopes = residual.value(u, r) ? residual.slopes(u) : nullptr;
+  const Matrix* slopes = residual.value(u, r) ? residual.renewed_slopes(u) : nullptr;
   if (slopes == nullptr) return out;
   out.slopes = *slopes;
   out.rows = residual.nuisance_rows();
+  out.predictions = residual.predictions();
   return out;
 }
 

@@ -6,9 +6,17 @@
 // model also fits nuisances, unknown gains and a robot's some eighty tolerances; so on the way the
 // nuisances' slopes N follow by secants,
 //   N += (dr - E du_e - N dn) dn^T/|dn|^2,
-// E the mean of the effects' slopes at both ends (Broyden 1965), and where they are renewed it is
-// those of the gains and of the strong tolerances: what changes a slope by a tenth moves the
-// others' rows by less than noise. While models are sought, tolerances go by their slopes at one
+// E the mean of the effects' slopes at both ends (Broyden 1965). A step on the way may follow by a
+// secant altogether, effects too,
+//   J += (dr - J du) du^T/|du|^2,
+// until they are told by differences again. Where nuisances are renewed it is
+// those of the gains and of what is strong in the tolerances: what changes a slope by a tenth
+// (settings.slope_changed) moves the others' rows by less than noise. Many tolerances do the same
+// to a motion, so that where fifty to eighty are strong each by itself some thirty to fifty
+// directions are (strong_directions.h): with their slopes T, V those directions and D the
+// differences along them,
+//   T += (D - T V) V^T.
+// While models are sought, tolerances go by their slopes at one
 // point,
 //   r(u) = r(u_e, u_g, t_0) + N_t (t - t_0),
 // t of u the tolerances: effects and gains u_g are a few parameters again. Beside a model that is
@@ -23,9 +31,10 @@ namespace jaculus::diagnosis {
 
 /// Nuisances by their slopes at one point: what tolerances go by, and gains set out with.
 struct LinearNuisances {
-  Vector p;          ///< all parameters, there
-  Matrix slopes;     ///< white rows x (unknown gains, then tolerances)
-  RowSlopes rows{};  ///< the same before whitening; under a plan
+  Vector p;              ///< all parameters, there
+  Matrix slopes{};       ///< white rows x (unknown gains, then tolerances)
+  RowSlopes rows{};      ///< the same before whitening; under a plan
+  long predictions = 0;  ///< that it took
 };
 
 /// Counts its simulations. `problem` and `whitening` have to outlive it.
@@ -49,16 +58,21 @@ class Residual {
     added_ = 0;
   }
 
-  /// By what the slopes that follow were moved: N += missed along^T.
+  /// By what the slopes were moved: J += missed along^T, the first columns of it.
   struct Secant {
-    Vector missed;  ///< white rows
-    Vector along;   ///< dn/|dn|^2
+    Vector missed;            ///< white rows
+    Vector along;             ///< du/|du|^2, zero for effects that were told there
+    bool by_effects = false;  ///< whether it was made of their moves too
   };
   /// Since they were renewed last.
   [[nodiscard]] const std::vector<Secant>& secants() const { return secants_; }
-  /// Whether slopes at u were told there, but for those of weak tolerances.
+  /// Whether slopes at u were told there, but for what is weak in those of tolerances.
   [[nodiscard]] bool told_at(const Vector& u) const {
-    return followed() == 0 || (new_ && slopes_at_.size() == u.size() && slopes_at_ == u);
+    return effects_told_at(u) && (followed() == 0 || (new_ && stand_at(u)));
+  }
+  /// Whether those of effects were, where these don't follow.
+  [[nodiscard]] bool effects_told_at(const Vector& u) const {
+    return first_followed_ == 0 || (effects_told_ && stand_at(u));
   }
   /// How often they were.
   [[nodiscard]] int times_renewed() const { return times_renewed_; }
@@ -98,6 +112,8 @@ class Residual {
   /// Tells slopes at the point of the last `value`: those before first_followed() by differences,
   /// one more of secants(). False where a simulation fails.
   bool tell(const Vector& u);
+  /// Moves slopes to that point by a secant, those of effects too; tells them where none are known.
+  bool follow(const Vector& u);
   /// dr/du as told last, what follows by secants so; and of what comes before first_followed().
   [[nodiscard]] const Matrix& told() {
     add_secants();
@@ -107,8 +123,8 @@ class Residual {
   /// dr/du at the point of the last `value`, what follows by secants so. Null where a simulation
   /// fails; else valid until slopes are asked for again.
   const Matrix* slopes(const Vector& u);
-  /// The same with those of effects, gains and strong tolerances by differences; where effects
-  /// followed, the others as they were.
+  /// The same with those of effects, gains and what is strong in tolerances by differences; the
+  /// others less what secants by effects' moves made of them.
   const Matrix* renewed_slopes(const Vector& u);
 
   [[nodiscard]] const Settings& settings() const { return problem_.settings; }
@@ -120,10 +136,24 @@ class Residual {
  private:
   [[nodiscard]] std::optional<Matrix> differenced(const Vector& u,
                                                   const std::vector<Eigen::Index>& columns);
-  void follow(const Vector& u, const Matrix& effects);
+  /// Differences of some tolerances along directions, and of their rows.
+  struct Turned {
+    Matrix along;  ///< the directions, columns x directions
+    Matrix white;  ///< a direction each
+    std::vector<std::vector<Vector>> rows;
+  };
+  [[nodiscard]] std::optional<Turned> turned(const Vector& u, const Matrix& slopes,
+                                             const std::vector<Eigen::Index>& columns,
+                                             double least);
+  [[nodiscard]] Matrix unbent(const std::vector<Eigen::Index>& columns) const;
+  [[nodiscard]] bool stand_at(const Vector& u) const {
+    return slopes_at_.size() == u.size() && slopes_at_ == u;
+  }
+  void add_secant(const Vector& u, const Matrix* effects);
   void add_secants();
+  void add_to_effects();
   [[nodiscard]] Vector expected_over(const Vector& du) const;
-  void keep(const Vector& u, bool told);
+  void keep(const Vector& u, bool effects, bool all);
 
   const Problem& problem_;
   const Whitening& whitening_;
@@ -139,7 +169,8 @@ class Residual {
   Vector slopes_at_, slopes_residual_;
   RowSlopes row_slopes_;  ///< of every free parameter, as differenced last; empty: not kept
   Matrix slopes_;         ///< there, with the first `added_` secants; empty: not known anywhere
-  bool new_ = false;      ///< whether those of all but weak tolerances were differenced there
+  bool effects_told_ = false;  ///< whether those of effects were differenced there
+  bool new_ = false;           ///< whether all but weak ones of tolerances were
   std::vector<Secant> secants_;
   std::size_t added_ = 0;  ///< of them, to `slopes_`
   int times_renewed_ = 0;
@@ -147,7 +178,9 @@ class Residual {
   std::string message_;
 };
 
-/// At p. No columns where there are none, or where a simulation fails.
-LinearNuisances linear_nuisances(const Problem& problem, const Whitening& whitening, Vector p);
+/// At p. `near`: the same of rows at a point nearby, of which what is strong is told anew; empty:
+/// all is told. No columns where there are none, or where a simulation fails.
+LinearNuisances linear_nuisances(const Problem& problem, const Whitening& whitening, Vector p,
+                                 const RowSlopes& near = {});
 
 }  // namespace jaculus::diagnosis

@@ -200,6 +200,7 @@ SearchResult search_models(const Problem& problem, const Comparison& comparison,
     models.refine(options.none, led);
   out.indistinguishable =
       indistinguishable_sets(random, models, out.probes, problem.settings.indistinguishable_below);
+  out.nuisance_rows = models.nuisance_rows();
   out.predictions = models.predictions();
   const bool last = options.earlier != nullptr;
   out.models = last ? pooled(problem, comparison, models.all(), out.predictions) : models.all();
@@ -228,7 +229,7 @@ Selection select_models(const Problem& problem, Comparison comparison,
   std::optional<Vector> none;
   if (!same_space) {
     ToldAnew told = told_anew(problem, comparison, singles.models.front().fit, leader,
-                              problem.settings.relinearisations);
+                              problem.settings.relinearisations, singles.nuisance_rows);
     comparison = std::move(told.comparison);
     if (told.about_none) none = told.about_none->fit.p;
     // For the scan of pushes, which are sought under a plan alone.

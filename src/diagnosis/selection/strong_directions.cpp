@@ -1,0 +1,20 @@
+#include "diagnosis/selection/strong_directions.h"
+
+#include <Eigen/Eigenvalues>
+
+namespace jaculus::diagnosis {
+
+StrongDirections strong_directions(const Matrix& slopes, double least, double changed) {
+  const Eigen::Index n = slopes.cols();
+  if (n == 0) return {};
+  Matrix gram = Matrix::Zero(n, n);
+  gram.selfadjointView<Eigen::Lower>().rankUpdate(slopes.transpose());
+  gram.diagonal() *= 1.0 + changed * changed;
+  const Eigen::SelfAdjointEigenSolver<Matrix> eigen(gram);
+  const Eigen::Index strong = (eigen.eigenvalues().array() > least * least).count();
+  StrongDirections out{eigen.eigenvectors().rightCols(strong), {}};
+  out.sizes = (slopes * out.along).colwise().norm();
+  return out;
+}
+
+}  // namespace jaculus::diagnosis

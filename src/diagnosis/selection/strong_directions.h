@@ -1,0 +1,20 @@
+#pragma once
+// Directions along which parameters move the data by more than noise, of slopes T by each of them
+// in prior scales, which may have changed by a share e of each since they were told:
+//   T^T T + e^2 diag(|T_i|^2) = V L V^T,   those columns of V whose sqrt(L) is large.
+// Parameters that do the same share one direction. What is orthogonal to all of them moves the rows
+// by less, also where it is the difference of strong slopes, each of which changed by so much.
+
+#include "jaculus/core/types.h"
+
+namespace jaculus::diagnosis {
+
+struct StrongDirections {
+  Matrix along;  ///< V: parameters x directions, orthonormal
+  Vector sizes;  ///< |T v|: how far all rows move by a prior scale along each [noise deviations]
+};
+
+/// Those of a sqrt(L) beyond `least`, the largest last; T white rows x parameters, `changed`: e.
+StrongDirections strong_directions(const Matrix& slopes, double least, double changed);
+
+}  // namespace jaculus::diagnosis
