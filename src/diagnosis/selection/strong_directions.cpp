@@ -9,11 +9,13 @@ StrongDirections strong_directions(const Matrix& slopes, double least, double ch
   if (n == 0) return {};
   Matrix gram = Matrix::Zero(n, n);
   gram.selfadjointView<Eigen::Lower>().rankUpdate(slopes.transpose());
+  const Vector squares = gram.diagonal();
   gram.diagonal() *= 1.0 + changed * changed;
   const Eigen::SelfAdjointEigenSolver<Matrix> eigen(gram);
   const Eigen::Index strong = (eigen.eigenvalues().array() > least * least).count();
   StrongDirections out{eigen.eigenvectors().rightCols(strong), {}};
-  out.sizes = (slopes * out.along).colwise().norm();
+  const Vector moved = (slopes * out.along).colwise().norm();
+  out.sizes = moved.cwiseMax((out.along.cwiseAbs2().transpose() * squares).cwiseSqrt());
   return out;
 }
 

@@ -11,7 +11,10 @@ namespace jaculus::diagnosis {
 
 struct StrongDirections {
   Matrix along;  ///< V: parameters x directions, orthonormal
-  Vector sizes;  ///< |T v|: how far all rows move by a prior scale along each [noise deviations]
+  /// How far all rows move by a prior scale along each, |T v|, or would by the slopes of single
+  /// parameters if none cancelled, the root of sum |T_i|^2 v_i^2, if that is more: by the larger a
+  /// difference is as exact as theirs are [noise deviations]
+  Vector sizes;
 };
 
 /// Those of a sqrt(L) beyond `least`, the largest last; T white rows x parameters, `changed`: e.
