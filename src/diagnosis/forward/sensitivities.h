@@ -35,8 +35,8 @@ std::optional<Difference> difference_along(const Problem& problem,
                                            const Vector& move);
 
 /// Step in prior scales of a difference, by the norm of the whitened slope: half a standard
-/// deviation by this parameter or direction alone, within settings.least_step and most_step. Large beside the
-/// simulation's rounding, small beside its curvature.
+/// deviation by this parameter or direction alone, within settings.least_step and most_step. Large
+/// beside the simulation's rounding, small beside its curvature.
 double difference_step(double sensitivity, const Settings& settings);
 
 }  // namespace jaculus::diagnosis
