@@ -44,8 +44,10 @@ FittedModels::FittedModels(const Problem& problem, const Comparison& comparison,
       comparison_(comparison),
       earlier_(earlier),
       same_space_(earlier != nullptr && same_space) {
-  const RowSlopes near = earlier != nullptr ? earlier->nuisance_rows : RowSlopes{};
-  linear_ = linear_nuisances(problem, comparison.whitening, comparison.noise.p, near);
+  const Whitening& whitening = comparison.whitening;
+  const Vector& p = comparison.noise.p;
+  linear_ = earlier != nullptr ? linear_nuisances(problem, whitening, p, earlier->nuisance_rows)
+                               : linear_nuisances(problem, whitening, p);
   predictions_ += linear_.predictions;
   if (same_space_) {
     models_ = earlier_->models;

@@ -28,7 +28,7 @@ void turn(const std::vector<Eigen::Index>& columns, const Matrix& along,
     Matrix T(told.front()[d].size(), columns.size()), D(T.rows(), told.size());
     for (int i = 0; i < count_of(columns); ++i) T.col(i) = slopes.columns[columns[i]][d];
     for (int k = 0; k < count_of(told); ++k) D.col(k) = told[k][d];
-    T += (D - T * along) * along.transpose();
+    T = told_along(T, along, D);
     for (int i = 0; i < count_of(columns); ++i) slopes.columns[columns[i]][d] = T.col(i);
   }
 }
@@ -171,12 +171,14 @@ std::optional<Residual::Turned> Residual::turned(const Vector& u, const Matrix& 
   return out;
 }
 
-/// Slopes of some nuisances less what secants by effects' moves made of them: in prior scales these
-/// are the ones that move, and what effects bend lands on weak ones too.
-Matrix Residual::unbent(const std::vector<Eigen::Index>& columns) const {
-  Matrix slopes = slopes_(Eigen::all, columns);
+/// The first `end` slopes, those of nuisances less what secants by effects' moves made of them: in
+/// prior scales these are the ones that move, and what effects bend lands on weak ones too.
+Matrix Residual::unbent(Eigen::Index end) const {
+  Matrix slopes = slopes_.leftCols(end);
+  const Eigen::Index n = end - nuisances_;
   for (const Secant& secant : secants_)
-    if (secant.by_effects) slopes -= secant.missed * secant.along(columns).transpose();
+    if (secant.by_effects)
+      slopes.rightCols(n) -= secant.missed * secant.along.segment(nuisances_, n).transpose();
   return slopes;
 }
 
@@ -260,31 +262,26 @@ const Matrix* Residual::renewed_slopes(const Vector& u) {
 
   const double least = problem_.settings.slope_renewed * (in_windows(problem_) ? kForcesTake : 1.0);
   // Together move those that may go both ways: friction at none goes one.
-  std::vector<Eigen::Index> columns, followed_ones, together;
+  std::vector<Eigen::Index> columns, together;
   const Eigen::Index end = anew ? size() : first_followed_ + followed();
   for (Eigen::Index i = 0; i < end; ++i) {
     const bool tolerance = !anew && i >= tolerances_;
-    if (!anew && i >= nuisances_) followed_ones.push_back(i);
     if (tolerance && !problem_.hypotheses.parameters[free_[i]].one_sided())
       together.push_back(i);
     else if (!tolerance || slopes_.col(i).norm() > least)
       // Effects' anew too: their steps are told by now.
       columns.push_back(i);
   }
-  const Matrix others = anew ? Matrix() : unbent(followed_ones);
-  const Matrix T = anew ? Matrix() : unbent(together);
+  Matrix slopes = anew ? Matrix(whitening_.rows, end) : unbent(end);
+  const Matrix T = slopes(Eigen::all, together);
   const std::optional<Matrix> told = differenced(u, columns);
   const std::optional<Turned> along = told ? turned(u, T, together, least) : std::nullopt;
   if (!along) return nullptr;
 
-  if (anew)
-    slopes_.resize(whitening_.rows, size());
-  else
-    slopes_(Eigen::all, followed_ones) = others;
-  slopes_(Eigen::all, columns) = *told;
-  if (!together.empty())
-    slopes_(Eigen::all, together) =
-        T + (along->white - T * along->along) * along->along.transpose();
+  slopes(Eigen::all, columns) = *told;
+  if (!together.empty()) slopes(Eigen::all, together) = told_along(T, along->along, along->white);
+  if (anew) slopes_.resize(whitening_.rows, end);
+  slopes_.leftCols(end) = slopes;
   if (!row_slopes_.columns.empty() && !along->rows.empty())
     turn(together, along->along, along->rows, row_slopes_);
   keep(u, true, true);

@@ -145,7 +145,7 @@ class Residual {
   [[nodiscard]] std::optional<Turned> turned(const Vector& u, const Matrix& slopes,
                                              const std::vector<Eigen::Index>& columns,
                                              double least);
-  [[nodiscard]] Matrix unbent(const std::vector<Eigen::Index>& columns) const;
+  [[nodiscard]] Matrix unbent(Eigen::Index end) const;
   [[nodiscard]] bool stand_at(const Vector& u) const {
     return slopes_at_.size() == u.size() && slopes_at_ == u;
   }

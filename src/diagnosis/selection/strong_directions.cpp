@@ -19,4 +19,8 @@ StrongDirections strong_directions(const Matrix& slopes, double least, double ch
   return out;
 }
 
+Matrix told_along(const Matrix& slopes, const Matrix& along, const Matrix& told) {
+  return slopes + (told - slopes * along) * along.transpose();
+}
+
 }  // namespace jaculus::diagnosis

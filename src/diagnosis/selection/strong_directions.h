@@ -20,4 +20,7 @@ struct StrongDirections {
 /// Those of a sqrt(L) beyond `least`, the largest last; T white rows x parameters, `changed`: e.
 StrongDirections strong_directions(const Matrix& slopes, double least, double changed);
 
+/// T + (D - T V) V^T: slopes T as they were but along the directions V, along which they are D.
+Matrix told_along(const Matrix& slopes, const Matrix& along, const Matrix& told);
+
 }  // namespace jaculus::diagnosis
