@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
 
 #include "diagnosis/noise/random_weights.h"
 #include "diagnosis/selection/box_step.h"
+#include "diagnosis/selection/weighed_slopes.h"
 
 namespace jaculus::diagnosis {
 namespace {
@@ -25,113 +25,6 @@ constexpr int kFailures = 2;
 constexpr double kForetold = 1.0 - kGood;
 // Of what is trusted; what is closer is at its end, but for rounding. Chosen.
 constexpr double kWithin = 0.99;
-
-/// Rows that a misfit weighs alike: spans of first and count.
-using Part = std::vector<std::pair<int, int>>;
-
-/// W = M J of a residual's slopes on the way, and W^T W of every part of the rows. Where slopes
-/// follow secants, J + d s^T with s zero but for those that follow, so do both: W + w s^T with
-/// w = M d, and with v = W^T w of a part
-///   W^T W + v s^T + s v^T + w^T w s s^T.
-/// W itself stays as it was, W_0, with the w s^T beside it,
-///   W^T x = W_0^T x + sum s (w^T x),
-/// so that a secant is one pass over W_0, which is larger than what a processor keeps at hand.
-/// Misfits that follow change the parts' shares in H alone.
-class WeighedSlopes {
- public:
-  WeighedSlopes(const RandomWeights& weights, std::vector<Part> parts)
-      : weights_(weights), parts_(std::move(parts)), grams_(parts_.size()) {}
-
-  /// `told`: whether the effects' slopes, which come first, were told anew.
-  void follow(Residual& residual, bool told) {
-    const Eigen::Index before = residual.first_followed();
-    const std::vector<Residual::Secant>& secants = residual.secants();
-    if (W_.size() == 0 || renewed_ != residual.times_renewed()) {
-      W_ = weights_.stacked(residual.told());
-      added_.clear();
-      for (std::size_t k = 0; k < parts_.size(); ++k) grams_[k] = gram_of(parts_[k]);
-    } else {
-      for (; followed_ < secants.size(); ++followed_) add(secants[followed_]);
-      if (before > 0 && told) renew(residual.told_before());
-    }
-    renewed_ = residual.times_renewed();
-    followed_ = secants.size();
-  }
-
-  /// W^T W and W^T x, a share of each part's rows.
-  [[nodiscard]] Matrix gram(const Vector& shares) const {
-    Matrix sum = Matrix::Zero(W_.cols(), W_.cols());
-    for (std::size_t k = 0; k < parts_.size(); ++k)
-      sum += shares[static_cast<Eigen::Index>(k)] * grams_[k];
-    return sum;
-  }
-  [[nodiscard]] Vector along(const Vector& shares, const Vector& x) const {
-    Vector sum = Vector::Zero(W_.cols());
-    for (std::size_t k = 0; k < parts_.size(); ++k)
-      sum += shares[static_cast<Eigen::Index>(k)] * along_part(parts_[k], x);
-    return sum;
-  }
-
- private:
-  /// A secant as W has it; `along` of all columns.
-  struct Added {
-    Vector w, along;
-  };
-
-  [[nodiscard]] Matrix gram_of(const Part& part) const {
-    Matrix gram = Matrix::Zero(W_.cols(), W_.cols());
-    for (const auto& [first, count] : part)
-      gram.selfadjointView<Eigen::Lower>().rankUpdate(W_.middleRows(first, count).transpose());
-    gram.triangularView<Eigen::StrictlyUpper>() = gram.transpose();
-    return gram;
-  }
-
-  /// W^T X by the rows of a part.
-  template <class Columns>
-  [[nodiscard]] Matrix along_part(const Part& part, const Columns& X) const {
-    Matrix sum = Matrix::Zero(W_.cols(), X.cols());
-    for (const auto& [first, count] : part) {
-      const auto own = X.middleRows(first, count);
-      sum.noalias() += W_.middleRows(first, count).transpose() * own;
-      for (const Added& added : added_)
-        sum.noalias() += added.along * (added.w.segment(first, count).transpose() * own);
-    }
-    return sum;
-  }
-
-  /// The first columns by new slopes.
-  void renew(ConstMatrixRef J) {
-    const Eigen::Index before = J.cols();
-    const Matrix first = weights_.stacked(J);
-    W_.leftCols(before) = first;
-    for (Added& added : added_) added.along.head(before).setZero();
-    for (std::size_t k = 0; k < parts_.size(); ++k) {
-      grams_[k].leftCols(before) = along_part(parts_[k], first);
-      grams_[k].topRows(before) = grams_[k].leftCols(before).transpose();
-    }
-  }
-
-  void add(const Residual::Secant& secant) {
-    const Vector w = weights_.stacked(secant.missed);
-    Vector s = Vector::Zero(W_.cols());
-    s.head(secant.along.size()) = secant.along;
-    for (std::size_t k = 0; k < parts_.size(); ++k) {
-      const Vector v = along_part(parts_[k], w);
-      double square = 0.0;
-      for (const auto& [first, count] : parts_[k]) square += w.segment(first, count).squaredNorm();
-      grams_[k] += v * s.transpose() + s * v.transpose() + square * (s * s.transpose());
-    }
-    added_.push_back({w, std::move(s)});
-  }
-
-  const RandomWeights& weights_;
-  std::vector<Part> parts_;
-  std::vector<Matrix> grams_;  ///< a part each
-  Matrix W_;                   ///< W_0, but for the columns that are made anew
-  std::vector<Added> added_;
-  int renewed_ = 0;
-  std::size_t followed_ = 0;
-};
 
 /// Rows of the misfits that follow, then the other rows of M J.
 std::vector<Part> parts_of(const RandomEffects& random, bool follow, const RandomWeights& weights,
@@ -238,6 +131,136 @@ double share_by_parabola(double slope, double rise) {
   return std::clamp(-0.5 * slope / (rise - slope), kLeastShare, kMostShare);
 }
 
+/// A step to where the quadratic model is least within a box.
+struct Step {
+  Vector d;
+  double slope = 0.0;     ///< g^T d
+  double promised = 0.0;  ///< by how much the model's cost falls
+  double size = 0.0;      ///< largest |d_i| sqrt(H_ii) of what trust limits
+  bool free = false;      ///< whether no limit of trust holds it
+  bool last = false;      ///< whether it promises too little to be taken
+};
+
+/// The minimisation: where it stands, by which slopes, and what is trusted.
+class Descent {
+ public:
+  Descent(Residual& residual, const RandomEffects& random, const Vector& scales, Misfits misfits,
+          const Ending& ending)
+      : residual_(residual), cost_(residual, random, scales, misfits), ending_(ending) {}
+
+  /// From u on, which is left at the best point met.
+  std::optional<Minimised> from(Vector& u) {
+    if (!begin(u)) return {};
+    for (int steps = 0; steps < ending_.iterations; ++steps) {
+      // Slopes of effects that were followed are told before anything is made of them, in a turn
+      // that is no step.
+      Step step = step_from(u);
+      bool taken = !step.last && take(step, u);
+      while (!taken && !residual_.effects_told_at(u)) {
+        if (!tell(u)) return go_back(u);
+        step = step_from(u);
+        taken = !step.last && take(step, u);
+      }
+      if (taken) continue;
+
+      const bool told = residual_.told_at(u);
+      if (step.last) return ended(step.free || told);
+      if (!trust_less(step, told)) return ended(told);
+    }
+    return ended(false);
+  }
+
+ private:
+  /// False where nothing can be evaluated.
+  bool begin(Vector& u) {
+    for (Eigen::Index i = 0; i < u.size(); ++i)
+      u[i] = std::clamp(u[i], residual_.range(i).lower, residual_.range(i).upper);
+    first_ = now_ = cost_.at(u);
+    if (!std::isfinite(now_) || !cost_.model(u, true, g_, H_)) return false;
+    // Noise alone leaves half a nat a row; where much more is left, no more of it counts.
+    least_fall_ =
+        settings().fit_cost_tolerance * std::min(std::abs(now_), static_cast<double>(cost_.rows()));
+    sizes_ = H_.diagonal().cwiseSqrt();
+    keep_told(u);
+    return true;
+  }
+
+  [[nodiscard]] Step step_from(const Vector& u) const {
+    const Box box = box_about(residual_, u, sizes_, trusted_);
+    Step step{box_step(H_, g_, box.lower, box.upper)};
+    step.slope = g_.dot(step.d);
+    step.promised = -step.slope - 0.5 * step.d.dot(H_ * step.d);
+    step.size =
+        step.d.cwiseProduct(sizes_).head(residual_.first_linear()).lpNorm<Eigen::Infinity>();
+    step.free = step.size < kWithin * trusted_;
+    const bool still = step.d.norm() <= settings().fit_parameter_tolerance * (1.0 + u.norm());
+    const double least = step.free ? std::max(least_fall_, ending_.least_fall) : least_fall_;
+    step.last = still || step.promised <= least;
+    return step;
+  }
+
+  /// Whether the cost falls by a part of what was promised; slopes then follow by a secant where
+  /// they foretold it well, else they are told there.
+  bool take(const Step& step, Vector& u) {
+    tried_ = cost_.at(u + step.d);
+    const double kept = (now_ - tried_) / step.promised;
+    const bool foretold = std::abs(kept - 1.0) < kForetold;
+    if (!(kept > kWorthIt && cost_.model(u + step.d, !foretold, g_, H_))) return false;
+    failed_ = 0;
+    u += step.d;
+    now_ = tried_;
+    if (!foretold) keep_told(u);
+    if (kept < kPoor) trusted_ = kMostShare * step.size;
+    if (kept > kGood) trusted_ = std::max(trusted_, kWider * step.size);
+    return true;
+  }
+
+  /// Tells the effects' slopes; false where a simulation fails.
+  bool tell(const Vector& u) {
+    if (!std::isfinite(cost_.at(u)) || !cost_.model(u, true, g_, H_)) return false;
+    keep_told(u);
+    return true;
+  }
+
+  /// After a step that failed; false where nothing could be trusted less, or it is no use to: by
+  /// slopes from elsewhere, or for little.
+  bool trust_less(const Step& step, bool told) {
+    ++failed_;
+    const bool useless =
+        failed_ >= kFailures && (!told || step.promised < settings().scales_settled);
+    if (step.size == 0.0 || useless) return false;
+    trusted_ = share_by_parabola(step.slope, tried_ - now_) * step.size;
+    return true;
+  }
+
+  void keep_told(const Vector& u) {
+    told_point_ = u;
+    told_cost_ = now_;
+  }
+
+  /// To where slopes of effects were told last: without them a fit is none.
+  Minimised go_back(Vector& u) {
+    u = told_point_;
+    now_ = told_cost_;
+    return ended(false);
+  }
+
+  [[nodiscard]] Minimised ended(bool settled) const { return {first_ - now_, settled}; }
+  [[nodiscard]] const Settings& settings() const { return residual_.settings(); }
+
+  Residual& residual_;
+  Cost cost_;
+  Ending ending_;
+  Vector g_, sizes_;  ///< gradient; roots of H's diagonal where it began
+  Matrix H_;
+  double first_ = 0.0, now_ = 0.0, tried_ = 0.0;  ///< costs: where it began, stands, last tried
+  double least_fall_ = 0.0;                       ///< of a step that is worth taking
+  double trusted_ = kInfinity;
+  int failed_ = 0;     ///< steps, one after the other
+  Vector told_point_;  ///< where slopes of effects were told last
+  double told_cost_ = 0.0;
+};
+
 }  // namespace
 
 double cost_of(const RandomEffects& random, const Vector& scales, Misfits misfits, const Vector& r,
@@ -252,73 +275,8 @@ double cost_of(const RandomEffects& random, const Vector& scales, Misfits misfit
 std::optional<Minimised> minimise(Residual& residual, const RandomEffects& random,
                                   const Vector& scales, Misfits misfits, const Ending& ending,
                                   Vector& u) {
-  const Settings& settings = residual.settings();
-  for (Eigen::Index i = 0; i < u.size(); ++i)
-    u[i] = std::clamp(u[i], residual.range(i).lower, residual.range(i).upper);
-
-  Cost cost(residual, random, scales, misfits);
-  double now = cost.at(u);
-  const double first = now;
-  Vector g;
-  Matrix H;
-  if (!std::isfinite(first) || !cost.model(u, true, g, H)) return {};
-  // Noise alone leaves half a nat a row; where much more is left, no more of it counts.
-  const double least_fall =
-      settings.fit_cost_tolerance * std::min(std::abs(now), static_cast<double>(cost.rows()));
-  const Vector sizes = H.diagonal().cwiseSqrt();
-  double trusted = kInfinity;
-  int failed = 0;  // one after the other
-  // Where effects' slopes were told last: without them a fit is none.
-  Vector told_point = u;
-  double told_cost = now;
-  for (int step = 0; step < ending.iterations; ++step) {
-    const Box box = box_about(residual, u, sizes, trusted);
-    const Vector d = box_step(H, g, box.lower, box.upper);
-    const double slope = g.dot(d), promised = -slope - 0.5 * d.dot(H * d);
-    const double size =
-        d.cwiseProduct(sizes).head(residual.first_linear()).lpNorm<Eigen::Infinity>();
-    const bool still = d.norm() <= settings.fit_parameter_tolerance * (1.0 + u.norm());
-    const bool free = size < kWithin * trusted;  // of what is trusted
-    const bool ends =
-        still || promised <= (free ? std::max(least_fall, ending.least_fall) : least_fall);
-    const bool told_here = residual.effects_told_at(u);
-    if (ends && told_here) return Minimised{first - now, free || residual.told_at(u)};
-
-    const double next = ends ? kInfinity : cost.at(u + d);
-    const double kept = ends ? -kInfinity : (now - next) / promised;
-    const bool foretold = std::abs(kept - 1.0) < kForetold;
-    if (!(kept > kWorthIt && cost.model(u + d, !foretold, g, H))) {
-      // Slopes of effects that were followed are told before anything is made of them, in a turn
-      // that is no step.
-      if (!told_here) {
-        if (!std::isfinite(cost.at(u)) || !cost.model(u, true, g, H)) {
-          u = told_point;
-          return Minimised{first - told_cost, false};
-        }
-        told_point = u;
-        told_cost = now;
-        --step;
-        continue;
-      }
-      ++failed;
-      const bool told = residual.told_at(u);
-      // Nothing could be trusted less, or it is no use to: by slopes from elsewhere, or for little.
-      const bool useless = failed >= kFailures && (!told || promised < settings.scales_settled);
-      if (size == 0.0 || useless) return Minimised{first - now, told};
-      trusted = share_by_parabola(slope, next - now) * size;
-      continue;
-    }
-    failed = 0;
-    u += d;
-    now = next;
-    if (!foretold) {
-      told_point = u;
-      told_cost = now;
-    }
-    if (kept < kPoor) trusted = kMostShare * size;
-    if (kept > kGood) trusted = std::max(trusted, kWider * size);
-  }
-  return Minimised{first - now, false};
+  Descent descent(residual, random, scales, misfits, ending);
+  return descent.from(u);
 }
 
 }  // namespace jaculus::diagnosis

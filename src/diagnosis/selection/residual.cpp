@@ -33,6 +33,26 @@ void turn(const std::vector<Eigen::Index>& columns, const Matrix& along,
   }
 }
 
+/// `slope_of` 0 to `count` - 1, in parallel; nothing where one is nothing, as its simulation failed.
+template <class SlopeOf>
+std::optional<std::vector<std::vector<Vector>>> slopes_in_parallel(int count,
+                                                                   const SlopeOf& slope_of) {
+  std::vector<std::vector<Vector>> slopes(count);
+  tbb::parallel_for(0, count, [&](int k) {
+    if (auto own = slope_of(k)) slopes[k] = std::move(*own);
+  });
+  if (std::any_of(slopes.begin(), slopes.end(), [](const auto& own) { return own.empty(); }))
+    return {};
+  return slopes;
+}
+
+/// A difference's rows over its step, times `unit`.
+std::optional<std::vector<Vector>> slope_by(std::optional<Difference> moved, double unit) {
+  if (!moved) return {};
+  for (Vector& rows : moved->rows) rows *= unit / moved->step;
+  return std::move(moved->rows);
+}
+
 /// How many of some free parameters come before the first of those listed.
 Eigen::Index count_before(const std::vector<int>& listed, const std::vector<int>& free) {
   const auto is_listed = [&](int i) { return index_of(listed, i) >= 0; };
@@ -121,23 +141,19 @@ bool Residual::value(const Vector& u, Vector& r) {
 std::optional<Matrix> Residual::differenced(const Vector& u,
                                             const std::vector<Eigen::Index>& columns) {
   const Vector p = simulated(u);
-  std::vector<std::vector<Vector>> slopes(columns.size());
-  tbb::parallel_for(0, count_of(columns), [&](int k) {
+  auto slopes = slopes_in_parallel(count_of(columns), [&](int k) {
     const Eigen::Index i = columns[k];
     const double scale = problem_.hypotheses.parameters[free_[i]].scale;
-    auto moved = difference(problem_, whitening_.alignments, p, rows_, free_[i], steps_[i] * scale);
-    if (!moved) return;
-    for (Vector& rows : moved->rows) rows *= scale / moved->step;
-    slopes[k] = std::move(moved->rows);
+    return slope_by(
+        difference(problem_, whitening_.alignments, p, rows_, free_[i], steps_[i] * scale), scale);
   });
   predictions_ += count_of(columns);
-  if (std::any_of(slopes.begin(), slopes.end(), [](const auto& own) { return own.empty(); }))
-    return {};
+  if (!slopes) return {};
 
-  const Matrix J = -whitening_.columns(slopes);
+  const Matrix J = -whitening_.columns(*slopes);
   for (int k = 0; k < count_of(columns); ++k) {
     steps_[columns[k]] = difference_step(J.col(k).norm(), problem_.settings);
-    if (!row_slopes_.columns.empty()) row_slopes_.columns[columns[k]] = std::move(slopes[k]);
+    if (!row_slopes_.columns.empty()) row_slopes_.columns[columns[k]] = std::move((*slopes)[k]);
   }
   return J;
 }
@@ -151,22 +167,18 @@ std::optional<Residual::Turned> Residual::turned(const Vector& u, const Matrix& 
   const auto count = static_cast<int>(strong.along.cols());
   if (count == 0) return out;
   const Vector p = simulated(u);
-  out.rows.resize(count);
-  tbb::parallel_for(0, count, [&](int k) {
+  auto rows = slopes_in_parallel(count, [&](int k) {
     const double step = difference_step(strong.sizes[k], problem_.settings);
     Vector move = Vector::Zero(p.size());
     for (int i = 0; i < count_of(columns); ++i) {
       const int own = free_[columns[i]];
       move[own] = step * strong.along(i, k) * problem_.hypotheses.parameters[own].scale;
     }
-    auto moved = difference_along(problem_, whitening_.alignments, p, rows_, move);
-    if (!moved) return;
-    for (Vector& rows : moved->rows) rows *= 1.0 / (step * moved->step);
-    out.rows[k] = std::move(moved->rows);
+    return slope_by(difference_along(problem_, whitening_.alignments, p, rows_, move), 1.0 / step);
   });
   predictions_ += count;
-  if (std::any_of(out.rows.begin(), out.rows.end(), [](const auto& own) { return own.empty(); }))
-    return {};
+  if (!rows) return {};
+  out.rows = std::move(*rows);
   out.white = -whitening_.columns(out.rows);
   return out;
 }
