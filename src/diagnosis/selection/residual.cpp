@@ -33,7 +33,7 @@ void turn(const std::vector<Eigen::Index>& columns, const Matrix& along,
   }
 }
 
-/// `slope_of` 0 to `count` - 1, in parallel; nothing where one is nothing, as its simulation failed.
+/// `slope_of` 0 to `count` - 1, in parallel; nothing where one is nothing: its simulation failed.
 template <class SlopeOf>
 std::optional<std::vector<std::vector<Vector>>> slopes_in_parallel(int count,
                                                                    const SlopeOf& slope_of) {
