@@ -44,4 +44,20 @@ NearFit fit_by_known_slopes(const Problem& problem, const Whitening& space,
   }
 }
 
+Vector optimum_without(const Problem& problem, const Fit& fit, const std::vector<int>& members) {
+  const Hypotheses& hypotheses = problem.hypotheses;
+  const std::vector<int> dropped = hypotheses.parameters_of(members);
+  std::vector<int> effects, others, free;
+  for (int k = 0; k < count_of(fit.free); ++k) {
+    const bool drops = index_of(dropped, fit.free[k]) >= 0;
+    (drops ? effects : others).push_back(k);
+    if (!drops) free.push_back(fit.free[k]);
+  }
+
+  const Vector u = hypotheses.scaled(fit.free, fit.p);
+  const Matrix own = fit.covariance(effects, effects);
+  const Vector moved = fit.covariance(others, effects) * own.llt().solve(u(effects));
+  return hypotheses.unscaled(free, u(others) - moved, hypotheses.without_effects(fit.p, members));
+}
+
 }  // namespace jaculus::diagnosis

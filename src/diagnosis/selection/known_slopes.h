@@ -5,6 +5,7 @@
 
 #include "diagnosis/noise/random_weights.h"
 #include "diagnosis/noise/whitening.h"
+#include "diagnosis/selection/fit.h"
 
 namespace jaculus::diagnosis {
 
@@ -20,5 +21,11 @@ struct NearFit {
 NearFit fit_by_known_slopes(const Problem& problem, const Whitening& space,
                             const RandomWeights& weights, const std::vector<int>& free,
                             const Matrix& slopes, Vector p, int steps);
+
+/// Where the quadratic model about a fit is least without some of its effects, all parameters: with
+/// C the covariance, e of theirs and o of the other free ones, in prior scales from nominal,
+///   u_o - C_oe C_ee^-1 u_e,
+/// cut to bounds. Tolerances do what slopes have them do in the effects' place.
+Vector optimum_without(const Problem& problem, const Fit& fit, const std::vector<int>& members);
 
 }  // namespace jaculus::diagnosis

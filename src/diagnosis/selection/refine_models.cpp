@@ -8,6 +8,7 @@
 #include <set>
 
 #include "diagnosis/selection/fitted_models.h"
+#include "diagnosis/selection/known_slopes.h"
 
 namespace jaculus::diagnosis {
 namespace {
@@ -138,18 +139,22 @@ void FittedModels::fit_within(const ModelFit& larger, ModelFit& model) {
   Members more;
   std::set_difference(larger.candidates.begin(), larger.candidates.end(), model.candidates.begin(),
                       model.candidates.end(), std::back_inserter(more));
-  const Vector start = problem_.hypotheses.without_effects(larger.fit.p, more);
-  Fit fit = fit_by_known(model, start, larger.fit.nuisance_rows);
-  // In its own valley the model's own slopes lead it where it is.
-  if (fit.valid && !model.fit.nuisance_rows.columns.empty())
-    fit = fit_by_known(model, fit.p, model.fit.nuisance_rows);
   const double least = model.fit.log_evidence + problem_.settings.scales_settled;
-  if (!fit.valid || fit.log_evidence < least) return;
+  for (const Vector& start : {optimum_without(problem_, larger.fit, more),
+                              problem_.hypotheses.without_effects(larger.fit.p, more)}) {
+    Fit fit = fit_by_known(model, start, larger.fit.nuisance_rows);
+    // In its own valley the model's own slopes lead it where it is.
+    if (fit.valid && !model.fit.nuisance_rows.columns.empty())
+      fit = fit_by_known(model, fit.p, model.fit.nuisance_rows);
+    if (!fit.valid || fit.log_evidence < least) continue;
 
-  fit = fit_near(problem_, comparison_.whitening, fit.free, fit.p,
-                 by_rows(exact_options(model), fit.nuisance_rows));
-  predictions_ += fit.predictions;
-  if (fit.valid && fit.log_evidence > model.fit.log_evidence) model.fit = std::move(fit);
+    fit = fit_near(problem_, comparison_.whitening, fit.free, fit.p,
+                   by_rows(exact_options(model), fit.nuisance_rows));
+    predictions_ += fit.predictions;
+    if (!fit.valid || fit.log_evidence <= model.fit.log_evidence) continue;
+    model.fit = std::move(fit);
+    return;
+  }
 }
 
 Fit FittedModels::fit_by_known(const ModelFit& model, const Vector& start, const RowSlopes& rows) {
