@@ -11,18 +11,20 @@
 namespace jaculus::diagnosis {
 namespace {
 
-constexpr double kOfATolerance = 0.05;  ///< by which a deviation of it moves what `first` moves
+constexpr double kMoves = 0.05;  ///< by how much a unit of the tolerance moves what `first` moves
+constexpr double kOfScale = 2.0;
+constexpr int kToleranceAt = 4;
 
-/// The toy, of which `first` and a tolerance do the same and the second channel bends with both.
-std::shared_ptr<Problem> tolerant_toy(double first) {
-  auto problem = test::toy_problem(test::toy_truth(first, 0.0));
-  const int tolerance = count_of(problem->hypotheses.parameters);
+/// The toy with a tolerance that does what `first` does, and a part of what `second` does.
+std::shared_ptr<Problem> tolerant_toy(double first, double second) {
+  auto problem = test::toy_problem(test::toy_truth(first, second));
   problem->hypotheses.parameters.push_back(
-      {"tolerance", "shape", "deviations", 0.0, 1.0, {-2.0, 2.0}});
-  problem->hypotheses.tolerances = {tolerance};
-  problem->forward = [tolerance](int, int, const Vector& p) {
+      {"tolerance", "shape", "units", 0.0, kOfScale, {-4.0, 4.0}});
+  problem->hypotheses.tolerances = {kToleranceAt};
+  problem->forward = [](int, int, const Vector& p) {
     Vector all = p.head(4);
-    all[0] += kOfATolerance * p[tolerance];
+    all[0] += kMoves * p[kToleranceAt];
+    all[1] += 0.1 * kMoves * p[kToleranceAt];
     return test::toy_prediction(all);
   };
   return problem;
@@ -32,29 +34,38 @@ std::shared_ptr<Problem> tolerant_toy(double first) {
 struct Without {
   Vector fitted, expected;
 };
-Without without_first(double first) {
-  const auto problem = tolerant_toy(first);
+Without without_first(double first, double second) {
+  const auto problem = tolerant_toy(first, second);
   const Hypotheses& hypotheses = problem->hypotheses;
   const Vector nominal = hypotheses.nominal();
   const Comparison comparison = comparison_about(*problem, estimate_noise(*problem, nominal));
   const auto fitted = [&](const std::vector<int>& members) {
+    FitOptions options;
+    options.hold_scales = true;
+    options.scales = Vector::Zero(comparison.whitening.random.size());
     const Fit fit =
-        fit_model(*problem, comparison.whitening, hypotheses.freed_by(members), {nominal});
+        fit_model(*problem, comparison.whitening, hypotheses.freed_by(members), {nominal}, options);
     EXPECT_TRUE(fit.valid) << fit.message;
     return fit;
   };
-  return {fitted({1}).p, optimum_without(*problem, fitted({0, 1}), {0})};
+  return {fitted({1}).p, optimum_without(*problem, comparison.whitening, fitted({1, 0}), {0})};
 }
 
 TEST(OptimumWithout, IsThatOfTheSmallerModelWhereAllIsLinear) {
-  const Without small = without_first(0.08);
-  EXPECT_GT(small.fitted[4], 1.5);  // the tolerance does what the effect did
-  EXPECT_NEAR(small.expected[4], small.fitted[4], 0.02);
-  EXPECT_NEAR(small.expected[1], small.fitted[1], 1e-4);
+  const Without small = without_first(0.12, 0.02);
+  EXPECT_GT(small.fitted[kToleranceAt], 1.5);  // it does what the effect did
+  EXPECT_NEAR(small.expected[kToleranceAt], small.fitted[kToleranceAt], 0.02);
+  EXPECT_NEAR(small.expected[1], small.fitted[1], 2e-4);
+  EXPECT_GT(std::abs(small.fitted[1] - 0.02), 2e-3);  // and the other effect makes up for it
   EXPECT_EQ(small.expected[0], 0.0);
 }
 
-TEST(OptimumWithout, EndsWithTheTolerance) { EXPECT_EQ(without_first(0.16).expected[4], 2.0); }
+TEST(OptimumWithout, LeavesToOthersWhatABoundCuts) {
+  const Without small = without_first(0.4, 0.02);
+  EXPECT_EQ(small.fitted[kToleranceAt], 4.0);
+  EXPECT_EQ(small.expected[kToleranceAt], 4.0);
+  EXPECT_NEAR(small.expected[1], small.fitted[1], 2e-3);
+}
 
 }  // namespace
 }  // namespace jaculus::diagnosis

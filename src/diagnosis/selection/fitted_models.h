@@ -107,8 +107,8 @@ class FittedModels {
   /// lower there: tolerances have several valleys, and no model shall lead by its start alone.
   void share_valleys(const std::set<Members>& refined);
   /// A model whose effects are among those of a larger one that leads it, from where that one is
-  /// without what it has more: what these effects gain must be theirs, and no valley that the
-  /// smaller model has as well.
+  /// without what it has more and from where its slopes have their optimum then: what these effects
+  /// gain must be theirs, and no valley that the smaller model has as well.
   void fit_within(const ModelFit& larger, ModelFit& model);
   /// A model with tolerances simulated, from `start` by slopes that are known, of the nuisances'
   /// rows.

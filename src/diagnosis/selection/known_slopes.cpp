@@ -44,7 +44,8 @@ NearFit fit_by_known_slopes(const Problem& problem, const Whitening& space,
   }
 }
 
-Vector optimum_without(const Problem& problem, const Fit& fit, const std::vector<int>& members) {
+Vector optimum_without(const Problem& problem, const Whitening& whitening, const Fit& fit,
+                       const std::vector<int>& members) {
   const Hypotheses& hypotheses = problem.hypotheses;
   const std::vector<int> dropped = hypotheses.parameters_of(members);
   std::vector<int> effects, others, free;
@@ -54,10 +55,15 @@ Vector optimum_without(const Problem& problem, const Fit& fit, const std::vector
     if (!drops) free.push_back(fit.free[k]);
   }
 
+  const RandomWeights weights(whitening.random, fit.scales);
+  const Matrix root = weights.stacked(fit.jacobian);
   const Vector u = hypotheses.scaled(fit.free, fit.p);
-  const Matrix own = fit.covariance(effects, effects);
-  const Vector moved = fit.covariance(others, effects) * own.llt().solve(u(effects));
-  return hypotheses.unscaled(free, u(others) - moved, hypotheses.without_effects(fit.p, members));
+  Matrix H = root.transpose() * root;
+  H.diagonal().array() += 1.0;
+  const Vector g = root.transpose() * Vector(weights.stacked(fit.residual).col(0)) + u;
+  const Vector d = step_within(problem, free, u(others), H(others, others),
+                               g(others) - H(others, effects) * u(effects));
+  return hypotheses.unscaled(free, u(others) + d, hypotheses.without_effects(fit.p, members));
 }
 
 }  // namespace jaculus::diagnosis

@@ -23,9 +23,11 @@ NearFit fit_by_known_slopes(const Problem& problem, const Whitening& space,
                             const Matrix& slopes, Vector p, int steps);
 
 /// Where the quadratic model about a fit is least without some of its effects, all parameters: with
-/// C the covariance, e of theirs and o of the other free ones, in prior scales from nominal,
-///   u_o - C_oe C_ee^-1 u_e,
-/// cut to bounds. Tolerances do what slopes have them do in the effects' place.
-Vector optimum_without(const Problem& problem, const Fit& fit, const std::vector<int>& members);
+/// H = J^T V^-1 J + I and the gradient g of the fit, e the effects' places and o those of the other
+/// free ones, in prior scales from nominal, from u_o the step within bounds that is least of
+///   g_o^T d - (H_oe u_e)^T d + d^T H_oo d/2.
+/// Tolerances do what slopes have them do in the effects' place.
+Vector optimum_without(const Problem& problem, const Whitening& whitening, const Fit& fit,
+                       const std::vector<int>& members);
 
 }  // namespace jaculus::diagnosis

@@ -139,22 +139,22 @@ void FittedModels::fit_within(const ModelFit& larger, ModelFit& model) {
   Members more;
   std::set_difference(larger.candidates.begin(), larger.candidates.end(), model.candidates.begin(),
                       model.candidates.end(), std::back_inserter(more));
-  const double least = model.fit.log_evidence + problem_.settings.scales_settled;
-  for (const Vector& start : {optimum_without(problem_, larger.fit, more),
+  Fit best;
+  for (const Vector& start : {optimum_without(problem_, comparison_.whitening, larger.fit, more),
                               problem_.hypotheses.without_effects(larger.fit.p, more)}) {
     Fit fit = fit_by_known(model, start, larger.fit.nuisance_rows);
     // In its own valley the model's own slopes lead it where it is.
     if (fit.valid && !model.fit.nuisance_rows.columns.empty())
       fit = fit_by_known(model, fit.p, model.fit.nuisance_rows);
-    if (!fit.valid || fit.log_evidence < least) continue;
-
-    fit = fit_near(problem_, comparison_.whitening, fit.free, fit.p,
-                   by_rows(exact_options(model), fit.nuisance_rows));
-    predictions_ += fit.predictions;
-    if (!fit.valid || fit.log_evidence <= model.fit.log_evidence) continue;
-    model.fit = std::move(fit);
-    return;
+    if (fit.valid && (!best.valid || fit.log_evidence > best.log_evidence)) best = std::move(fit);
   }
+  const double least = model.fit.log_evidence + problem_.settings.scales_settled;
+  if (!best.valid || best.log_evidence < least) return;
+
+  best = fit_near(problem_, comparison_.whitening, best.free, best.p,
+                  by_rows(exact_options(model), best.nuisance_rows));
+  predictions_ += best.predictions;
+  if (best.valid && best.log_evidence > model.fit.log_evidence) model.fit = std::move(best);
 }
 
 Fit FittedModels::fit_by_known(const ModelFit& model, const Vector& start, const RowSlopes& rows) {
