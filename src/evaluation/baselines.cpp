@@ -18,11 +18,11 @@ constexpr const char* kLowestError = "lowest training error";
 constexpr int kIterations = 12;  ///< of a candidate's least squares
 
 /// Softmax of -BIC/2 over candidates and none, as the prediction's ranking.
-void rank_by_bic(const BaselineProblem& ready, const std::vector<double>& chi2,
+void rank_by_bic(const BaselineProblem& ready, double none, const std::vector<double>& chi2,
                  Prediction& prediction) {
   const auto& candidates = ready.problem->hypotheses.candidates;
   const double per_parameter = std::log(static_cast<double>(ready.whitening.rows));
-  std::map<std::string, double> score = {{to_text(Verdict::none), ready.base.chi2}};
+  std::map<std::string, double> score = {{to_text(Verdict::none), none}};
   for (int i = 0; i < count_of(candidates); ++i)
     if (!std::isnan(chi2[i]))
       score[candidates[i].name] = chi2[i] + per_parameter * count_of(candidates[i].parameters);
@@ -43,19 +43,24 @@ Prediction lowest_training_error(const BaselineProblem& ready) {
   options.iterations = kIterations;
   options.by_slopes = &ready.nuisances;
   options.renew = false;
+  const auto error_of = [&](const std::vector<int>& members, const Vector& start) {
+    const diagnosis::Fit fit = diagnosis::fit_model(*ready.problem, ready.whitening,
+                                                    hypotheses.freed_by(members), {start}, options);
+    return fit.valid ? fit.chi2 : kNaN;
+  };
+
   std::vector<double> value, chi2;
   for (int i = 0; i < count_of(hypotheses.candidates); ++i) {
     const diagnosis::Candidate& c = hypotheses.candidates[i];
     Vector probed = ready.base.p;
     for (int k = 0; k < count_of(c.parameters); ++k)
       probed[c.parameters[k]] = c.effect->parameters[k].probed();
-    const diagnosis::Fit fit = diagnosis::fit_model(*ready.problem, ready.whitening,
-                                                    hypotheses.freed_by({i}), {probed}, options);
-    chi2.push_back(fit.valid ? fit.chi2 : kNaN);
+    chi2.push_back(error_of({i}, probed));
     value.push_back(-chi2.back());
   }
+  const double none = error_of({}, ready.base.p);
   Prediction prediction = answer_by(ready, value);
-  rank_by_bic(ready, chi2, prediction);
+  rank_by_bic(ready, std::isnan(none) ? ready.base.chi2 : none, chi2, prediction);
   return prediction;
 }
 
