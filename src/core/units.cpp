@@ -324,6 +324,8 @@ std::optional<std::string> parted_unit(std::string_view unit) {
   return parted(unit, known_symbols());
 }
 
+std::string after_number(const std::string& unit) { return unit == "-" ? "" : " " + unit; }
+
 std::string unit_name(const Dimension& d) {
   for (const Name& name : kNames) {
     if (name.dimension == d) return std::string(name.text);

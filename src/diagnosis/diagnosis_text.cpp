@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "diagnosis/agreement_text.h"
+#include "jaculus/core/units.h"
 #include "jaculus/diagnosis/diagnosis_json.h"
 #include "jaculus/diagnosis/summary.h"
 
@@ -47,9 +48,9 @@ std::string effects_text(const Diagnosis& d) {
   for (const FoundEffect& e : d.effects) {
     text += fmt::format("  {:<26} p {:.2f}", e.name, e.probability);
     for (const FoundParameter& p : e.parameters)
-      text += fmt::format("  {} {} [{}, {}] {}{}", p.name, shown_number(p.value),
-                          shown_number(p.ci95.lower), shown_number(p.ci95.upper), p.unit,
-                          range_text(p));
+      text += fmt::format("  {} {} [{}, {}]{}{}", p.name, shown_number(p.value),
+                          shown_number(p.ci95.lower), shown_number(p.ci95.upper),
+                          after_number(p.unit), range_text(p));
     text += "\n";
     if (e.share) text += share_text(*e.share);
     if (!e.indistinguishable.empty())

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "jaculus/core/units.h"
 #include "jaculus/diagnosis/preflight.h"
 
 namespace jaculus::diagnosis {
@@ -35,7 +36,7 @@ std::string rough(double value) {
 std::string least_text(const PlannedEffect& e) {
   if (!e.structural) return "changes nothing that is recorded";
   if (std::isnan(e.least)) return "not within its bounds";
-  std::string text = fmt::format("{} {:.3g} {}", e.parameter, e.least, e.unit);
+  std::string text = fmt::format("{} {:.3g}{}", e.parameter, e.least, after_number(e.unit));
   text += fmt::format(" ({} prior scales", rough(e.least_scales));
   if (std::isfinite(e.least_of_bounds))
     text += fmt::format(", {} % of its bound", rough(100.0 * e.least_of_bounds));

@@ -9,6 +9,7 @@
 #include "diagnosis/data/partings.h"
 #include "diagnosis/forward/problem.h"
 #include "diagnosis/verdict/rules.h"
+#include "jaculus/core/units.h"
 
 namespace jaculus::diagnosis {
 namespace {
@@ -145,8 +146,7 @@ std::string effect_phrase(const FoundEffect& effect) {
   std::string text = in_words(effect.name);
   if (effect.parameters.empty()) return text;
   const FoundParameter& p = effect.parameters.front();
-  text +=
-      fmt::format(" ({} {:.3g}{}", in_words(p.name), p.value, p.unit == "-" ? "" : " " + p.unit);
+  text += fmt::format(" ({} {:.3g}{}", in_words(p.name), p.value, after_number(p.unit));
   if (std::isfinite(p.ci95.lower) && std::isfinite(p.ci95.upper))
     text += fmt::format(", {:.3g} to {:.3g}", p.ci95.lower, p.ci95.upper);
   for (const FoundParameter& own : effect.parameters)

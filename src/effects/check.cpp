@@ -6,6 +6,7 @@
 #include <cmath>
 #include <random>
 
+#include "jaculus/core/units.h"
 #include "jaculus/trajectory/quantity.h"
 
 namespace jaculus::effects {
@@ -70,8 +71,8 @@ Check check_return(const std::string& what, const EffectParameter& p, const Firs
   if (std::isnan(fit.value))
     return {what, "its simulations did not end, so that nothing was fitted", false};
   Check check{what,
-              fmt::format("{} {:.4g} +- {:.2g} {}, true {:.4g}", p.name, fit.value, fit.deviation,
-                          p.unit, truth),
+              fmt::format("{} {:.4g} +- {:.2g}{}, true {:.4g}", p.name, fit.value, fit.deviation,
+                          after_number(p.unit), truth),
               std::abs(fit.value - truth) <= tolerance};
   if (!check.passed)
     check.found += fmt::format(

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "jaculus/core/units.h"
 #include "model/fields.h"
 
 namespace jaculus::model {
@@ -63,7 +64,7 @@ constexpr double kDensest = 2e4;
 
 std::string told(const std::string& path, double value, const std::string& unit,
                  std::string_view why) {
-  return fmt::format("{} = {:.4g}{}; {}", path, value, unit == "-" ? "" : " " + unit, why);
+  return fmt::format("{} = {:.4g}{}; {}", path, value, after_number(unit), why);
 }
 
 void add_by_key(PlanarModel model, std::vector<std::string>& out) {

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <set>
 
+#include "jaculus/core/units.h"
 #include "report/study_parts.h"
 
 namespace jaculus::report {
@@ -55,8 +56,7 @@ double number(const studies::StudyJson& value) {
 std::string value_name(const std::string& column, const studies::StudyJson& value) {
   if (!value.is_number()) return cell(value);
   const ChartAxis axis = column_axis(column);
-  return fmt::format("{} {:.5g}{}", axis.name, value.get<double>(),
-                     axis.unit == "-" ? "" : " " + axis.unit);
+  return fmt::format("{} {:.5g}{}", axis.name, value.get<double>(), after_number(axis.unit));
 }
 
 /// The lines of a plot: one for each column of y and group, a value of `by`.

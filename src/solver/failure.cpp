@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "jaculus/components/motor.h"
+#include "jaculus/core/units.h"
 #include "solver/row_words.h"
 
 namespace jaculus::solver {
@@ -98,9 +99,9 @@ std::string text_of(const Binding& b) {
   std::string text = b.kind;
   if (!b.of.empty()) text += fmt::format(" of {}", fmt::join(b.of, ", "));
   if (!b.phases.empty()) text += fmt::format(" in {}", fmt::join(b.phases, ", "));
-  text += fmt::format(" ({} {}{}{}", side, value, b.unit == "-" ? "" : " ",
-                      b.unit == "-" ? "" : b.unit);
-  if (b.passed > 0.0) text += fmt::format(", short by up to {:.2g} {}", b.passed, b.unit);
+  text += fmt::format(" ({} {}{}", side, value, after_number(b.unit));
+  if (b.passed > 0.0)
+    text += fmt::format(", short by up to {:.2g}{}", b.passed, after_number(b.unit));
   return text + ")";
 }
 

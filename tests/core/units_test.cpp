@@ -136,5 +136,10 @@ TEST(Units, EveryNameReadsBackAsOne) {
   }
 }
 
+TEST(Units, FollowANumberWhereThereIsOne) {
+  EXPECT_EQ("12" + after_number("N m"), "12 N m");
+  EXPECT_EQ("1.2" + after_number(unit_name(dimension::none)), "1.2");
+}
+
 }  // namespace
 }  // namespace jaculus

@@ -69,4 +69,7 @@ Dimension unit_dimension(std::string_view unit);
 /// The SI unit of a dimension as a user reads it: "N m", "rad/s", "-".
 std::string unit_name(const Dimension& dimension);
 
+/// A unit as it follows a number in a text: " N m", nothing where there is none ("-").
+std::string after_number(const std::string& unit);
+
 }  // namespace jaculus

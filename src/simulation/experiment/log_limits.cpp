@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "jaculus/components/motor.h"
+#include "jaculus/core/units.h"
 #include "jaculus/trajectory/log_checks.h"
 #include "jaculus/trajectory/quantity.h"
 
@@ -134,7 +135,7 @@ std::optional<double> span_of(std::vector<double> values) {
 
 /// "12 N m", "1" of what has no unit.
 std::string with_unit(double value, const std::string& unit) {
-  return unit == "-" ? fmt::format("{:.3g}", value) : fmt::format("{:.3g} {}", value, unit);
+  return fmt::format("{:.3g}{}", value, after_number(unit));
 }
 
 /// "reaches 512 N m; the motor gives 5.1 N m at most"; nothing where it may be.
