@@ -21,7 +21,7 @@ std::optional<BaselineProblem> baseline_problem(const std::vector<trajectory::Da
   diagnosis::NoiseModel noise = diagnosis::estimate_noise(problem, nominal);
   if (!noise.valid()) return {};
 
-  BaselineProblem ready{built.problem, *built.forward, std::move(noise), {}, {}, {}};
+  BaselineProblem ready{built.problem, *built.forward, std::move(noise), {}, {}};
   ready.whitening = diagnosis::whitening_of(problem, ready.noise);
   ready.base = fit_model(problem, ready.whitening, problem.hypotheses.gains, {nominal});
   if (!ready.base.valid || ready.whitening.rows == 0) return {};
@@ -30,7 +30,6 @@ std::optional<BaselineProblem> baseline_problem(const std::vector<trajectory::Da
         diagnosis::estimate_noise(problem, ready.base.p, ready.noise.alignments);
     if (again.valid()) ready.noise = std::move(again);
   }
-  ready.nuisances = diagnosis::linear_nuisances(problem, ready.whitening, ready.base.p);
   return ready;
 }
 

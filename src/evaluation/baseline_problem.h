@@ -19,8 +19,6 @@ struct BaselineProblem {
   diagnosis::NoiseModel noise;  ///< about `base`
   diagnosis::Whitening whitening;
   diagnosis::Fit base;  ///< nominal, nuisances fitted
-  /// Slopes of all nuisances there: told once, they serve every candidate's fit.
-  diagnosis::LinearNuisances nuisances;
 
   /// Whether more is left of the data than 1.3 times the noise, mean square.
   [[nodiscard]] bool has_gap() const;

@@ -17,14 +17,20 @@ Vector step_within(const Problem& problem, const std::vector<int>& free, const V
   return box_step(curvature, gradient, lower, upper);
 }
 
+/// H = W^T W + I of weighed slopes W = M J.
+Matrix curvature_of(const Matrix& root) {
+  Matrix curvature = root.transpose() * root;
+  curvature.diagonal().array() += 1.0;
+  return curvature;
+}
+
 }  // namespace
 
 NearFit fit_by_known_slopes(const Problem& problem, const Whitening& space,
                             const RandomWeights& weights, const std::vector<int>& free,
                             const Matrix& slopes, Vector p, int steps) {
   const Matrix root = weights.stacked(slopes);
-  Matrix curvature = root.transpose() * root;
-  curvature.diagonal().array() += 1.0;
+  const Matrix curvature = curvature_of(root);
 
   NearFit best;
   for (int step = 0;; ++step) {
@@ -57,12 +63,11 @@ Vector optimum_without(const Problem& problem, const Whitening& whitening, const
 
   const RandomWeights weights(whitening.random, fit.scales);
   const Matrix root = weights.stacked(fit.jacobian);
+  const Matrix H = curvature_of(root);
   const Vector u = hypotheses.scaled(fit.free, fit.p);
-  Matrix H = root.transpose() * root;
-  H.diagonal().array() += 1.0;
-  const Vector g = root.transpose() * Vector(weights.stacked(fit.residual).col(0)) + u;
+  const Vector gradient = root.transpose() * weights.stacked(fit.residual) + u;
   const Vector d = step_within(problem, free, u(others), H(others, others),
-                               g(others) - H(others, effects) * u(effects));
+                               gradient(others) - H(others, effects) * u(effects));
   return hypotheses.unscaled(free, u(others) + d, hypotheses.without_effects(fit.p, members));
 }
 

@@ -27,11 +27,11 @@ constexpr double kForetold = 1.0 - kGood;
 constexpr double kWithin = 0.99;
 
 /// Rows of the misfits that follow, then the other rows of M J.
-std::vector<Part> parts_of(const RandomEffects& random, bool follow, const RandomWeights& weights,
-                           Eigen::Index rows) {
+std::vector<WeighedSlopes::Part> parts_of(const RandomEffects& random, bool follow,
+                                          const RandomWeights& weights, Eigen::Index rows) {
   const auto all = static_cast<int>(rows + weights.more_rows());
   if (!follow) return {{{0, all}}};
-  std::vector<Part> parts;
+  std::vector<WeighedSlopes::Part> parts;
   for (const Misfit& misfit : random.misfits) parts.push_back(misfit.spans);
   parts.emplace_back();
   for (const RandomBlock& block : random.blocks)
@@ -156,7 +156,7 @@ class Descent {
       // that is no step.
       Step step = step_from(u);
       bool taken = !step.last && take(step, u);
-      while (!taken && !residual_.effects_told_at(u)) {
+      if (!taken && !residual_.effects_told_at(u)) {
         if (!tell(u)) return go_back(u);
         step = step_from(u);
         taken = !step.last && take(step, u);

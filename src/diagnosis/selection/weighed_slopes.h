@@ -11,9 +11,6 @@
 
 namespace jaculus::diagnosis {
 
-/// Rows that a misfit weighs alike: spans of first and count.
-using Part = std::vector<std::pair<int, int>>;
-
 /// W = M J of a residual's slopes on the way, and W^T W of every part of the rows. Where slopes
 /// follow secants, J + d s^T with s zero but for those that follow, so do both: W + w s^T with
 /// w = M d, and with v = W^T w of a part
@@ -24,6 +21,9 @@ using Part = std::vector<std::pair<int, int>>;
 /// Misfits that follow change the parts' shares in H alone.
 class WeighedSlopes {
  public:
+  /// Rows that a misfit weighs alike: spans of first and count.
+  using Part = std::vector<std::pair<int, int>>;
+
   /// `weights` have to outlive it.
   WeighedSlopes(const RandomWeights& weights, std::vector<Part> parts);
 
